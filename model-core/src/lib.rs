@@ -1,2 +1,49 @@
-//! Placeholder.
+//! Hysteresis models of pneumatic artificial muscles, their inverses, and the controller built on them.
+//!
+//! # Design
+//! One operator a file, forward and inverse side by side. Raw parameters (`…Parameters`, plain public
+//! fields) are checked once by a `try_new` and become an immutable operator; what changes from sample to
+//! sample is a small state of its own. Only operators that passed the check can be put into a
+//! [`tracking::Tracking`] controller.
+//!
+//! | module | what it is | source |
+//! |---|---|---|
+//! | [`envelope`] | the tanh curve that shapes every play | (11) |
+//! | [`play`] | bank of weighted plays and its inverse, which is a bank again | (6), (7), (18), (19), (21) |
+//! | [`dead_zone`] | weighted dead zones and their inverse | (12) to (14), (20) |
+//! | [`mgpi`] | the cascade of the three, and the inverse cascade | (16), (17) |
+//! | [`pid`] | the feedback controller | (24) |
+//! | [`tracking`] | feed-forward plus feedback, limits, slew | Fig. 10 |
+//! | [`paper`] | the paper's Tables 1 and 2 as a model | |
+//!
+//! Equation and table numbers are those of the paper on the modified generalized Prandtl-Ishlinskii
+//! (MGPI) model of pneumatic artificial muscles.
+//!
+//! # Contract
+//! * `no_std`, no heap, no `unsafe`; every loop is bounded by a const capacity.
+//! * Generic over `f32` (board) and `f64` (host). Elementary functions come from `libm` on both, so that
+//!   the same inputs give the same bits on the board, in the emulator and on the host.
+//! * A non-finite input is refused by a typed error and leaves the state as it was.
+//!
+//! # Capacity
+//! `N` is the largest number of plays, `M` of dead zones, that a type can hold; the numbers in use are
+//! those of the parameters.
 #![no_std]
+#![forbid(unsafe_code)]
+
+pub mod dead_zone;
+pub mod envelope;
+pub mod error;
+pub mod mgpi;
+pub mod paper;
+pub mod pid;
+pub mod play;
+pub mod range;
+pub mod real;
+pub mod tracking;
+
+pub use error::{InputError, ParameterError, Requirement};
+pub use mgpi::{InverseMgpi, InverseMgpiState, Mgpi, MgpiParameters, MgpiState};
+pub use range::Range;
+pub use real::Real;
+pub use tracking::{Mode, Tracking, TrackingParameters, TrackingState};

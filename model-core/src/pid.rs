@@ -1,0 +1,114 @@
+//! The feedback controller of equation (24): PID with what the paper leaves out.
+//!
+//! * The derivative acts on the measurement, through a first-order filter: a step of the reference makes no
+//!   kick, and sensor noise is bounded.
+//! * Anti-windup by back-calculation: what the limits cut off the command flows back into the integral
+//!   with the time constant `tracking_time_s`. Without integral gain there is nothing to wind up, and
+//!   the integral stays 0.
+//! * Gains are absolute: kp in bar/mm, ki in bar/(mm s), kd in bar s/mm. The paper gives none of the units;
+//!   these are plausible for its values and stable. Its second "Kp = 0" is Kd.
+//!
+//! # Contract
+//! One [`Pid::output`] and one [`Pid::settle`] each period, in that order: between the two the caller applies
+//! its limits. The integral uses the error of the previous periods (forward Euler), so that the output
+//! needs nothing from the future.
+
+use crate::error::{Check, ParameterError};
+use crate::real::Real;
+
+/// Raw parameters of the PID.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PidParameters<T> {
+    /// Proportional gain. Unit: bar/mm, at least 0.
+    pub kp: T,
+    /// Integral gain. Unit: bar/(mm s), at least 0.
+    pub ki: T,
+    /// Derivative gain. Unit: bar s/mm, at least 0.
+    pub kd: T,
+    /// Time constant of the derivative's filter. Unit: s, at least 0.
+    pub derivative_filter_s: T,
+    /// Time constant of the back-calculation. Unit: s, above 0.
+    pub tracking_time_s: T,
+}
+
+impl<T: Real> PidParameters<T> {
+    /// The paper's gains; filter and back-calculation, on which it is silent, at 20 ms and 1 s.
+    pub fn paper() -> Self {
+        Self {
+            kp: T::from_f64(0.05),
+            ki: T::from_f64(0.01),
+            kd: T::ZERO,
+            derivative_filter_s: T::from_f64(0.02),
+            tracking_time_s: T::ONE,
+        }
+    }
+}
+
+/// A validated PID for a fixed period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pid<T> {
+    kp: T,
+    /// ki times the period.
+    ki_period: T,
+    kd: T,
+    /// 1/(filter time constant + period): the filter by backward Euler, stable for every time constant.
+    derivative_rate: T,
+    period: T,
+    /// The share of the excess that flows back in one period; 0 without integral gain.
+    back_calculation: T,
+}
+
+/// What the PID remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PidState<T> {
+    /// Integral part of the output. Unit: bar.
+    integral: T,
+    /// Filtered measurement. Unit: mm. None before the first sample.
+    filtered: Option<T>,
+}
+
+impl<T: Real> Default for PidState<T> {
+    fn default() -> Self {
+        Self {
+            integral: T::ZERO,
+            filtered: None,
+        }
+    }
+}
+
+impl<T: Real> Pid<T> {
+    /// # Errors
+    /// A negative gain or time constant, a back-calculation time constant or period of 0, anything not
+    /// finite.
+    pub fn try_new(parameters: &PidParameters<T>, period_s: T) -> Result<Self, ParameterError> {
+        let period = Check::new("period_s", "s").above(period_s, T::ZERO)?;
+        let filter =
+            Check::new("derivative_filter_s", "s").at_least(parameters.derivative_filter_s, T::ZERO)?;
+        let tracking = Check::new("tracking_time_s", "s").above(parameters.tracking_time_s, T::ZERO)?;
+        let ki = Check::new("ki", "bar/(mm s)").at_least(parameters.ki, T::ZERO)?;
+        let share = (period / tracking).limit(T::ZERO, T::ONE);
+        Ok(Self {
+            kp: Check::new("kp", "bar/mm").at_least(parameters.kp, T::ZERO)?,
+            ki_period: ki * period,
+            kd: Check::new("kd", "bar s/mm").at_least(parameters.kd, T::ZERO)?,
+            derivative_rate: T::ONE / (filter + period),
+            period,
+            back_calculation: if ki > T::ZERO { share } else { T::ZERO },
+        })
+    }
+
+    /// The output for this period. Reference and measurement: mm; result: bar.
+    pub fn output(&self, state: &mut PidState<T>, reference: T, measurement: T) -> T {
+        let filtered = state.filtered.unwrap_or(measurement);
+        let rate = (measurement - filtered) * self.derivative_rate;
+        state.filtered = Some(filtered + self.period * rate);
+        self.kp * (reference - measurement) + state.integral - self.kd * rate
+    }
+
+    /// Closes the period: integrates the error (mm), and takes back `excess` (bar), what the limits cut off
+    /// the output (applied minus asked).
+    pub fn settle(&self, state: &mut PidState<T>, error: T, excess: T) {
+        state.integral += self.ki_period * error + self.back_calculation * excess;
+    }
+}

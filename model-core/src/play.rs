@@ -1,0 +1,234 @@
+//! A bank of weighted plays, u = q v + Σ pᵢ zᵢ, and its inverse.
+//!
+//! The state of play i follows the inner coordinate v at a distance of at most its threshold:
+//! zᵢ ← max(v - rᵢ, min(v + rᵢ, zᵢ)), equation (7) with one envelope; the sum is equation (6).
+//!
+//! # The inverse
+//! The inverse of such a bank is a bank again, equations (18), (19) and (21): q' = 1/q, thresholds
+//! r'ᵢ = q rᵢ + Σ_{j<i} pⱼ (rᵢ - rⱼ), and weights that make the partial sums of the inverse the reciprocals of
+//! those of the bank. [`PlayBank::inverse`] makes it, and [`PlayBank::inverse_state`] maps a state to the
+//! one that the inverse has after the same history,
+//! z'ᵢ = (q + Σ_{j≤i} pⱼ) zᵢ + Σ_{j>i} pⱼ zⱼ. The paper is silent about that; a zero in its place costs up to
+//! 0.7 bar until it is wiped out.
+//!
+//! # Validity
+//! q and every partial sum q + p₁ + … + pᵢ positive: then u is strictly increasing in v from every state,
+//! and the inverse is exact. Single weights may be negative (those of an inverse are).
+
+use heapless::Vec;
+
+use crate::error::{Check, ParameterError, Requirement};
+use crate::real::Real;
+
+/// Raw parameters of a bank of at most `N` plays.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
+pub struct PlayParameters<T, const N: usize> {
+    /// Weight of the direct term. Unit: 1, above 0.
+    pub q: T,
+    /// Thresholds r, strictly increasing and above 0. Unit: that of the inner coordinate (1).
+    pub thresholds: Vec<T, N>,
+    /// Weights p, as many as thresholds. Unit: 1.
+    pub weights: Vec<T, N>,
+}
+
+impl<T: Real, const N: usize> PlayParameters<T, N> {
+    /// Equally spaced thresholds rᵢ = α i, equation (9), with weights pᵢ = ρ exp(-τ rᵢ), equation (10), for
+    /// i = 1 … `count`.
+    ///
+    /// # Errors
+    /// `count` is above the capacity `N`.
+    pub fn exponential(count: usize, q: T, rho: T, tau: T, alpha: T) -> Result<Self, ParameterError> {
+        let mut parameters = Self {
+            q,
+            thresholds: Vec::new(),
+            weights: Vec::new(),
+        };
+        let too_many = |_| Check::new("plays", "").length(count, Requirement::AtMost(N as f64));
+        for i in 1..=count {
+            let threshold = alpha * T::from_f64(i as f64);
+            parameters.thresholds.push(threshold).map_err(too_many)?;
+            parameters
+                .weights
+                .push(rho * (-tau * threshold).exp())
+                .map_err(too_many)?;
+        }
+        Ok(parameters)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Play<T> {
+    threshold: T,
+    weight: T,
+    /// q + Σ of the weights up to and with this one.
+    partial_sum: T,
+}
+
+/// A validated bank of at most `N` plays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlayBank<T, const N: usize> {
+    q: T,
+    plays: Vec<Play<T>, N>,
+}
+
+/// The outputs z of a bank's plays: all that it remembers. Unit: that of the bank's input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlayState<T, const N: usize> {
+    outputs: Vec<T, N>,
+}
+
+impl<T: Real, const N: usize> PlayState<T, N> {
+    /// The outputs of the plays, by rising threshold.
+    pub fn outputs(&self) -> &[T] {
+        &self.outputs
+    }
+}
+
+impl<T: Real, const N: usize> PlayBank<T, N> {
+    /// # Errors
+    /// Lists of different length; a threshold that is not above the one before (or above 0); q or a
+    /// partial sum of the weights that is not above 0; anything not finite.
+    pub fn try_new(parameters: &PlayParameters<T, N>) -> Result<Self, ParameterError> {
+        let PlayParameters {
+            q,
+            thresholds,
+            weights,
+        } = parameters;
+        if weights.len() != thresholds.len() {
+            let requirement = Requirement::Exactly(thresholds.len() as f64);
+            return Err(Check::new("number of play weights", "").length(weights.len(), requirement));
+        }
+        let mut bank = Self {
+            q: Check::new("q", "").above(*q, T::ZERO)?,
+            plays: Vec::new(),
+        };
+        let mut last = T::ZERO;
+        let mut partial_sum = *q;
+        for (i, (&threshold, &weight)) in thresholds.iter().zip(weights).enumerate() {
+            last = Check::at("play thresholds", i, "").above(threshold, last)?;
+            Check::at("play weights", i, "").finite(weight)?;
+            partial_sum = Check::at("partial sums of q and play weights", i, "")
+                .above(partial_sum + weight, T::ZERO)?;
+            // A play more than the capacity cannot come out of a list of that capacity.
+            let _ = bank.plays.push(Play {
+                threshold,
+                weight,
+                partial_sum,
+            });
+        }
+        Ok(bank)
+    }
+
+    /// Number of plays.
+    pub fn len(&self) -> usize {
+        self.plays.len()
+    }
+
+    /// Whether the bank is the direct term alone.
+    pub fn is_empty(&self) -> bool {
+        self.plays.is_empty()
+    }
+
+    /// The smallest slope of u over v, the distance from being non-invertible. Unit: 1.
+    pub fn smallest_slope(&self) -> T {
+        self.plays.iter().fold(self.q, |least, play| {
+            if play.partial_sum < least {
+                play.partial_sum
+            } else {
+                least
+            }
+        })
+    }
+
+    /// The state of a bank that rested at 0 and was then brought to `v`: the paper's initial state,
+    /// equation (1) with w = 0.
+    pub fn rest_state(&self, v: T) -> PlayState<T, N> {
+        let mut state = PlayState {
+            outputs: self.plays.iter().map(|_| T::ZERO).collect(),
+        };
+        self.step(&mut state, v);
+        state
+    }
+
+    /// The state with the given outputs at the input `v`, if some history leads there:
+    /// |v - z₁| ≤ r₁ and |zᵢ - zᵢ₊₁| ≤ rᵢ₊₁ - rᵢ, with a tolerance of a few roundings.
+    ///
+    /// # Errors
+    /// Names the first output that no history can reach.
+    pub fn try_state(&self, outputs: &[T], v: T) -> Result<PlayState<T, N>, ParameterError> {
+        if outputs.len() != self.plays.len() {
+            let requirement = Requirement::Exactly(self.plays.len() as f64);
+            return Err(Check::new("number of play outputs", "").length(outputs.len(), requirement));
+        }
+        let mut before = (Check::new("v", "").finite(v)?, T::ZERO);
+        for (i, (play, &output)) in self.plays.iter().zip(outputs).enumerate() {
+            let check = Check::at("play outputs", i, "");
+            check.finite(output)?;
+            let tolerance = T::from_f64(8.0) * T::EPSILON * (v.abs() + play.threshold);
+            let reach = play.threshold - before.1 + tolerance;
+            if output > before.0 + reach {
+                return Err(check.error(output.to_f64(), Requirement::AtMost((before.0 + reach).to_f64())));
+            }
+            if output < before.0 - reach {
+                return Err(check.error(output.to_f64(), Requirement::AtLeast((before.0 - reach).to_f64())));
+            }
+            before = (output, play.threshold);
+        }
+        Ok(PlayState {
+            outputs: outputs.iter().copied().collect(),
+        })
+    }
+
+    /// One sample: moves the plays to the input `v` and answers u. Equations (6), (7).
+    ///
+    /// A NaN moves no play.
+    pub fn step(&self, state: &mut PlayState<T, N>, v: T) -> T {
+        let mut u = self.q * v;
+        for (play, z) in self.plays.iter().zip(&mut state.outputs) {
+            *z = z.limit(v - play.threshold, v + play.threshold);
+            u += play.weight * *z;
+        }
+        u
+    }
+
+    /// The inverse bank, from u to v. Equation (21).
+    ///
+    /// # Errors
+    /// A parameter of the inverse is not finite, or its thresholds coincide, in this number type.
+    pub fn inverse(&self) -> Result<Self, ParameterError> {
+        let mut parameters = PlayParameters {
+            q: T::ONE / self.q,
+            thresholds: Vec::new(),
+            weights: Vec::new(),
+        };
+        let (mut slope, mut last, mut image) = (self.q, T::ZERO, T::ZERO);
+        for play in &self.plays {
+            // The threshold's image under the bank's initial loading curve; its slope up to here is `slope`.
+            image += slope * (play.threshold - last);
+            last = play.threshold;
+            // As many as plays: both pushes fit.
+            let _ = parameters.thresholds.push(image);
+            let _ = parameters.weights.push(-play.weight / (play.partial_sum * slope));
+            slope = play.partial_sum;
+        }
+        Self::try_new(&parameters)
+    }
+
+    /// The state that the inverse bank has where this bank has `state`.
+    pub fn inverse_state(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
+        let mut outputs = state.outputs.clone();
+        // Σ_{j>i} pⱼ zⱼ, gathered from the last play to the first.
+        let mut tail = T::ZERO;
+        for (play, z) in self.plays.iter().zip(&mut outputs).rev() {
+            let output = *z;
+            *z = play.partial_sum * output + tail;
+            tail += play.weight * output;
+        }
+        PlayState { outputs }
+    }
+}

@@ -1,0 +1,49 @@
+//! A closed interval with its limits in order.
+
+use crate::error::{Check, ParameterError};
+use crate::real::Real;
+
+/// A closed interval, `min < max`, both finite. Unit: that of its use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range<T> {
+    min: T,
+    max: T,
+}
+
+impl<T: Real> Range<T> {
+    /// # Errors
+    /// Names `parameter` when a limit is not finite or `max` is not above `min`.
+    pub fn try_new(
+        min: T,
+        max: T,
+        parameter: &'static str,
+        unit: &'static str,
+    ) -> Result<Self, ParameterError> {
+        let check = Check::new(parameter, unit);
+        let min = check.finite(min)?;
+        Ok(Self {
+            min,
+            max: check.above(max, min)?,
+        })
+    }
+
+    /// Lower limit.
+    pub fn min(&self) -> T {
+        self.min
+    }
+
+    /// Upper limit.
+    pub fn max(&self) -> T {
+        self.max
+    }
+
+    /// The value, or the limit that it passes.
+    pub fn limit(&self, value: T) -> T {
+        value.limit(self.min, self.max)
+    }
+
+    /// Whether the value lies inside; a NaN does not.
+    pub fn contains(&self, value: T) -> bool {
+        value >= self.min && value <= self.max
+    }
+}

@@ -1,0 +1,95 @@
+//! The floating-point numbers that the models are generic over.
+//!
+//! Elementary functions are `libm`'s for both types and on every machine: the platform's own differ in the
+//! last bit, and the host could then not repeat a run of the board bit for bit.
+
+use core::fmt::{Debug, Display};
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// A floating-point number: `f32` on the board, `f64` on the host.
+pub trait Real:
+    Copy
+    + Debug
+    + Default
+    + Display
+    + PartialEq
+    + PartialOrd
+    + Add<Output = Self>
+    + AddAssign
+    + Div<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + Sub<Output = Self>
+    + SubAssign
+    + 'static
+{
+    /// 0
+    const ZERO: Self;
+    /// 1
+    const ONE: Self;
+    /// The distance from 1 to the next larger number.
+    const EPSILON: Self;
+
+    /// The nearest number of this type.
+    fn from_f64(value: f64) -> Self;
+    /// This number in double precision.
+    fn to_f64(self) -> f64;
+    /// Whether this is neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// Inverse hyperbolic tangent; infinite at ±1, NaN beyond.
+    fn atanh(self) -> Self;
+    /// Exponential function.
+    fn exp(self) -> Self;
+
+    /// This number, or the limit that it passes. NaN stays NaN.
+    ///
+    /// Compare and select: on a Cortex-M4F `f32::max` and `min` are library calls, this is not.
+    fn limit(self, min: Self, max: Self) -> Self {
+        if self < min {
+            min
+        } else if self > max {
+            max
+        } else {
+            self
+        }
+    }
+
+    /// Magnitude.
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
+}
+
+macro_rules! real {
+    ($float:ident, $tanh:path, $atanh:path, $exp:path) => {
+        impl Real for $float {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const EPSILON: Self = $float::EPSILON;
+
+            fn from_f64(value: f64) -> Self {
+                value as Self
+            }
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            fn is_finite(self) -> bool {
+                $float::is_finite(self)
+            }
+            fn tanh(self) -> Self {
+                $tanh(self)
+            }
+            fn atanh(self) -> Self {
+                $atanh(self)
+            }
+            fn exp(self) -> Self {
+                $exp(self)
+            }
+        }
+    };
+}
+
+real!(f32, libm::tanhf, libm::atanhf, libm::expf);
+real!(f64, libm::tanh, libm::atanh, libm::exp);

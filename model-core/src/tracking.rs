@@ -1,0 +1,191 @@
+//! The tracking controller of Fig. 10: inverse MGPI as feed-forward, PID as feedback, one command.
+//!
+//! ```text
+//! reference ─┬─▶ inverse MGPI ──▶ feed-forward ──┐
+//!            └─▶ PID (◀─ contraction) ─▶ feedback ┴─▶ + transfer ─▶ slew ─▶ limits ─▶ command
+//! ```
+//!
+//! # Changes of mode
+//! Every change is bumpless: at the first sample of a new [`Mode`] the difference to the last command is
+//! put into a transfer term that fades with the back-calculation time constant, and the PID starts anew.
+//! That holds without integral gain too, where the usual preset of the integral cannot work.
+//!
+//! # Limits
+//! The slew limit and the command limits act on the sum; what they cut off flows back into the integral.
+//! The inverse remembers the feed-forward that it asked for, not the total command, as in the paper: the
+//! feedback is a correction of the plant's deviation from the model.
+
+use crate::error::{Check, InputError, ParameterError, finite_input};
+use crate::mgpi::{InverseMgpi, InverseMgpiState, Mgpi, MgpiParameters};
+use crate::pid::{Pid, PidParameters, PidState};
+use crate::range::Range;
+use crate::real::Real;
+
+/// Which parts of the controller act.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Mode {
+    /// Feed-forward and feedback.
+    #[default]
+    Both,
+    /// The inverse model alone.
+    FeedforwardOnly,
+    /// The PID alone.
+    FeedbackOnly,
+    /// The last command is held.
+    Hold,
+}
+
+/// Raw parameters of the controller.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
+pub struct TrackingParameters<T, const N: usize, const M: usize> {
+    /// The muscle's model, input in bar, output in mm.
+    pub model: MgpiParameters<T, N, M>,
+    /// The feedback.
+    pub pid: PidParameters<T>,
+    /// Lowest command, also the one at the start. Unit: bar.
+    pub command_min: T,
+    /// Highest command. Unit: bar.
+    pub command_max: T,
+    /// Largest rate of change of the command. Unit: bar/s, above 0.
+    pub slew_bar_per_s: T,
+    /// Time from sample to sample. Unit: s, above 0.
+    pub period_s: T,
+}
+
+/// A validated tracking controller.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tracking<T, const N: usize, const M: usize> {
+    inverse: InverseMgpi<T, N, M>,
+    pid: Pid<T>,
+    limits: Range<T>,
+    /// Largest change of the command in one period. Unit: bar.
+    largest_change: T,
+    /// What remains of the transfer term after one period. Unit: 1.
+    transfer_decay: T,
+}
+
+/// What the controller remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackingState<T, const N: usize> {
+    inverse: InverseMgpiState<T, N>,
+    pid: PidState<T>,
+    mode: Mode,
+    /// Unit: bar.
+    command: T,
+    /// Unit: bar.
+    transfer: T,
+}
+
+/// A sample's command and its parts. Unit: bar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Command<T> {
+    /// To the valve, within the limits.
+    pub command: T,
+    /// What the inverse model asked for; 0 in a mode without feed-forward.
+    pub feedforward: T,
+    /// What the PID asked for; 0 in a mode without feedback.
+    pub feedback: T,
+    /// Whether a limit or the slew rate changed the command.
+    pub limited: bool,
+}
+
+impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
+    /// # Errors
+    /// The first parameter that no controller can be made of.
+    pub fn try_new(parameters: &TrackingParameters<T, N, M>) -> Result<Self, ParameterError> {
+        let period = Check::new("period_s", "s").above(parameters.period_s, T::ZERO)?;
+        let slew = Check::new("slew_bar_per_s", "bar/s").above(parameters.slew_bar_per_s, T::ZERO)?;
+        Ok(Self {
+            inverse: Mgpi::try_new(&parameters.model)?.inverse()?,
+            pid: Pid::try_new(&parameters.pid, period)?,
+            limits: Range::try_new(
+                parameters.command_min,
+                parameters.command_max,
+                "command range",
+                "bar",
+            )?,
+            largest_change: slew * period,
+            transfer_decay: (-period / parameters.pid.tracking_time_s).exp(),
+        })
+    }
+
+    /// The model's inverse.
+    pub fn inverse(&self) -> &InverseMgpi<T, N, M> {
+        &self.inverse
+    }
+
+    /// The state of a controller whose muscle is at rest, the valve at the lowest command.
+    pub fn rest_state(&self, mode: Mode) -> TrackingState<T, N> {
+        TrackingState {
+            inverse: self.inverse.rest_state(),
+            pid: PidState::default(),
+            mode,
+            command: self.limits.min(),
+            transfer: T::ZERO,
+        }
+    }
+
+    /// One sample. Reference and contraction: mm.
+    ///
+    /// # Errors
+    /// Reference or contraction not finite; the state, and so the last command, is then as it was.
+    pub fn step(
+        &self,
+        state: &mut TrackingState<T, N>,
+        mode: Mode,
+        reference: T,
+        contraction: T,
+    ) -> Result<Command<T>, InputError> {
+        let (reference, contraction) = (finite_input(reference)?, finite_input(contraction)?);
+        let changed = mode != state.mode;
+        if changed {
+            state.pid = PidState::default();
+            state.mode = mode;
+        }
+        // The inverse follows the reference in every mode, so that its memory is right when it is needed.
+        let inverse = self.inverse.step(&mut state.inverse, reference)?;
+        let (feedforward, feedback) = match mode {
+            Mode::Both => (inverse, self.pid.output(&mut state.pid, reference, contraction)),
+            Mode::FeedforwardOnly => (inverse, T::ZERO),
+            Mode::FeedbackOnly => (T::ZERO, self.pid.output(&mut state.pid, reference, contraction)),
+            Mode::Hold => {
+                state.transfer = T::ZERO;
+                return Ok(Command {
+                    command: state.command,
+                    feedforward: T::ZERO,
+                    feedback: T::ZERO,
+                    limited: false,
+                });
+            }
+        };
+        let sum = feedforward + feedback;
+        state.transfer = if changed {
+            state.command - sum
+        } else {
+            state.transfer * self.transfer_decay
+        };
+        let asked = sum + state.transfer;
+        let slewed = asked.limit(
+            state.command - self.largest_change,
+            state.command + self.largest_change,
+        );
+        let command = self.limits.limit(slewed);
+        state.command = command;
+        if mode != Mode::FeedforwardOnly {
+            self.pid
+                .settle(&mut state.pid, reference - contraction, command - asked);
+        }
+        Ok(Command {
+            command,
+            feedforward,
+            feedback,
+            limited: command != asked,
+        })
+    }
+}

@@ -1,2 +1,25 @@
-//! Placeholder.
+//! What a host and the valve board say to each other, and how it is framed.
+//!
+//! # Frames
+//! A message is serialised with postcard, followed by a CRC-16 (little-endian), stuffed by COBS and ended
+//! by a zero byte. A receiver that joins in the middle, or sees a damaged frame, is in step again at the
+//! next zero.
+//!
+//! # Versions
+//! [`VERSION`] is that of the messages below. It is part of [`Response::Hello`] and of every
+//! [`Configuration`]; a board refuses a configuration of another version.
+//!
+//! # Limits
+//! A frame takes at most [`FRAME_BYTES`] bytes, stuffing and the zero included: the largest message, a
+//! configuration of [`PLAYS`] plays and [`DEAD_ZONES`] dead zones, fits (a test says so).
 #![no_std]
+#![forbid(unsafe_code)]
+
+mod frame;
+mod message;
+
+pub use frame::{FRAME_BYTES, FrameError, Receiver, encode};
+pub use message::{
+    Configuration, DEAD_ZONES, Flags, Hello, PLAYS, Refusal, Request, Response, State, TickReply,
+    TickRequest, VERSION,
+};

@@ -1,0 +1,196 @@
+//! Frames: postcard, CRC-16, COBS, zero.
+
+use postcard::ser_flavors::{self, Flavor};
+use serde::{Serialize, de::DeserializeOwned};
+
+/// The longest frame. Unit: byte.
+pub const FRAME_BYTES: usize = 1024;
+
+const CRC: crc::Crc<u16> = crc::Crc::<u16>::new(&crc::CRC_16_IBM_SDLC);
+
+/// A frame that holds no message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameError {
+    /// Longer than [`FRAME_BYTES`].
+    TooLong,
+    /// Stuffing, checksum or content wrong.
+    Damaged,
+}
+
+impl core::fmt::Display for FrameError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::TooLong => write!(f, "the frame is longer than {FRAME_BYTES} bytes"),
+            Self::Damaged => write!(f, "the frame is damaged: stuffing, checksum or content is wrong"),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// Writes the frame of a message into the buffer; answers the part that it takes.
+///
+/// # Errors
+/// The buffer is too short.
+pub fn encode<'a, M: Serialize>(message: &M, buffer: &'a mut [u8]) -> Result<&'a [u8], FrameError> {
+    let slice = ser_flavors::Slice::new(buffer);
+    let cobs = ser_flavors::Cobs::try_new(slice).map_err(|_| FrameError::TooLong)?;
+    let flavor = ser_flavors::crc::CrcModifier::new(cobs, CRC.digest());
+    let mut serializer = postcard::Serializer { output: flavor };
+    message
+        .serialize(&mut serializer)
+        .map_err(|_| FrameError::TooLong)?;
+    serializer
+        .output
+        .finalize()
+        .map(|frame| &*frame)
+        .map_err(|_| FrameError::TooLong)
+}
+
+/// Gathers bytes into frames, and frames into messages.
+#[derive(Debug)]
+pub struct Receiver {
+    frame: heapless::Vec<u8, FRAME_BYTES>,
+    overflow: bool,
+}
+
+impl Receiver {
+    /// A receiver at the start of a frame.
+    pub const fn new() -> Self {
+        Self {
+            frame: heapless::Vec::new(),
+            overflow: false,
+        }
+    }
+
+    /// Takes a byte. At the end of a frame answers its message, or why there is none; empty frames (a zero
+    /// to get into step) are passed over.
+    pub fn push<M: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<M, FrameError>> {
+        if byte != 0 {
+            self.overflow |= self.frame.push(byte).is_err();
+            return None;
+        }
+        let message = match (self.overflow, self.frame.is_empty()) {
+            (true, _) => Some(Err(FrameError::TooLong)),
+            (false, true) => None,
+            (false, false) => Some(decode(&mut self.frame)),
+        };
+        self.frame.clear();
+        self.overflow = false;
+        message
+    }
+}
+
+impl Default for Receiver {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn decode<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, FrameError> {
+    let length = cobs::decode_in_place(frame).map_err(|_| FrameError::Damaged)?;
+    let content = frame.get(..length).ok_or(FrameError::Damaged)?;
+    match postcard::de_flavors::crc::take_from_bytes_u16(content, CRC.digest()) {
+        Ok((message, [])) => Ok(message),
+        _ => Err(FrameError::Damaged),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::{Configuration, DEAD_ZONES, PLAYS, Request, TickRequest, VERSION};
+    use model_core::dead_zone::DeadZoneParameters;
+    use model_core::envelope::TanhParameters;
+    use model_core::pid::PidParameters;
+    use model_core::play::PlayParameters;
+    use model_core::{MgpiParameters, TrackingParameters};
+
+    fn receive(bytes: &[u8]) -> std::vec::Vec<Result<Request, FrameError>> {
+        let mut receiver = Receiver::new();
+        bytes.iter().filter_map(|&byte| receiver.push(byte)).collect()
+    }
+
+    fn tick() -> Request {
+        Request::Tick(TickRequest {
+            reference_mm: 12.5,
+            pressure_code: 0,
+            contraction_code: 4095,
+        })
+    }
+
+    fn largest() -> Request {
+        // Every byte of every number non-zero and every list full: no message is longer.
+        let number = 0.123_456_79_f32;
+        let full = core::iter::repeat(number);
+        Request::Configure(Configuration {
+            version: VERSION,
+            tracking: TrackingParameters {
+                model: MgpiParameters {
+                    envelope: TanhParameters {
+                        c0: number,
+                        c1: number,
+                        c2: number,
+                        c3: number,
+                    },
+                    plays: PlayParameters {
+                        q: number,
+                        thresholds: full.clone().take(PLAYS).collect(),
+                        weights: full.clone().take(PLAYS).collect(),
+                    },
+                    dead_zones: DeadZoneParameters {
+                        thresholds: full.clone().take(DEAD_ZONES).collect(),
+                        weights: full.take(DEAD_ZONES).collect(),
+                        offset: number,
+                    },
+                    input_min: number,
+                    input_max: number,
+                },
+                pid: PidParameters::paper(),
+                command_min: number,
+                command_max: number,
+                slew_bar_per_s: number,
+                period_s: number,
+            },
+        })
+    }
+
+    #[test]
+    fn a_message_survives_its_frame() {
+        for message in [tick(), largest(), Request::Identify] {
+            let mut buffer = [0; FRAME_BYTES];
+            let frame = encode(&message, &mut buffer).expect("fits");
+            assert_eq!(receive(frame), [Ok(message)]);
+        }
+    }
+
+    #[test]
+    fn every_flipped_bit_is_noticed() {
+        let mut buffer = [0; FRAME_BYTES];
+        let frame = encode(&tick(), &mut buffer).expect("fits").to_vec();
+        for bit in 0..frame.len() * 8 {
+            let mut damaged = frame.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            damaged.push(0);
+            assert!(!receive(&damaged).contains(&Ok(tick())), "bit {bit}");
+            assert!(
+                receive(&damaged).iter().all(|received| received.is_err()),
+                "bit {bit}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_receiver_is_in_step_again_after_garbage_and_after_an_overlong_frame() {
+        let mut buffer = [0; FRAME_BYTES];
+        let frame = encode(&tick(), &mut buffer).expect("fits").to_vec();
+        let garbage = std::vec![7_u8; 3];
+        let overlong = std::vec![7_u8; FRAME_BYTES + 1];
+        let bytes = [&garbage[..], &[0], &overlong, &[0], &[0], &frame].concat();
+        assert_eq!(
+            receive(&bytes),
+            [Err(FrameError::Damaged), Err(FrameError::TooLong), Ok(tick())]
+        );
+    }
+}

@@ -1,0 +1,147 @@
+//! The messages.
+
+use model_core::{Mode, TrackingParameters};
+use serde::{Deserialize, Serialize};
+
+/// Version of the messages. Raised with every change that the other side would misread.
+pub const VERSION: u16 = 1;
+/// The largest number of plays that a board takes.
+pub const PLAYS: usize = 32;
+/// The largest number of dead zones that a board takes.
+pub const DEAD_ZONES: usize = 32;
+
+/// From the host to the board. Every request is answered by one response.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+// The configuration is the one large message; boxing it needs a heap, which the board does not have.
+#[allow(clippy::large_enum_variant)]
+pub enum Request {
+    /// Who are you? Answer: [`Response::Hello`].
+    Identify,
+    /// Take this model, these gains and limits. Refused while tracking.
+    Configure(Configuration),
+    /// Start tracking from rest in the given mode. Refused without a configuration or with a fault.
+    Start(Mode),
+    /// Change the mode while tracking, without a bump.
+    SetMode(Mode),
+    /// Stop tracking and vent.
+    Stop,
+    /// The next reference, for a board that takes its samples by its own timer. Unit: mm.
+    Reference(f32),
+    /// The samples of one tick, for an emulated board. Answer: [`Response::Tick`].
+    Tick(TickRequest),
+}
+
+/// From the board to the host.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Response {
+    /// Sent at the start of the board and on [`Request::Identify`].
+    Hello(Hello),
+    /// Done.
+    Accepted,
+    /// Not done, nothing changed.
+    Refused(Refusal),
+    /// The outcome of a tick.
+    Tick(TickReply),
+}
+
+/// Who a board is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Hello {
+    /// Version of the messages, [`VERSION`].
+    pub version: u16,
+    /// Version of the firmware: major, minor, patch.
+    pub firmware: [u16; 3],
+    /// The board's state.
+    pub state: State,
+    /// Ticks since the board started.
+    pub ticks: u32,
+    /// Ticks that found the one before unfinished.
+    pub overruns: u32,
+}
+
+/// A board's state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum State {
+    /// Vented, without a configuration.
+    Off,
+    /// Vented, configured.
+    Ready,
+    /// The controller drives the valve.
+    Tracking,
+    /// Vented by a fault, which is latched until the next configuration.
+    Fault,
+}
+
+/// Model, gains and limits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Configuration {
+    /// Version of the messages, [`VERSION`].
+    pub version: u16,
+    /// The controller's raw parameters; the board validates them.
+    pub tracking: TrackingParameters<f32, PLAYS, DEAD_ZONES>,
+}
+
+/// Why a request was refused.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// The frame was damaged or holds no known message.
+    Unreadable,
+    /// The configuration has another version; this board's is given.
+    Version(u16),
+    /// A parameter is not valid: the message that names parameter, value and limit.
+    Parameter(heapless::String<160>),
+    /// The request does not fit the board's state.
+    WrongState(State),
+    /// The request has no meaning for this board.
+    NotHere,
+}
+
+/// The samples of one tick: what the board's ADC would have read.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TickRequest {
+    /// Unit: mm.
+    pub reference_mm: f32,
+    /// Pressure. Unit: ADC code.
+    pub pressure_code: u16,
+    /// Contraction. Unit: ADC code.
+    pub contraction_code: u16,
+}
+
+/// The outcome of one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TickReply {
+    /// What the board wrote to its DAC. Unit: DAC code.
+    pub dac_code: u16,
+    /// The feed-forward part of the command. Unit: bar.
+    pub feedforward_bar: f32,
+    /// The feedback part of the command. Unit: bar.
+    pub feedback_bar: f32,
+    /// What happened.
+    pub flags: Flags,
+}
+
+/// What happened in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Flags(pub u8);
+
+impl Flags {
+    /// A limit or the slew rate changed the command.
+    pub const LIMITED: Self = Self(1);
+    /// The controller drove the valve.
+    pub const TRACKING: Self = Self(2);
+    /// A fault is latched; the valve is vented.
+    pub const FAULT: Self = Self(4);
+    /// This tick found the one before unfinished.
+    pub const OVERRUN: Self = Self(8);
+
+    /// Whether all of `other` are set.
+    pub fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// These and `other`, if `condition` holds.
+    #[must_use]
+    pub fn with(self, other: Self, condition: bool) -> Self {
+        if condition { Self(self.0 | other.0) } else { self }
+    }
+}

@@ -45,7 +45,7 @@ pub enum Response {
 }
 
 /// Who a board is.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hello {
     /// Version of the messages, [`VERSION`].
     pub version: u16,
@@ -53,10 +53,64 @@ pub struct Hello {
     pub firmware: [u16; 3],
     /// The board's state.
     pub state: State,
+    /// The first fault since the last configuration.
+    pub fault: Option<Fault>,
+    /// ADC code of the pressure in bar.
+    pub pressure: Scaling,
+    /// ADC code of the contraction in mm.
+    pub contraction: Scaling,
+    /// DAC code of the command in bar.
+    pub command: Scaling,
     /// Ticks since the board started.
     pub ticks: u32,
     /// Ticks that found the one before unfinished.
     pub overruns: u32,
+}
+
+/// A straight line between a quantity and a converter's code.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scaling {
+    /// The code of 0. Unit: code.
+    pub zero_code: f32,
+    /// Unit: code per unit of the quantity, above 0.
+    pub codes_per_unit: f32,
+    /// Lowest code that a working sensor or an allowed command has.
+    pub code_min: u16,
+    /// Highest code that a working sensor or an allowed command has.
+    pub code_max: u16,
+}
+
+impl Scaling {
+    /// The quantity behind a code.
+    pub fn value(&self, code: u16) -> f32 {
+        (f32::from(code) - self.zero_code) / self.codes_per_unit
+    }
+
+    /// The nearest code, within the limits of the codes; that of a NaN is the lowest.
+    pub fn code(&self, value: f32) -> u16 {
+        // The conversion cuts off towards 0 and saturates; the sum makes it round.
+        let nearest = (self.zero_code + value * self.codes_per_unit + 0.5) as u16;
+        nearest.clamp(self.code_min, self.code_max)
+    }
+
+    /// Whether a code is one of a working sensor.
+    pub fn is_plausible(&self, code: u16) -> bool {
+        (self.code_min..=self.code_max).contains(&code)
+    }
+}
+
+/// Why a board has vented. The numbers are stable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Fault {
+    /// The ADC did not answer in time.
+    Acquisition = 1,
+    /// The pressure sensor's code is outside its range: open, short or overpressure.
+    PressureSensor = 2,
+    /// The contraction sensor's code is outside its range: open, short or slack.
+    ContractionSensor = 3,
+    /// The reference is not a finite number.
+    Reference = 4,
 }
 
 /// A board's state.

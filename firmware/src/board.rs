@@ -1,0 +1,34 @@
+//! What the control code asks of a board.
+
+/// What an analogue input read. Unit: ADC code, 12 bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct AdcCode(pub u16);
+
+/// What is written to the analogue output. Unit: DAC code, 12 bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DacCode(pub u16);
+
+/// The samples of one tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Samples {
+    /// Pressure in the muscle.
+    pub pressure: AdcCode,
+    /// Contraction of the muscle.
+    pub contraction: AdcCode,
+}
+
+/// The ADC did not finish within its bounded wait.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AcquisitionError;
+
+/// Sensors and valve.
+pub trait Board {
+    /// Samples pressure and contraction, in bounded time.
+    ///
+    /// # Errors
+    /// A conversion did not finish in time.
+    fn read(&mut self) -> Result<Samples, AcquisitionError>;
+
+    /// Writes the valve's set point.
+    fn drive(&mut self, code: DacCode);
+}

@@ -1,0 +1,59 @@
+//! A board whose samples come from a host, one tick at a time.
+//!
+//! The emulated image uses it behind its serial port, and the host to repeat a run bit for bit.
+
+use wire::{TickReply, TickRequest};
+
+use crate::board::{AcquisitionError, AdcCode, Board, DacCode, Samples};
+use crate::control::Control;
+use crate::order::Order;
+
+/// Samples in, valve code out.
+#[derive(Debug, Default)]
+pub struct LockStepBoard {
+    samples: Samples,
+    output: DacCode,
+}
+
+impl LockStepBoard {
+    /// A board without samples, the valve vented.
+    pub const fn new() -> Self {
+        Self {
+            samples: Samples {
+                pressure: AdcCode(0),
+                contraction: AdcCode(0),
+            },
+            output: crate::scaling::VENT,
+        }
+    }
+
+    /// What was last written to the valve.
+    pub fn output(&self) -> DacCode {
+        self.output
+    }
+
+    /// Lays the samples of the next tick in, and gives the control its reference.
+    pub fn feed(&mut self, control: &mut Control, request: TickRequest) {
+        self.samples = Samples {
+            pressure: AdcCode(request.pressure_code),
+            contraction: AdcCode(request.contraction_code),
+        };
+        control.apply(Order::Reference(request.reference_mm));
+    }
+
+    /// A whole tick: [`feed`](Self::feed), then [`Control::tick`].
+    pub fn tick(&mut self, control: &mut Control, request: TickRequest) -> TickReply {
+        self.feed(control, request);
+        control.tick(self)
+    }
+}
+
+impl Board for LockStepBoard {
+    fn read(&mut self) -> Result<Samples, AcquisitionError> {
+        Ok(self.samples)
+    }
+
+    fn drive(&mut self, code: DacCode) {
+        self.output = code;
+    }
+}

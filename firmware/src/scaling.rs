@@ -1,0 +1,41 @@
+//! Codes of the converters and what they mean.
+//!
+//! | signal | sensor or actuator | 12-bit code |
+//! |---|---|---|
+//! | pressure | transducer 0 to 10 bar, ratiometric 10 to 90 % | 409.5 at 0 bar, 327.6 per bar |
+//! | contraction | potentiometer of 150 mm, 5 to 95 % of its travel used | 204.75 at 0 mm, 24.57 per mm |
+//! | command | proportional regulator, 0 to 10 V for 0 to 10 bar | 0 at 0 bar, 409.5 per bar |
+//!
+//! A broken wire or a short pulls an input to a rail, outside the plausible codes. A board tells these
+//! scalings in its greeting, so that a host needs no copy of them.
+
+use wire::Scaling;
+
+use crate::board::DacCode;
+
+/// Pressure in bar. Plausible: -0.64 to 10.65 bar.
+pub const PRESSURE: Scaling = Scaling {
+    zero_code: 409.5,
+    codes_per_unit: 327.6,
+    code_min: 200,
+    code_max: 3900,
+};
+
+/// Contraction in mm. Plausible: -6.7 to 156.7 mm.
+pub const CONTRACTION: Scaling = Scaling {
+    zero_code: 204.75,
+    codes_per_unit: 24.57,
+    code_min: 40,
+    code_max: 4055,
+};
+
+/// Command in bar: 0 to 10 bar.
+pub const COMMAND: Scaling = Scaling {
+    zero_code: 0.0,
+    codes_per_unit: 409.5,
+    code_min: 0,
+    code_max: 4095,
+};
+
+/// The safe output: the regulator vents the muscle.
+pub const VENT: DacCode = DacCode(0);

@@ -52,7 +52,7 @@ fn validate(configuration: &Configuration) -> Result<BoardTracking, Refusal> {
 }
 
 /// The error in words, as far as they fit.
-fn message(error: &ParameterError) -> heapless::String<160> {
+fn message(error: &ParameterError) -> heapless::String<100> {
     let mut text = heapless::String::new();
     // A text that does not fit ends at its last whole part.
     let _ = write!(text, "{error}");

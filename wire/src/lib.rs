@@ -20,6 +20,6 @@ mod message;
 
 pub use frame::{FRAME_BYTES, FrameError, Receiver, encode};
 pub use message::{
-    Configuration, DEAD_ZONES, Flags, Hello, PLAYS, Refusal, Request, Response, State, TickReply,
-    TickRequest, VERSION,
+    Configuration, DEAD_ZONES, Fault, Flags, Hello, PLAYS, Refusal, Request, Response, Scaling, State,
+    TickReply, TickRequest, VERSION,
 };

@@ -143,7 +143,7 @@ pub enum Refusal {
     /// The configuration has another version; this board's is given.
     Version(u16),
     /// A parameter is not valid: the message that names parameter, value and limit.
-    Parameter(heapless::String<160>),
+    Parameter(heapless::String<100>),
     /// The request does not fit the board's state.
     WrongState(State),
     /// The request has no meaning for this board.

@@ -1,2 +1,67 @@
-//! Placeholder.
-fn main() {}
+//! `cargo xtask …`: the commands of the README. Each does the set-up it needs before its own work, so that a
+//! fresh clone needs nothing done beforehand. Exit status 2: the machine lacks something that could not be
+//! installed; the message says what.
+
+mod board_compiler;
+mod demo;
+mod firmware;
+mod host;
+mod run;
+mod setup;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Set-up, demo, tests and emulator of the valve controller.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Clone, Copy, Subcommand)]
+enum Task {
+    /// Install what is missing: a compiler for the board, and the emulator.
+    Setup,
+    /// Build both firmware images.
+    Firmware,
+    /// Identify a muscle, run the firmware against it in closed loop, and write a report (about two minutes).
+    Demo,
+    /// Run every test, on the host and in the emulator.
+    Test,
+    /// Run the firmware in the emulator by hand.
+    Emulate,
+}
+
+fn main() -> ExitCode {
+    match perform(Cli::parse().task) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(if error.is::<setup::Missing>() { 2 } else { 1 })
+        }
+    }
+}
+
+fn perform(task: Task) -> anyhow::Result<()> {
+    let compiler = setup::ensure()?;
+    match task {
+        Task::Setup => println!("setup: nothing is missing"),
+        Task::Firmware => firmware::build(&compiler)?,
+        Task::Demo => {
+            firmware::build(&compiler)?;
+            demo::demo()?;
+        }
+        Task::Test => {
+            firmware::build(&compiler)?;
+            host::test()?;
+        }
+        Task::Emulate => {
+            firmware::build(&compiler)?;
+            host::emulate()?;
+        }
+    }
+    Ok(())
+}

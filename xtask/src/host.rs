@@ -1,0 +1,64 @@
+//! What runs on the host: the workbench and the rig, and the tests.
+
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result};
+
+use crate::{firmware, run};
+
+/// The environment variable by which tests and the workbench find the firmware.
+const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
+
+/// Builds `mgpi` and `rig`, optimised.
+///
+/// # Errors
+/// When cargo fails.
+pub fn build() -> Result<()> {
+    run::step("workbench and rig", || {
+        run::succeed(&mut run::cargo(&[
+            "build",
+            "--release",
+            "--package",
+            "workbench",
+            "--package",
+            "rig",
+            "--bins",
+        ]))
+    })
+}
+
+/// The command `mgpi` in the workspace, with the firmware that was just built.
+pub fn mgpi() -> Command {
+    let program: PathBuf = run::target_dir().join("release/mgpi");
+    let mut command = Command::new(program);
+    command
+        .current_dir(run::root())
+        .env(FIRMWARE_VARIABLE, firmware::emulated_elf());
+    command
+}
+
+/// Runs every test of the workspace; those that need the emulator find the firmware.
+///
+/// # Errors
+/// When a test fails.
+pub fn test() -> Result<()> {
+    // The plant program has to stand beside `mgpi`; cargo builds only the programs of the package under test.
+    run::step("programs under test", || {
+        run::succeed(&mut run::cargo(&["build", "--workspace", "--bins"]))
+    })?;
+    run::step("tests", || {
+        run::succeed(run::cargo(&["test", "--workspace"]).env(FIRMWARE_VARIABLE, firmware::emulated_elf()))
+    })
+}
+
+/// Runs the firmware in the emulator until the user ends it.
+///
+/// # Errors
+/// When it cannot be built or started.
+pub fn emulate() -> Result<()> {
+    build()?;
+    // In place of this program, so that Ctrl-C has one addressee.
+    Err(mgpi().arg("emulate").exec()).context("cannot run mgpi")
+}

@@ -1,0 +1,148 @@
+//! What the commands need beyond cargo, and how it is got. [`NEEDS`] is the whole policy: each need is tested;
+//! when it is not met its cures are tried in turn, each announced before it runs; what is left is a [`Missing`]
+//! error that says exactly what to install. Nothing is printed when nothing is missing.
+//!
+//! Packages are installed by apt-get (by sudo when not root, since only system packages need it); on a system
+//! without apt-get that cure does not apply.
+
+use std::fmt;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use anyhow::Result;
+
+use crate::board_compiler::{BoardCompiler, TARGET};
+use crate::run;
+
+const NEEDS: &[Need] = &[
+    Need {
+        name: "a compiler for the board (thumbv7em-none-eabihf)",
+        is_met: || BoardCompiler::find().is_some(),
+        cures: &[
+            Cure::RustupTarget,
+            Cure::Packages(&["rustc-web", "rust-web-src", "lld-19"]),
+        ],
+        by_hand: "rustup target add thumbv7em-none-eabihf\n\
+                  or, without rustup: the distribution's Rust (1.88 or newer) with its sources as /usr/bin/rustc, \
+                  and LLVM's linker ld.lld\n(Debian 12: apt-get install rustc-web rust-web-src lld-19)",
+    },
+    Need {
+        name: "the emulator (qemu-system-arm)",
+        is_met: || run::output("qemu-system-arm", &["--version"]).is_some(),
+        cures: &[Cure::Packages(&["qemu-system-arm"])],
+        by_hand: "QEMU 7.2 or newer for ARM systems: the package qemu-system-arm (Debian, Ubuntu, Fedora, Arch) \
+                  or qemu (Homebrew)",
+    },
+];
+
+/// Something the commands cannot do without.
+struct Need {
+    name: &'static str,
+    is_met: fn() -> bool,
+    cures: &'static [Cure],
+    /// What the user is told when no cure helped.
+    by_hand: &'static str,
+}
+
+/// A way to meet a need.
+enum Cure {
+    /// rustup installs the target's precompiled `core`.
+    RustupTarget,
+    /// apt-get installs these packages.
+    Packages(&'static [&'static str]),
+}
+
+/// How long rustup may take for a download of some 30 MB before the next cure is tried.
+const RUSTUP_LIMIT: Duration = Duration::from_secs(180);
+/// How long apt-get may take for some 300 MB.
+const APT_LIMIT: Duration = Duration::from_secs(1200);
+
+/// The needs that no cure could meet.
+#[derive(Debug)]
+pub struct Missing(Vec<String>);
+
+impl fmt::Display for Missing {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "please install by hand, then run the command again:")?;
+        self.0.iter().try_for_each(|need| write!(formatter, "\n{need}"))
+    }
+}
+
+impl std::error::Error for Missing {}
+
+/// Meets every need, and returns the compiler for the board.
+///
+/// # Errors
+/// [`Missing`], naming all the needs that could not be met.
+pub fn ensure() -> Result<BoardCompiler> {
+    let missing: Vec<String> = NEEDS.iter().filter_map(|need| need.meet().err()).collect();
+    match BoardCompiler::find() {
+        Some(compiler) if missing.is_empty() => Ok(compiler),
+        _ => Err(Missing(missing).into()),
+    }
+}
+
+impl Need {
+    fn meet(&self) -> Result<(), String> {
+        if (self.is_met)() {
+            return Ok(());
+        }
+        println!("setup: {} is missing", self.name);
+        if self.cures.iter().any(|cure| cure.apply() && (self.is_met)()) {
+            return Ok(());
+        }
+        Err(format!(
+            "- {}:\n    {}",
+            self.name,
+            self.by_hand.replace('\n', "\n    ")
+        ))
+    }
+}
+
+impl Cure {
+    /// Whether it could be done.
+    fn apply(&self) -> bool {
+        match self {
+            Self::RustupTarget => {
+                run::output("rustup", &["--version"]).is_some()
+                    && announced(
+                        Command::new("rustup").args(["target", "add", TARGET]),
+                        RUSTUP_LIMIT,
+                    )
+            }
+            Self::Packages(packages) => {
+                let install = [&["install", "-y", "--no-install-recommends"], *packages].concat();
+                run::output("apt-get", &["--version"]).is_some() && {
+                    // Fails when the lists of packages are missing, as on a bare image, or out of date.
+                    announced(&mut apt_get(&install), APT_LIMIT)
+                        || announced(&mut apt_get(&["update"]), APT_LIMIT)
+                            && announced(&mut apt_get(&install), APT_LIMIT)
+                }
+            }
+        }
+    }
+}
+
+fn apt_get(arguments: &[&str]) -> Command {
+    let is_root = run::output("id", &["-u"]).as_deref() == Some("0");
+    let mut command = Command::new(if is_root { "env" } else { "sudo" });
+    command
+        .args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq"])
+        .args(arguments)
+        .stdout(Stdio::null());
+    command
+}
+
+/// Says what will run, and runs it.
+fn announced(command: &mut Command, limit: Duration) -> bool {
+    let words: Vec<_> = std::iter::once(command.get_program())
+        .chain(command.get_args())
+        .map(|word| word.to_string_lossy())
+        .collect();
+    println!(
+        "setup: running `{}` (at most {} s)",
+        words.join(" "),
+        limit.as_secs()
+    );
+    run::succeeds_within(command, limit)
+}

@@ -230,15 +230,21 @@ impl<T: Real, const N: usize, const M: usize> InverseMgpi<T, N, M> {
     pub fn step(&self, state: &mut InverseMgpiState<T, N>, y: T) -> Result<T, InputError> {
         let u = self.forward.dead_zones.inverse(finite_input(y)?);
         let before = state.plays.clone();
-        let mut v = self.plays.step(&mut state.plays, u);
-        if !self.inner_range.contains(v) {
-            v = self.inner_range.limit(v);
-            // Remember the end of the range: the u that belongs to it, from the history before.
-            let mut forward = self.plays.inverse_state(&before);
-            let u = self.forward.plays.step(&mut forward, v);
-            state.plays = before;
-            self.plays.step(&mut state.plays, u);
+        let v = self.plays.step(&mut state.plays, u);
+        if self.inner_range.contains(v) {
+            return Ok(self.forward.input_range.limit(self.forward.envelope.inverse(v)));
         }
-        Ok(self.forward.input_range.limit(self.forward.envelope.inverse(v)))
+        let (ends, inner_ends) = (&self.forward.input_range, &self.inner_range);
+        let (x, v) = if v > inner_ends.max() {
+            (ends.max(), inner_ends.max())
+        } else {
+            (ends.min(), inner_ends.min())
+        };
+        // Remember the end of the range: the u that belongs to it, from the history before.
+        let mut forward = self.plays.inverse_state(&before);
+        let u = self.forward.plays.step(&mut forward, v);
+        state.plays = before;
+        self.plays.step(&mut state.plays, u);
+        Ok(x)
     }
 }

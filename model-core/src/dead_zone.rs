@@ -59,11 +59,7 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
     /// No dead zone; lists of different length; a first threshold other than 0; thresholds that do not
     /// increase; a partial sum of the weights that is not above 0; anything not finite.
     pub fn try_new(parameters: &DeadZoneParameters<T, M>) -> Result<Self, ParameterError> {
-        let DeadZoneParameters {
-            thresholds,
-            weights,
-            offset,
-        } = parameters;
+        let DeadZoneParameters { thresholds, weights, offset } = parameters;
         if weights.len() != thresholds.len() {
             let requirement = Requirement::Exactly(thresholds.len() as f64);
             return Err(Check::new("number of dead-zone weights", "").length(weights.len(), requirement));
@@ -78,10 +74,7 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
         }
         let output = Check::new("offset", "output unit").finite(*offset)?;
         let first = Segment::try_new(0, threshold, output, weight)?;
-        let mut zones = Self {
-            first,
-            rest: Vec::new(),
-        };
+        let mut zones = Self { first, rest: Vec::new() };
         let mut last = first;
         for (i, (threshold, weight)) in pairs.enumerate() {
             let i = i + 1;
@@ -96,10 +89,7 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
 
     /// The smallest slope of the curve, the distance from being non-invertible. Unit: output unit.
     pub fn smallest_slope(&self) -> T {
-        self.segments().fold(
-            self.first.slope,
-            |least, s| if s.slope < least { s.slope } else { least },
-        )
+        self.segments().fold(self.first.slope, |least, s| if s.slope < least { s.slope } else { least })
     }
 
     /// y(u). Unit: output unit. Below 0 the first segment goes on, beyond the last knot the last one.
@@ -119,11 +109,7 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
 
     /// The last segment that has started; the first where none has.
     fn segment(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
-        self.rest
-            .iter()
-            .take_while(|segment| started(segment))
-            .last()
-            .unwrap_or(&self.first)
+        self.rest.iter().take_while(|segment| started(segment)).last().unwrap_or(&self.first)
     }
 }
 
@@ -131,18 +117,10 @@ impl<T: Real> Segment<T> {
     fn try_new(index: usize, threshold: T, output: T, slope: T) -> Result<Self, ParameterError> {
         let check = Check::at("partial sums of dead-zone weights", index, "output unit");
         let slope = check.above(slope, T::ZERO)?;
-        let reciprocal_slope = Check::at(
-            "reciprocal partial sums of dead-zone weights",
-            index,
-            "1/output unit",
-        )
-        .finite(T::ONE / slope)?;
-        Ok(Self {
-            threshold,
-            output,
-            slope,
-            reciprocal_slope,
-        })
+        let reciprocal_slope =
+            Check::at("reciprocal partial sums of dead-zone weights", index, "1/output unit")
+                .finite(T::ONE / slope)?;
+        Ok(Self { threshold, output, slope, reciprocal_slope })
     }
 
     fn output_at(&self, u: T) -> T {

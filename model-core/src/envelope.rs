@@ -45,12 +45,7 @@ impl<T: Real> TanhEnvelope<T> {
         Check::new("c3", "").finite(c3)?;
         let reciprocal_c0 = Check::new("1/c0", "").finite(T::ONE / c0)?;
         let reciprocal_c1 = Check::new("1/c1", "input unit").finite(T::ONE / c1)?;
-        Ok(Self {
-            parameters,
-            reciprocal_c0,
-            reciprocal_c1,
-            largest_argument: T::ONE - T::EPSILON,
-        })
+        Ok(Self { parameters, reciprocal_c0, reciprocal_c1, largest_argument: T::ONE - T::EPSILON })
     }
 
     /// The raw parameters.

@@ -56,11 +56,7 @@ impl fmt::Display for ParameterError {
             write!(f, "[{index}]")?;
         }
         let space = if self.unit.is_empty() { "" } else { " " };
-        write!(
-            f,
-            " is {}{space}{}, must be {}{space}{}",
-            self.value, self.unit, self.requirement, self.unit
-        )
+        write!(f, " is {}{space}{}, must be {}{space}{}", self.value, self.unit, self.requirement, self.unit)
     }
 }
 
@@ -85,11 +81,7 @@ impl core::error::Error for InputError {}
 
 /// Refuses a non-finite input.
 pub(crate) fn finite_input<T: Real>(value: T) -> Result<T, InputError> {
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(InputError::NotFinite)
-    }
+    if value.is_finite() { Ok(value) } else { Err(InputError::NotFinite) }
 }
 
 /// A parameter under test: its name, place and unit, for the error if it fails.
@@ -102,37 +94,19 @@ pub(crate) struct Check {
 
 impl Check {
     pub(crate) fn new(parameter: &'static str, unit: &'static str) -> Self {
-        Self {
-            parameter,
-            index: None,
-            unit,
-        }
+        Self { parameter, index: None, unit }
     }
 
     pub(crate) fn at(parameter: &'static str, index: usize, unit: &'static str) -> Self {
-        Self {
-            parameter,
-            index: Some(index),
-            unit,
-        }
+        Self { parameter, index: Some(index), unit }
     }
 
     pub(crate) fn error(self, value: f64, requirement: Requirement) -> ParameterError {
-        ParameterError {
-            parameter: self.parameter,
-            index: self.index,
-            value,
-            requirement,
-            unit: self.unit,
-        }
+        ParameterError { parameter: self.parameter, index: self.index, value, requirement, unit: self.unit }
     }
 
     pub(crate) fn finite<T: Real>(self, value: T) -> Result<T, ParameterError> {
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(self.error(value.to_f64(), Requirement::Finite))
-        }
+        if value.is_finite() { Ok(value) } else { Err(self.error(value.to_f64(), Requirement::Finite)) }
     }
 
     pub(crate) fn above<T: Real>(self, value: T, limit: T) -> Result<T, ParameterError> {

@@ -52,12 +52,7 @@ impl<T: Real, const N: usize, const M: usize> MgpiParameters<T, N, M> {
         let number = |value: T| U::from_f64(value.to_f64());
         let TanhParameters { c0, c1, c2, c3 } = self.envelope;
         Ok(MgpiParameters {
-            envelope: TanhParameters {
-                c0: number(c0),
-                c1: number(c1),
-                c2: number(c2),
-                c3: number(c3),
-            },
+            envelope: TanhParameters { c0: number(c0), c1: number(c1), c2: number(c2), c3: number(c3) },
             plays: PlayParameters {
                 q: number(self.plays.q),
                 thresholds: convert_list("plays", &self.plays.thresholds)?,
@@ -149,9 +144,7 @@ impl<T: Real, const N: usize, const M: usize> Mgpi<T, N, M> {
 
     /// The state of a muscle that came from rest to the lower end of the input range.
     pub fn rest_state(&self) -> MgpiState<T, N> {
-        MgpiState {
-            plays: self.plays.rest_state(self.envelope.value(self.input_range.min())),
-        }
+        MgpiState { plays: self.plays.rest_state(self.envelope.value(self.input_range.min())) }
     }
 
     /// One sample: the output for the input `x`. Input: input unit; result: output unit. Equation (16).
@@ -165,8 +158,7 @@ impl<T: Real, const N: usize, const M: usize> Mgpi<T, N, M> {
     }
 
     fn move_to(&self, state: &mut MgpiState<T, N>, x: T) -> T {
-        self.dead_zones
-            .value(self.plays.step(&mut state.plays, self.envelope.value(x)))
+        self.dead_zones.value(self.plays.step(&mut state.plays, self.envelope.value(x)))
     }
 
     /// The analytical inverse.
@@ -212,9 +204,7 @@ impl<T: Real, const N: usize, const M: usize> InverseMgpi<T, N, M> {
 
     /// The state of the inverse after the history that led the model to `state`.
     pub fn state_of(&self, state: &MgpiState<T, N>) -> InverseMgpiState<T, N> {
-        InverseMgpiState {
-            plays: self.forward.plays.inverse_state(&state.plays),
-        }
+        InverseMgpiState { plays: self.forward.plays.inverse_state(&state.plays) }
     }
 
     /// The state of the inverse for a muscle at rest.

@@ -19,18 +19,12 @@ pub const MUSCLE_LENGTH_MM: f64 = 500.0;
 /// The highest pressure of Fig. 8. Unit: bar.
 pub const PRESSURE_MAX_BAR: f64 = 6.0;
 /// Table 1: c0, c1 (1/bar), c2, c3.
-pub const ENVELOPE: TanhParameters<f64> = TanhParameters {
-    c0: 1.6867,
-    c1: 0.3385,
-    c2: -0.2319,
-    c3: 0.3211,
-};
+pub const ENVELOPE: TanhParameters<f64> = TanhParameters { c0: 1.6867, c1: 0.3385, c2: -0.2319, c3: 0.3211 };
 /// Table 1: q, ρ, τ, α.
 pub const PLAYS: [f64; 4] = [0.2959, 0.1827, 5.4999, 0.08];
 /// Table 2.
-pub const WEIGHTS: [f64; SIZE] = [
-    0.1207, 0.0246, 0.0405, 0.0694, 0.0357, -0.0238, -0.0070, -0.0401, -0.0223, 0.0625,
-];
+pub const WEIGHTS: [f64; SIZE] =
+    [0.1207, 0.0246, 0.0405, 0.0694, 0.0357, -0.0238, -0.0070, -0.0401, -0.0223, 0.0625];
 
 /// The raw parameters of the tabled model.
 ///
@@ -48,11 +42,7 @@ pub fn mgpi() -> Result<MgpiParameters<f64, SIZE, SIZE>, ParameterError> {
     Ok(MgpiParameters {
         envelope: ENVELOPE,
         plays,
-        dead_zones: DeadZoneParameters {
-            thresholds,
-            weights,
-            offset: 0.0,
-        },
+        dead_zones: DeadZoneParameters { thresholds, weights, offset: 0.0 },
         input_min: 0.0,
         input_max: PRESSURE_MAX_BAR,
     })

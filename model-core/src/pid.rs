@@ -70,10 +70,7 @@ pub struct PidState<T> {
 
 impl<T: Real> Default for PidState<T> {
     fn default() -> Self {
-        Self {
-            integral: T::ZERO,
-            filtered: None,
-        }
+        Self { integral: T::ZERO, filtered: None }
     }
 }
 

@@ -43,19 +43,12 @@ impl<T: Real, const N: usize> PlayParameters<T, N> {
     /// # Errors
     /// `count` is above the capacity `N`.
     pub fn exponential(count: usize, q: T, rho: T, tau: T, alpha: T) -> Result<Self, ParameterError> {
-        let mut parameters = Self {
-            q,
-            thresholds: Vec::new(),
-            weights: Vec::new(),
-        };
+        let mut parameters = Self { q, thresholds: Vec::new(), weights: Vec::new() };
         let too_many = |_| Check::new("plays", "").length(count, Requirement::AtMost(N as f64));
         for i in 1..=count {
             let threshold = alpha * T::from_f64(i as f64);
             parameters.thresholds.push(threshold).map_err(too_many)?;
-            parameters
-                .weights
-                .push(rho * (-tau * threshold).exp())
-                .map_err(too_many)?;
+            parameters.weights.push(rho * (-tau * threshold).exp()).map_err(too_many)?;
         }
         Ok(parameters)
     }
@@ -94,19 +87,12 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// Lists of different length; a threshold that is not above the one before (or above 0); q or a
     /// partial sum of the weights that is not above 0; anything not finite.
     pub fn try_new(parameters: &PlayParameters<T, N>) -> Result<Self, ParameterError> {
-        let PlayParameters {
-            q,
-            thresholds,
-            weights,
-        } = parameters;
+        let PlayParameters { q, thresholds, weights } = parameters;
         if weights.len() != thresholds.len() {
             let requirement = Requirement::Exactly(thresholds.len() as f64);
             return Err(Check::new("number of play weights", "").length(weights.len(), requirement));
         }
-        let mut bank = Self {
-            q: Check::new("q", "").above(*q, T::ZERO)?,
-            plays: Vec::new(),
-        };
+        let mut bank = Self { q: Check::new("q", "").above(*q, T::ZERO)?, plays: Vec::new() };
         let mut last = T::ZERO;
         let mut partial_sum = *q;
         for (i, (&threshold, &weight)) in thresholds.iter().zip(weights).enumerate() {
@@ -115,11 +101,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             partial_sum = Check::at("partial sums of q and play weights", i, "")
                 .above(partial_sum + weight, T::ZERO)?;
             // A play more than the capacity cannot come out of a list of that capacity.
-            let _ = bank.plays.push(Play {
-                threshold,
-                weight,
-                partial_sum,
-            });
+            let _ = bank.plays.push(Play { threshold, weight, partial_sum });
         }
         Ok(bank)
     }
@@ -136,21 +118,18 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// The smallest slope of u over v, the distance from being non-invertible. Unit: 1.
     pub fn smallest_slope(&self) -> T {
-        self.plays.iter().fold(self.q, |least, play| {
-            if play.partial_sum < least {
-                play.partial_sum
-            } else {
-                least
-            }
-        })
+        self.plays.iter().fold(
+            self.q,
+            |least, play| {
+                if play.partial_sum < least { play.partial_sum } else { least }
+            },
+        )
     }
 
     /// The state of a bank that rested at 0 and was then brought to `v`: the paper's initial state,
     /// equation (1) with w = 0.
     pub fn rest_state(&self, v: T) -> PlayState<T, N> {
-        let mut state = PlayState {
-            outputs: self.plays.iter().map(|_| T::ZERO).collect(),
-        };
+        let mut state = PlayState { outputs: self.plays.iter().map(|_| T::ZERO).collect() };
         self.step(&mut state, v);
         state
     }
@@ -179,9 +158,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             }
             before = (output, play.threshold);
         }
-        Ok(PlayState {
-            outputs: outputs.iter().copied().collect(),
-        })
+        Ok(PlayState { outputs: outputs.iter().copied().collect() })
     }
 
     /// One sample: moves the plays to the input `v` and answers u. Equations (6), (7).
@@ -201,11 +178,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// # Errors
     /// A parameter of the inverse is not finite, or its thresholds coincide, in this number type.
     pub fn inverse(&self) -> Result<Self, ParameterError> {
-        let mut parameters = PlayParameters {
-            q: T::ONE / self.q,
-            thresholds: Vec::new(),
-            weights: Vec::new(),
-        };
+        let mut parameters =
+            PlayParameters { q: T::ONE / self.q, thresholds: Vec::new(), weights: Vec::new() };
         let (mut slope, mut last, mut image) = (self.q, T::ZERO, T::ZERO);
         for play in &self.plays {
             // The threshold's image under the bank's initial loading curve; its slope up to here is `slope`.

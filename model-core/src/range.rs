@@ -21,10 +21,7 @@ impl<T: Real> Range<T> {
     ) -> Result<Self, ParameterError> {
         let check = Check::new(parameter, unit);
         let min = check.finite(min)?;
-        Ok(Self {
-            min,
-            max: check.above(max, min)?,
-        })
+        Ok(Self { min, max: check.above(max, min)? })
     }
 
     /// Lower limit.

@@ -104,12 +104,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         Ok(Self {
             inverse: Mgpi::try_new(&parameters.model)?.inverse()?,
             pid: Pid::try_new(&parameters.pid, period)?,
-            limits: Range::try_new(
-                parameters.command_min,
-                parameters.command_max,
-                "command range",
-                "bar",
-            )?,
+            limits: Range::try_new(parameters.command_min, parameters.command_max, "command range", "bar")?,
             largest_change: slew * period,
             transfer_decay: (-period / parameters.pid.tracking_time_s).exp(),
         })
@@ -165,27 +160,14 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
             }
         };
         let sum = feedforward + feedback;
-        state.transfer = if changed {
-            state.command - sum
-        } else {
-            state.transfer * self.transfer_decay
-        };
+        state.transfer = if changed { state.command - sum } else { state.transfer * self.transfer_decay };
         let asked = sum + state.transfer;
-        let slewed = asked.limit(
-            state.command - self.largest_change,
-            state.command + self.largest_change,
-        );
+        let slewed = asked.limit(state.command - self.largest_change, state.command + self.largest_change);
         let command = self.limits.limit(slewed);
         state.command = command;
         if mode != Mode::FeedforwardOnly {
-            self.pid
-                .settle(&mut state.pid, reference - contraction, command - asked);
+            self.pid.settle(&mut state.pid, reference - contraction, command - asked);
         }
-        Ok(Command {
-            command,
-            feedforward,
-            feedback,
-            limited: command != asked,
-        })
+        Ok(Command { command, feedforward, feedback, limited: command != asked })
     }
 }

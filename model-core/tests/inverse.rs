@@ -25,11 +25,7 @@ fn plays() -> impl Strategy<Value = PlayParameters<f64, N>> {
             weights.push(slope * factor - slope);
             slope *= factor;
         }
-        PlayParameters {
-            q,
-            thresholds: list(thresholds),
-            weights: list(weights),
-        }
+        PlayParameters { q, thresholds: list(thresholds), weights: list(weights) }
     })
 }
 
@@ -43,11 +39,7 @@ fn dead_zones() -> impl Strategy<Value = DeadZoneParameters<f64, M>> {
             weights.push(next - slope);
             slope = next;
         }
-        DeadZoneParameters {
-            thresholds: list(thresholds),
-            weights: list(weights),
-            offset,
-        }
+        DeadZoneParameters { thresholds: list(thresholds), weights: list(weights), offset }
     })
 }
 
@@ -55,13 +47,7 @@ fn model() -> impl Strategy<Value = Mgpi<f64, N, M>> {
     let envelope = (0.5..2.0, 0.1..0.5, -1.0..1.0, -0.5..0.5);
     (envelope, plays(), dead_zones()).prop_map(|((c0, c1, c2, c3), plays, dead_zones)| {
         let envelope = TanhParameters { c0, c1, c2, c3 };
-        let parameters = MgpiParameters {
-            envelope,
-            plays,
-            dead_zones,
-            input_min: 0.0,
-            input_max: 6.0,
-        };
+        let parameters = MgpiParameters { envelope, plays, dead_zones, input_min: 0.0, input_max: 6.0 };
         Mgpi::try_new(&parameters).expect("valid by construction")
     })
 }
@@ -233,10 +219,7 @@ fn wiping_out_is_exact_for_the_whole_model() {
     let model = Mgpi::try_new(&parameters).expect("valid");
     let run = |inputs: &[f64]| {
         let mut state = model.rest_state();
-        inputs
-            .iter()
-            .map(|&x| model.step(&mut state, x).expect("finite"))
-            .last()
+        inputs.iter().map(|&x| model.step(&mut state, x).expect("finite")).last()
     };
     // Fig. 4: p5 wipes out p1 to p4.
     assert_eq!(run(&[0.0, 3.0, 1.0, 2.5, 0.5, 5.0, 2.0]), run(&[0.0, 5.0, 2.0]));

@@ -37,10 +37,7 @@ fn the_first_loading_and_unloading_of_the_tabled_model_have_the_checked_values()
     falling.reverse();
     println!("rising {rising:.2?} mm, falling {falling:.2?} mm");
     // Computed independently, by the sums of equations (6) and (14), at exactly these pressures.
-    let checked = [
-        [16.726, 56.943, 89.044, 105.888, 117.078],
-        [30.985, 74.463, 100.631, 113.651, 120.585],
-    ];
+    let checked = [[16.726, 56.943, 89.044, 105.888, 117.078], [30.985, 74.463, 100.631, 113.651, 120.585]];
     for (branch, checked) in [rising, falling].iter().zip(checked) {
         for (got, checked) in branch.iter().zip(checked) {
             assert!((got - checked).abs() <= 0.001, "{got} mm, checked {checked} mm");
@@ -51,10 +48,7 @@ fn the_first_loading_and_unloading_of_the_tabled_model_have_the_checked_values()
 #[test]
 fn the_partial_sums_of_table_2_are_positive_and_the_smallest_is_the_first() {
     let smallest = model::<f64>().dead_zones().smallest_slope();
-    assert!(
-        (smallest / paper::MUSCLE_LENGTH_MM - 0.1207).abs() < 1e-12,
-        "{smallest}"
-    );
+    assert!((smallest / paper::MUSCLE_LENGTH_MM - 0.1207).abs() < 1e-12, "{smallest}");
 }
 
 /// The largest pressure difference after forward and inverse over the triangles. Unit: bar.
@@ -65,9 +59,7 @@ fn round_trip_error<T: Real>() -> f64 {
     let error = |x: f64| {
         let x = T::from_f64(x);
         let y = model.step(&mut state, x).expect("finite");
-        (inverse.step(&mut inverse_state, y).expect("finite") - x)
-            .abs()
-            .to_f64()
+        (inverse.step(&mut inverse_state, y).expect("finite") - x).abs().to_f64()
     };
     triangles().map(error).fold(0.0, f64::max)
 }
@@ -84,8 +76,5 @@ fn the_round_trip_over_1_khz_triangles_is_exact_to_5e_5_bar_in_single_precision(
     let error = round_trip_error::<f32>();
     println!("round trip in f32: {error:.1e} bar");
     assert!(error < 5e-5, "{error} bar");
-    assert!(
-        error > 1e-7,
-        "{error} bar is better than single precision can be: is it single precision?"
-    );
+    assert!(error > 1e-7, "{error} bar is better than single precision can be: is it single precision?");
 }

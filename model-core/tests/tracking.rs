@@ -32,28 +32,17 @@ fn on_its_own_model_the_feedforward_alone_tracks_exactly() {
     let plant = Mgpi::try_new(&paper::mgpi().expect("valid")).expect("valid");
     let (mut state, mut plant_state) = (tracking.rest_state(Mode::FeedforwardOnly), plant.rest_state());
     for tick in 0..20_000 {
-        let command = tracking
-            .step(&mut state, Mode::FeedforwardOnly, reference(tick), 0.0)
-            .expect("finite");
+        let command = tracking.step(&mut state, Mode::FeedforwardOnly, reference(tick), 0.0).expect("finite");
         let contraction = plant.step(&mut plant_state, command.command).expect("finite");
         let lowest = plant.step(&mut plant_state.clone(), 0.0).expect("finite");
-        assert!(
-            (contraction - reference(tick).max(lowest)).abs() < 1e-9,
-            "tick {tick}: {contraction} mm"
-        );
+        assert!((contraction - reference(tick).max(lowest)).abs() < 1e-9, "tick {tick}: {contraction} mm");
     }
 }
 
 #[test]
 fn every_change_of_mode_is_bumpless_with_and_without_integral_gain() {
     let modes = [Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly, Mode::Hold];
-    for gains in [
-        PidParameters::paper(),
-        PidParameters {
-            ki: 0.0,
-            ..PidParameters::paper()
-        },
-    ] {
+    for gains in [PidParameters::paper(), PidParameters { ki: 0.0, ..PidParameters::paper() }] {
         let tracking = tracking(gains);
         for from in modes {
             for to in modes {
@@ -62,9 +51,7 @@ fn every_change_of_mode_is_bumpless_with_and_without_integral_gain() {
                     // A muscle that is 7 mm off, so that feedback and feed-forward differ much.
                     range
                         .map(|t| {
-                            tracking
-                                .step(&mut state, mode, reference(t), reference(t) - 7.0)
-                                .expect("finite")
+                            tracking.step(&mut state, mode, reference(t), reference(t) - 7.0).expect("finite")
                         })
                         .last()
                         .expect("not empty")
@@ -73,10 +60,7 @@ fn every_change_of_mode_is_bumpless_with_and_without_integral_gain() {
                 run(Mode::Both, 0..5000);
                 let before = run(from, 5000..5500);
                 let after = run(to, 5500..5501);
-                assert!(
-                    (after - before).abs() < 0.005,
-                    "{from:?} to {to:?}: {before} to {after} bar"
-                );
+                assert!((after - before).abs() < 0.005, "{from:?} to {to:?}: {before} to {after} bar");
             }
         }
     }
@@ -84,10 +68,7 @@ fn every_change_of_mode_is_bumpless_with_and_without_integral_gain() {
 
 #[test]
 fn the_transfer_term_fades() {
-    let tracking = tracking(PidParameters {
-        ki: 0.0,
-        ..PidParameters::paper()
-    });
+    let tracking = tracking(PidParameters { ki: 0.0, ..PidParameters::paper() });
     let mut state = tracking.rest_state(Mode::Hold);
     let mut last = None;
     for _ in 0..10_000 {
@@ -100,37 +81,22 @@ fn the_transfer_term_fades() {
 #[test]
 fn the_integral_does_not_wind_up_at_a_limit() {
     // The reference is out of reach for 60 s; without back-calculation the integral would grow by 0.6 bar/s.
-    let tracking = tracking(PidParameters {
-        ki: 0.05,
-        ..PidParameters::paper()
-    });
+    let tracking = tracking(PidParameters { ki: 0.05, ..PidParameters::paper() });
     let mut state = tracking.rest_state(Mode::FeedbackOnly);
     for _ in 0..60_000 {
-        let command = tracking
-            .step(&mut state, Mode::FeedbackOnly, 140.0, 120.0)
-            .expect("finite");
+        let command = tracking.step(&mut state, Mode::FeedbackOnly, 140.0, 120.0).expect("finite");
         assert!(command.command <= 6.0);
     }
     // The command leaves the limit within a second of the error's change of sign.
     let left = (0..1000).position(|_| {
-        tracking
-            .step(&mut state, Mode::FeedbackOnly, 100.0, 120.0)
-            .expect("finite")
-            .command
-            < 5.99
+        tracking.step(&mut state, Mode::FeedbackOnly, 100.0, 120.0).expect("finite").command < 5.99
     });
-    assert!(
-        left.is_some_and(|tick| tick < 500),
-        "left the limit after {left:?} ticks"
-    );
+    assert!(left.is_some_and(|tick| tick < 500), "left the limit after {left:?} ticks");
 }
 
 #[test]
 fn the_command_respects_slew_and_limits_whatever_is_asked() {
-    let slow = TrackingParameters {
-        slew_bar_per_s: 2.0,
-        ..parameters(PidParameters::paper())
-    };
+    let slow = TrackingParameters { slew_bar_per_s: 2.0, ..parameters(PidParameters::paper()) };
     let tracking = Tracking::try_new(&slow).expect("valid");
     let mut state = tracking.rest_state(Mode::Both);
     let mut last = 0.0;
@@ -138,10 +104,7 @@ fn the_command_respects_slew_and_limits_whatever_is_asked() {
         let wild = if (tick / 700) % 2 == 0 { 1e6 } else { -1e6 };
         let command = tracking.step(&mut state, Mode::Both, wild, 50.0).expect("finite");
         assert!((0.0..=6.0).contains(&command.command));
-        assert!(
-            (command.command - last).abs() <= 2.0 * PERIOD_S * (1.0 + 1e-9),
-            "tick {tick}"
-        );
+        assert!((command.command - last).abs() <= 2.0 * PERIOD_S * (1.0 + 1e-9), "tick {tick}");
         assert!(command.limited);
         last = command.command;
     }
@@ -152,9 +115,7 @@ fn a_non_finite_sample_is_refused_and_changes_nothing() {
     let tracking = tracking(PidParameters::paper());
     let mut state = tracking.rest_state(Mode::Both);
     for tick in 0..100 {
-        tracking
-            .step(&mut state, Mode::Both, reference(tick), 0.0)
-            .expect("finite");
+        tracking.step(&mut state, Mode::Both, reference(tick), 0.0).expect("finite");
     }
     let before = state.clone();
     for (reference, contraction) in [(f64::NAN, 0.0), (1.0, f64::INFINITY)] {
@@ -166,21 +127,11 @@ fn a_non_finite_sample_is_refused_and_changes_nothing() {
 
 #[test]
 fn the_derivative_acts_on_the_measurement_and_is_filtered() {
-    let gains = PidParameters {
-        kp: 0.0,
-        ki: 0.0,
-        kd: 2.0,
-        derivative_filter_s: 0.05,
-        tracking_time_s: 1.0,
-    };
+    let gains = PidParameters { kp: 0.0, ki: 0.0, kd: 2.0, derivative_filter_s: 0.05, tracking_time_s: 1.0 };
     let pid = Pid::try_new(&gains, PERIOD_S).expect("valid");
     let mut state = PidState::default();
     assert_eq!(pid.output(&mut state, 0.0, 10.0), 0.0);
-    assert_eq!(
-        pid.output(&mut state, 100.0, 10.0),
-        0.0,
-        "a step of the reference must not kick"
-    );
+    assert_eq!(pid.output(&mut state, 100.0, 10.0), 0.0, "a step of the reference must not kick");
     // A ramp of 3 mm/s: after several filter constants -kd times the rate.
     let mut output = 0.0;
     for tick in 0..1000 {

@@ -15,21 +15,10 @@ fn refusal(spoil: impl Fn(&mut Parameters)) -> ParameterError {
 #[test]
 fn a_refusal_names_parameter_value_limit_and_unit() {
     let error = refusal(|p| p.envelope.c1 = -0.3385);
-    assert_eq!(
-        error.to_string(),
-        "c1 is -0.3385 1/input unit, must be above 0 1/input unit"
-    );
+    assert_eq!(error.to_string(), "c1 is -0.3385 1/input unit, must be above 0 1/input unit");
     let error = refusal(|p| p.dead_zones.weights[5] = -200.0);
-    assert!(
-        error
-            .to_string()
-            .starts_with("partial sums of dead-zone weights[5] is -54.5"),
-        "{error}"
-    );
-    assert_eq!(
-        (error.index, error.requirement),
-        (Some(5), Requirement::Above(0.0))
-    );
+    assert!(error.to_string().starts_with("partial sums of dead-zone weights[5] is -54.5"), "{error}");
+    assert_eq!((error.index, error.requirement), (Some(5), Requirement::Above(0.0)));
 }
 
 #[test]
@@ -44,15 +33,11 @@ fn every_broken_parameter_is_refused() {
         ("play thresholds", |p| p.plays.thresholds[0] = 0.0),
         ("play thresholds", |p| p.plays.thresholds[3] = 0.16),
         ("play weights", |p| p.plays.weights[2] = f64::NAN),
-        ("partial sums of q and play weights", |p| {
-            p.plays.weights[2] = -1.0
-        }),
+        ("partial sums of q and play weights", |p| p.plays.weights[2] = -1.0),
         ("number of play weights", |p| p.plays.weights.truncate(3)),
         ("dead-zone thresholds", |p| p.dead_zones.thresholds[0] = 0.1),
         ("dead-zone thresholds", |p| p.dead_zones.thresholds[4] = 0.0),
-        ("number of dead-zone weights", |p| {
-            p.dead_zones.weights.truncate(3)
-        }),
+        ("number of dead-zone weights", |p| p.dead_zones.weights.truncate(3)),
         ("offset", |p| p.dead_zones.offset = f64::NAN),
         ("input range", |p| p.input_max = 0.0),
     ];
@@ -62,18 +47,13 @@ fn every_broken_parameter_is_refused() {
     let mut empty = paper::mgpi().expect("valid");
     empty.dead_zones.thresholds.clear();
     empty.dead_zones.weights.clear();
-    assert_eq!(
-        Mgpi::try_new(&empty).expect_err("no dead zone").parameter,
-        "dead zones"
-    );
+    assert_eq!(Mgpi::try_new(&empty).expect_err("no dead zone").parameter, "dead zones");
 }
 
 #[test]
 fn a_capacity_that_is_too_small_is_refused() {
-    let error = paper::mgpi()
-        .expect("valid")
-        .convert::<f32, 4, SIZE>()
-        .expect_err("ten do not fit into four");
+    let error =
+        paper::mgpi().expect("valid").convert::<f32, 4, SIZE>().expect_err("ten do not fit into four");
     assert_eq!(error.to_string(), "plays is 10, must be at most 4");
 }
 
@@ -83,37 +63,10 @@ fn broken_gains_and_limits_are_refused() {
     let named =
         |gains: PidParameters<f64>, period| Pid::try_new(&gains, period).expect_err("refused").parameter;
     assert_eq!(named(PidParameters { kp: -1.0, ..gains }, 1e-3), "kp");
-    assert_eq!(
-        named(
-            PidParameters {
-                ki: f64::NAN,
-                ..gains
-            },
-            1e-3
-        ),
-        "ki"
-    );
+    assert_eq!(named(PidParameters { ki: f64::NAN, ..gains }, 1e-3), "ki");
     assert_eq!(named(PidParameters { kd: -0.1, ..gains }, 1e-3), "kd");
-    assert_eq!(
-        named(
-            PidParameters {
-                derivative_filter_s: -1.0,
-                ..gains
-            },
-            1e-3
-        ),
-        "derivative_filter_s"
-    );
-    assert_eq!(
-        named(
-            PidParameters {
-                tracking_time_s: 0.0,
-                ..gains
-            },
-            1e-3
-        ),
-        "tracking_time_s"
-    );
+    assert_eq!(named(PidParameters { derivative_filter_s: -1.0, ..gains }, 1e-3), "derivative_filter_s");
+    assert_eq!(named(PidParameters { tracking_time_s: 0.0, ..gains }, 1e-3), "tracking_time_s");
     assert_eq!(named(gains, 0.0), "period_s");
 
     let sound = TrackingParameters {
@@ -125,20 +78,8 @@ fn broken_gains_and_limits_are_refused() {
         period_s: 1e-3,
     };
     assert!(Tracking::try_new(&sound).is_ok());
-    let reversed = TrackingParameters {
-        command_max: -1.0,
-        ..sound.clone()
-    };
-    assert_eq!(
-        Tracking::try_new(&reversed).expect_err("refused").parameter,
-        "command range"
-    );
-    let frozen = TrackingParameters {
-        slew_bar_per_s: 0.0,
-        ..sound
-    };
-    assert_eq!(
-        Tracking::try_new(&frozen).expect_err("refused").parameter,
-        "slew_bar_per_s"
-    );
+    let reversed = TrackingParameters { command_max: -1.0, ..sound.clone() };
+    assert_eq!(Tracking::try_new(&reversed).expect_err("refused").parameter, "command range");
+    let frozen = TrackingParameters { slew_bar_per_s: 0.0, ..sound };
+    assert_eq!(Tracking::try_new(&frozen).expect_err("refused").parameter, "slew_bar_per_s");
 }

@@ -37,14 +37,8 @@ pub fn encode<'a, M: Serialize>(message: &M, buffer: &'a mut [u8]) -> Result<&'a
     let cobs = ser_flavors::Cobs::try_new(slice).map_err(|_| FrameError::TooLong)?;
     let flavor = ser_flavors::crc::CrcModifier::new(cobs, CRC.digest());
     let mut serializer = postcard::Serializer { output: flavor };
-    message
-        .serialize(&mut serializer)
-        .map_err(|_| FrameError::TooLong)?;
-    serializer
-        .output
-        .finalize()
-        .map(|frame| &*frame)
-        .map_err(|_| FrameError::TooLong)
+    message.serialize(&mut serializer).map_err(|_| FrameError::TooLong)?;
+    serializer.output.finalize().map(|frame| &*frame).map_err(|_| FrameError::TooLong)
 }
 
 /// Gathers bytes into frames, and frames into messages.
@@ -57,10 +51,7 @@ pub struct Receiver {
 impl Receiver {
     /// A receiver at the start of a frame.
     pub const fn new() -> Self {
-        Self {
-            frame: heapless::Vec::new(),
-            overflow: false,
-        }
+        Self { frame: heapless::Vec::new(), overflow: false }
     }
 
     /// Takes a byte. At the end of a frame answers its message, or why there is none; empty frames (a zero
@@ -113,11 +104,7 @@ mod tests {
     }
 
     fn tick() -> Request {
-        Request::Tick(TickRequest {
-            reference_mm: 12.5,
-            pressure_code: 0,
-            contraction_code: 4095,
-        })
+        Request::Tick(TickRequest { reference_mm: 12.5, pressure_code: 0, contraction_code: 4095 })
     }
 
     fn largest() -> Request {
@@ -128,12 +115,7 @@ mod tests {
             version: VERSION,
             tracking: TrackingParameters {
                 model: MgpiParameters {
-                    envelope: TanhParameters {
-                        c0: number,
-                        c1: number,
-                        c2: number,
-                        c3: number,
-                    },
+                    envelope: TanhParameters { c0: number, c1: number, c2: number, c3: number },
                     plays: PlayParameters {
                         q: number,
                         thresholds: full.clone().take(PLAYS).collect(),
@@ -174,10 +156,7 @@ mod tests {
             damaged[bit / 8] ^= 1 << (bit % 8);
             damaged.push(0);
             assert!(!receive(&damaged).contains(&Ok(tick())), "bit {bit}");
-            assert!(
-                receive(&damaged).iter().all(|received| received.is_err()),
-                "bit {bit}"
-            );
+            assert!(receive(&damaged).iter().all(|received| received.is_err()), "bit {bit}");
         }
     }
 
@@ -188,9 +167,6 @@ mod tests {
         let garbage = std::vec![7_u8; 3];
         let overlong = std::vec![7_u8; FRAME_BYTES + 1];
         let bytes = [&garbage[..], &[0], &overlong, &[0], &[0], &frame].concat();
-        assert_eq!(
-            receive(&bytes),
-            [Err(FrameError::Damaged), Err(FrameError::TooLong), Ok(tick())]
-        );
+        assert_eq!(receive(&bytes), [Err(FrameError::Damaged), Err(FrameError::TooLong), Ok(tick())]);
     }
 }

@@ -10,6 +10,7 @@
 //! |---|---|---|
 //! | [`envelope`] | the tanh curve that shapes every play | (11) |
 //! | [`play`] | bank of weighted plays and its inverse, which is a bank again | (6), (7), (18), (19), (21) |
+//! | [`staircase`] | the same bank for many plays, at a cost that hardly grows | (6), (7) |
 //! | [`dead_zone`] | weighted dead zones and their inverse | (12) to (14), (20) |
 //! | [`mgpi`] | the cascade of the three, and the inverse cascade | (16), (17) |
 //! | [`pid`] | the feedback controller | (24) |
@@ -40,6 +41,7 @@ pub mod pid;
 pub mod play;
 pub mod range;
 pub mod real;
+pub mod staircase;
 pub mod tracking;
 
 pub use error::{InputError, ParameterError, Requirement};

@@ -144,20 +144,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             let requirement = Requirement::Exactly(self.plays.len() as f64);
             return Err(Check::new("number of play outputs", "").length(outputs.len(), requirement));
         }
-        let mut before = (Check::new("v", "").finite(v)?, T::ZERO);
-        for (i, (play, &output)) in self.plays.iter().zip(outputs).enumerate() {
-            let check = Check::at("play outputs", i, "");
-            check.finite(output)?;
-            let tolerance = T::from_f64(8.0) * T::EPSILON * (v.abs() + play.threshold);
-            let reach = play.threshold - before.1 + tolerance;
-            if output > before.0 + reach {
-                return Err(check.error(output.to_f64(), Requirement::AtMost((before.0 + reach).to_f64())));
-            }
-            if output < before.0 - reach {
-                return Err(check.error(output.to_f64(), Requirement::AtLeast((before.0 - reach).to_f64())));
-            }
-            before = (output, play.threshold);
-        }
+        admissible(self.plays.iter().map(|play| play.threshold), outputs, v)?;
         Ok(PlayState { outputs: outputs.iter().copied().collect() })
     }
 
@@ -205,4 +192,28 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
         PlayState { outputs }
     }
+}
+
+/// Refuses outputs of plays that no history can reach at the input `v`: |v - z₁| ≤ r₁ and
+/// |zᵢ - zᵢ₊₁| ≤ rᵢ₊₁ - rᵢ, with a tolerance of a few roundings. As many outputs as thresholds.
+pub(crate) fn admissible<T: Real>(
+    thresholds: impl Iterator<Item = T>,
+    outputs: &[T],
+    v: T,
+) -> Result<(), ParameterError> {
+    let mut before = (Check::new("v", "").finite(v)?, T::ZERO);
+    for (i, (threshold, &output)) in thresholds.zip(outputs).enumerate() {
+        let check = Check::at("play outputs", i, "");
+        check.finite(output)?;
+        let tolerance = T::from_f64(8.0) * T::EPSILON * (v.abs() + threshold);
+        let reach = threshold - before.1 + tolerance;
+        if output > before.0 + reach {
+            return Err(check.error(output.to_f64(), Requirement::AtMost((before.0 + reach).to_f64())));
+        }
+        if output < before.0 - reach {
+            return Err(check.error(output.to_f64(), Requirement::AtLeast((before.0 - reach).to_f64())));
+        }
+        before = (output, threshold);
+    }
+    Ok(())
 }

@@ -70,10 +70,7 @@ impl Control {
                 self.fault = None;
             }
             (Order::Start(mode), State::Ready) => {
-                self.running = self.tracking.as_ref().map(|t| Running {
-                    mode,
-                    state: t.rest_state(mode),
-                });
+                self.running = self.tracking.as_ref().map(|t| Running { mode, state: t.rest_state(mode) });
             }
             (Order::SetMode(mode), State::Tracking) => {
                 self.running.iter_mut().for_each(|running| running.mode = mode);
@@ -115,10 +112,7 @@ impl Control {
         let (Some(tracking), Some(running)) = (&self.tracking, &mut self.running) else {
             return Ok(VENTED);
         };
-        let Samples {
-            pressure,
-            contraction,
-        } = samples?;
+        let Samples { pressure, contraction } = samples?;
         if !PRESSURE.is_plausible(pressure.0) {
             return Err(Fault::PressureSensor);
         }
@@ -126,12 +120,7 @@ impl Control {
             return Err(Fault::ContractionSensor);
         }
         let command = tracking
-            .step(
-                &mut running.state,
-                running.mode,
-                self.reference_mm,
-                CONTRACTION.value(contraction.0),
-            )
+            .step(&mut running.state, running.mode, self.reference_mm, CONTRACTION.value(contraction.0))
             .map_err(|_| Fault::Reference)?;
         Ok(TickReply {
             dac_code: COMMAND.code(command.command),
@@ -157,12 +146,8 @@ impl Control {
 }
 
 /// The reply of a tick that did not drive the valve.
-const VENTED: TickReply = TickReply {
-    dac_code: VENT.0,
-    feedforward_bar: 0.0,
-    feedback_bar: 0.0,
-    flags: Flags(0),
-};
+const VENTED: TickReply =
+    TickReply { dac_code: VENT.0, feedforward_bar: 0.0, feedback_bar: 0.0, flags: Flags(0) };
 
 /// Major, minor and patch of the package's version.
 const FIRMWARE_VERSION: [u16; 3] = [

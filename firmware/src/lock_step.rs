@@ -19,10 +19,7 @@ impl LockStepBoard {
     /// A board without samples, the valve vented.
     pub const fn new() -> Self {
         Self {
-            samples: Samples {
-                pressure: AdcCode(0),
-                contraction: AdcCode(0),
-            },
+            samples: Samples { pressure: AdcCode(0), contraction: AdcCode(0) },
             output: crate::scaling::VENT,
         }
     }

@@ -14,28 +14,15 @@ use wire::Scaling;
 use crate::board::DacCode;
 
 /// Pressure in bar. Plausible: -0.64 to 10.65 bar.
-pub const PRESSURE: Scaling = Scaling {
-    zero_code: 409.5,
-    codes_per_unit: 327.6,
-    code_min: 200,
-    code_max: 3900,
-};
+pub const PRESSURE: Scaling =
+    Scaling { zero_code: 409.5, codes_per_unit: 327.6, code_min: 200, code_max: 3900 };
 
 /// Contraction in mm. Plausible: -6.7 to 156.7 mm.
-pub const CONTRACTION: Scaling = Scaling {
-    zero_code: 204.75,
-    codes_per_unit: 24.57,
-    code_min: 40,
-    code_max: 4055,
-};
+pub const CONTRACTION: Scaling =
+    Scaling { zero_code: 204.75, codes_per_unit: 24.57, code_min: 40, code_max: 4055 };
 
 /// Command in bar: 0 to 10 bar.
-pub const COMMAND: Scaling = Scaling {
-    zero_code: 0.0,
-    codes_per_unit: 409.5,
-    code_min: 0,
-    code_max: 4095,
-};
+pub const COMMAND: Scaling = Scaling { zero_code: 0.0, codes_per_unit: 409.5, code_min: 0, code_max: 4095 };
 
 /// The safe output: the regulator vents the muscle.
 pub const VENT: DacCode = DacCode(0);

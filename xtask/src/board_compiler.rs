@@ -43,9 +43,7 @@ impl BoardCompiler {
     /// Makes a cargo command compile by this compiler.
     pub fn apply(&self, cargo: &mut Command) {
         // These would replace the link arguments of .cargo/config.toml.
-        cargo
-            .env_remove("RUSTFLAGS")
-            .env_remove("CARGO_ENCODED_RUSTFLAGS");
+        cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
         if let Self::System { linker } = self {
             cargo
                 .arg("-Zbuild-std=core")
@@ -80,11 +78,8 @@ fn linker() -> Option<PathBuf> {
     let of_rustup = run::output("rustc", &["--print", "target-libdir"])
         .map(|libraries| Path::new(&libraries).with_file_name("bin").join("rust-lld"))
         .filter(|path| path.is_file());
-    let of_system = || {
-        ["ld.lld-19", "ld.lld"]
-            .into_iter()
-            .find(|name| run::output(name, &["--version"]).is_some())
-    };
+    let of_system =
+        || ["ld.lld-19", "ld.lld"].into_iter().find(|name| run::output(name, &["--version"]).is_some());
     of_rustup.or_else(|| of_system().map(PathBuf::from))
 }
 

@@ -12,11 +12,7 @@ const REFERENCE: &str = "recordings/reference-cosines.csv";
 
 /// The stroke of the paper's muscle, and the figures of its Table 5 (combined controller), in mm.
 const PAPER_STROKE_MM: f64 = 123.76;
-const PAPER: Run = Run {
-    rmse_mm: 0.8975,
-    mae_mm: 0.7153,
-    max_error_mm: 2.738,
-};
+const PAPER: Run = Run { rmse_mm: 0.8975, mae_mm: 0.7153, max_error_mm: 2.738 };
 
 /// Tracking figures of one run.
 struct Run {
@@ -51,29 +47,11 @@ pub fn demo() -> Result<()> {
         ])
     })?;
     run::step("firmware in the loop", || {
-        let plant = [
-            "pil",
-            "--model",
-            &model,
-            "--reference",
-            REFERENCE,
-            "--plant",
-            "rig",
-        ];
+        let plant = ["pil", "--model", &model, "--reference", REFERENCE, "--plant", "rig"];
         mgpi(&[&plant[..], &["-o", &log, "--json", &pil_json]].concat())
     })?;
     run::step("report", || {
-        mgpi(&[
-            "report",
-            "--model",
-            &model,
-            "--recording",
-            RECORDING,
-            "--log",
-            &log,
-            "-o",
-            &report,
-        ])
+        mgpi(&["report", "--model", &model, "--recording", RECORDING, "--log", &log, "-o", &report])
     })?;
 
     print_figures(&read_json(&identify_json)?, &read_json(&pil_json)?)?;
@@ -89,16 +67,10 @@ fn read_json(file: &str) -> Result<Value> {
 fn print_figures(identified: &Value, tracked: &Value) -> Result<()> {
     let stroke_mm = figure(identified, "stroke_mm")?;
     println!("\ntracking error         RMSE mm   MAE mm   max mm   RMSE, % of stroke");
-    for (title, key) in [
-        ("both", "tracking"),
-        ("feed-forward only", "feedforward_only"),
-        ("feedback only", "feedback_only"),
-    ] {
-        print_row(
-            title,
-            &Run::of(&tracked[key]).with_context(|| format!("in {key}"))?,
-            stroke_mm,
-        );
+    for (title, key) in
+        [("both", "tracking"), ("feed-forward only", "feedforward_only"), ("feedback only", "feedback_only")]
+    {
+        print_row(title, &Run::of(&tracked[key]).with_context(|| format!("in {key}"))?, stroke_mm);
     }
     print_row("paper, Table 5", &PAPER, PAPER_STROKE_MM);
     Ok(())
@@ -123,7 +95,5 @@ impl Run {
 }
 
 fn figure(json: &Value, key: &str) -> Result<f64> {
-    json[key]
-        .as_f64()
-        .with_context(|| format!("the results lack the number {key}"))
+    json[key].as_f64().with_context(|| format!("the results lack the number {key}"))
 }

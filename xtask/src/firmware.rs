@@ -8,29 +8,21 @@ use anyhow::Result;
 use crate::board_compiler::{BoardCompiler, TARGET};
 use crate::run;
 
-/// Each binary, which is also the feature that brings its dependencies.
-const IMAGES: [&str; 2] = ["emulated", "stm32f405"];
-
 /// Builds both images.
 ///
 /// # Errors
 /// When cargo fails.
 pub fn build(compiler: &BoardCompiler) -> Result<()> {
     run::step("firmware", || {
-        IMAGES.iter().try_for_each(|image| {
-            let mut cargo = run::cargo(&["build", "--package", "firmware", "--profile", "firmware"]);
-            cargo.args(["--target", TARGET, "--bin", image, "--features", image]);
-            cargo.arg("--target-dir").arg(run::target_dir().join("firmware"));
-            compiler.apply(&mut cargo);
-            run::succeed(&mut cargo)
-        })
+        let mut cargo = run::cargo(&["build", "--package", "firmware", "--profile", "firmware", "--bins"]);
+        cargo.args(["--features", "emulated,stm32f405", "--target", TARGET]);
+        cargo.arg("--target-dir").arg(run::target_dir().join("firmware"));
+        compiler.apply(&mut cargo);
+        run::succeed(&mut cargo)
     })
 }
 
 /// The ELF file of the image for the emulator.
 pub fn emulated_elf() -> PathBuf {
-    run::target_dir()
-        .join("firmware")
-        .join(TARGET)
-        .join("firmware/emulated")
+    run::target_dir().join("firmware").join(TARGET).join("firmware/emulated")
 }

@@ -33,9 +33,7 @@ pub fn build() -> Result<()> {
 pub fn mgpi() -> Command {
     let program: PathBuf = run::target_dir().join("release/mgpi");
     let mut command = Command::new(program);
-    command
-        .current_dir(run::root())
-        .env(FIRMWARE_VARIABLE, firmware::emulated_elf());
+    command.current_dir(run::root()).env(FIRMWARE_VARIABLE, firmware::emulated_elf());
     command
 }
 
@@ -45,9 +43,7 @@ pub fn mgpi() -> Command {
 /// When a test fails.
 pub fn test() -> Result<()> {
     // The plant program has to stand beside `mgpi`; cargo builds only the programs of the package under test.
-    run::step("programs under test", || {
-        run::succeed(&mut run::cargo(&["build", "--workspace", "--bins"]))
-    })?;
+    run::step("programs under test", || run::succeed(&mut run::cargo(&["build", "--workspace", "--bins"])))?;
     run::step("tests", || {
         run::succeed(run::cargo(&["test", "--workspace"]).env(FIRMWARE_VARIABLE, firmware::emulated_elf()))
     })

@@ -29,9 +29,7 @@ pub fn cargo(arguments: &[&str]) -> Command {
 /// # Errors
 /// When it cannot be started or does not succeed; the message is its command line and status.
 pub fn succeed(command: &mut Command) -> Result<()> {
-    let status = command
-        .status()
-        .with_context(|| format!("cannot run {command:?}"))?;
+    let status = command.status().with_context(|| format!("cannot run {command:?}"))?;
     if !status.success() {
         bail!("{command:?} failed ({status})");
     }
@@ -59,15 +57,8 @@ pub fn succeeds_within(command: &mut Command, limit: Duration) -> bool {
 
 /// What a command prints on its standard output, trimmed; `None` when it does not run or fails.
 pub fn output(program: &str, arguments: &[&str]) -> Option<String> {
-    let output = Command::new(program)
-        .args(arguments)
-        .stderr(Stdio::null())
-        .output()
-        .ok()?;
-    output
-        .status
-        .success()
-        .then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    let output = Command::new(program).args(arguments).stderr(Stdio::null()).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
 /// Does a piece of work between a heading and a line with its duration.

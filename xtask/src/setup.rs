@@ -18,10 +18,7 @@ const NEEDS: &[Need] = &[
     Need {
         name: "a compiler for the board (thumbv7em-none-eabihf)",
         is_met: || BoardCompiler::find().is_some(),
-        cures: &[
-            Cure::RustupTarget,
-            Cure::Packages(&["rustc-web", "rust-web-src", "lld-19"]),
-        ],
+        cures: &[Cure::RustupTarget, Cure::Packages(&["rustc-web", "rust-web-src", "lld-19"])],
         by_hand: "rustup target add thumbv7em-none-eabihf\n\
                   or, without rustup: the distribution's Rust (1.88 or newer) with its sources as /usr/bin/rustc, \
                   and LLVM's linker ld.lld\n(Debian 12: apt-get install rustc-web rust-web-src lld-19)",
@@ -91,11 +88,7 @@ impl Need {
         if self.cures.iter().any(|cure| cure.apply() && (self.is_met)()) {
             return Ok(());
         }
-        Err(format!(
-            "- {}:\n    {}",
-            self.name,
-            self.by_hand.replace('\n', "\n    ")
-        ))
+        Err(format!("- {}:\n    {}", self.name, self.by_hand.replace('\n', "\n    ")))
     }
 }
 
@@ -105,10 +98,7 @@ impl Cure {
         match self {
             Self::RustupTarget => {
                 run::output("rustup", &["--version"]).is_some()
-                    && announced(
-                        Command::new("rustup").args(["target", "add", TARGET]),
-                        RUSTUP_LIMIT,
-                    )
+                    && announced(Command::new("rustup").args(["target", "add", TARGET]), RUSTUP_LIMIT)
             }
             Self::Packages(packages) => {
                 let install = [&["install", "-y", "--no-install-recommends"], *packages].concat();
@@ -126,10 +116,7 @@ impl Cure {
 fn apt_get(arguments: &[&str]) -> Command {
     let is_root = run::output("id", &["-u"]).as_deref() == Some("0");
     let mut command = Command::new(if is_root { "env" } else { "sudo" });
-    command
-        .args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq"])
-        .args(arguments)
-        .stdout(Stdio::null());
+    command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq"]).args(arguments).stdout(Stdio::null());
     command
 }
 
@@ -139,10 +126,6 @@ fn announced(command: &mut Command, limit: Duration) -> bool {
         .chain(command.get_args())
         .map(|word| word.to_string_lossy())
         .collect();
-    println!(
-        "setup: running `{}` (at most {} s)",
-        words.join(" "),
-        limit.as_secs()
-    );
+    println!("setup: running `{}` (at most {} s)", words.join(" "), limit.as_secs());
     run::succeeds_within(command, limit)
 }

@@ -1,0 +1,103 @@
+//! The image for the emulator (QEMU's `netduinoplus2`, an STM32F405): the board's control code in lock-step with a
+//! plant on the host.
+//!
+//! | task | priority | interrupt | runs | deadline |
+//! |---|---|---|---|---|
+//! | `tick` | 2 | TIM2, pended by `link` | the control tick on the samples that arrived | none: the host waits |
+//! | `link` | 1 | USART2 | receives bytes, answers requests | none: the host waits |
+//!
+//! The emulator has neither a converter nor a timer that keeps time, so samples come by the serial port and a
+//! complete request is the clock. What computes is the same as in production: the library's
+//! [`firmware::Control`], in the same task, at the same place in the order of priorities.
+//!
+//! # Limits
+//! Time in the emulator means nothing; neither do overruns, which lock-step cannot have.
+//! Logs (defmt) and the exit status leave by semihosting.
+#![no_std]
+#![no_main]
+
+#[path = "../../hardware/link.rs"]
+mod link;
+#[path = "../../hardware/safe_end.rs"]
+mod safe_end;
+#[path = "../../hardware/usart.rs"]
+mod usart;
+
+use defmt_semihosting as _;
+
+/// Ends the emulator with a failure.
+fn end() -> ! {
+    semihosting::process::exit(1)
+}
+
+#[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
+mod app {
+    use firmware::{Control, LockStepBoard, Order};
+    use stm32f4::stm32f405::Interrupt;
+    use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickReply, TickRequest};
+
+    use crate::link::{answer, log_change};
+    use crate::usart::Usart;
+
+    /// The emulated port does not time its bits; any clock will do.
+    const CLOCK_HZ: u32 = 16_000_000;
+
+    /// What a tick works on and leaves.
+    pub struct LockStep {
+        control: Control,
+        board: LockStepBoard,
+        reply: Option<TickReply>,
+    }
+
+    #[shared]
+    struct Shared {
+        lock_step: LockStep,
+    }
+
+    #[local]
+    struct Local {
+        usart: Usart,
+        receiver: Receiver,
+        frame: [u8; FRAME_BYTES],
+        logged: State,
+    }
+
+    #[init]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let mut usart = Usart::new(cx.device.USART2, CLOCK_HZ);
+        let mut control = Control::new();
+        let mut frame = [0; FRAME_BYTES];
+        usart.send(&mut frame, &control.apply(Order::Identify));
+        defmt::info!("emulated board, messages version {=u16}", wire::VERSION);
+        let logged = control.state();
+        let lock_step = LockStep { control, board: LockStepBoard::new(), reply: None };
+        (Shared { lock_step }, Local { usart, receiver: Receiver::new(), frame, logged })
+    }
+
+    #[task(binds = TIM2, priority = 2, shared = [lock_step])]
+    fn tick(mut cx: tick::Context) {
+        cx.shared.lock_step.lock(|LockStep { control, board, reply }| *reply = Some(control.tick(board)));
+    }
+
+    #[task(binds = USART2, priority = 1, shared = [lock_step], local = [usart, receiver, frame, logged])]
+    fn link(mut cx: link::Context) {
+        let link::LocalResources { usart, receiver, frame, logged, .. } = cx.local;
+        let Some(received) = usart.read().and_then(|byte| receiver.push(byte)) else {
+            return;
+        };
+        let response = match received {
+            Ok(Request::Tick(request)) => run_tick(&mut cx.shared.lock_step, request),
+            other => answer(other, |order| cx.shared.lock_step.lock(|shared| shared.control.apply(order))),
+        };
+        usart.send(frame, &response);
+        log_change(logged, cx.shared.lock_step.lock(|shared| shared.control.state()));
+    }
+
+    /// Lays the samples in and lets the tick's task run, which happens before the next statement.
+    fn run_tick(lock_step: &mut impl rtic::Mutex<T = LockStep>, request: TickRequest) -> Response {
+        lock_step.lock(|LockStep { control, board, .. }| board.feed(control, request));
+        rtic::pend(Interrupt::TIM2);
+        let reply = lock_step.lock(|shared| shared.reply.take());
+        Response::Tick(reply.expect("the tick's task has the higher priority"))
+    }
+}

@@ -1,0 +1,65 @@
+//! Clocks: 168 MHz from the board's 8 MHz crystal, or 16 MHz from the internal oscillator when the crystal or the
+//! multiplier does not start in time. Which one it became is part of [`Clocks`], and logged.
+
+use stm32f4::stm32f405::{FLASH, RCC};
+
+/// Polls of a status bit before it is given up: at 16 MHz and at least 4 cycles a poll 25 ms or more, where a
+/// crystal takes 2 ms and the multiplier 0.3 ms.
+const POLLS: u32 = 100_000;
+
+/// The frequencies that the rest of the image needs.
+#[derive(Clone, Copy, Debug, defmt::Format)]
+pub struct Clocks {
+    /// Where they come from.
+    pub source: Source,
+    /// APB1, which clocks USART2. Unit: Hz.
+    pub slow_bus_hz: u32,
+    /// TIM2. Unit: Hz.
+    pub timer_hz: u32,
+}
+
+/// An oscillator.
+#[derive(Clone, Copy, Debug, defmt::Format)]
+pub enum Source {
+    /// The crystal, multiplied to 168 MHz.
+    Crystal,
+    /// The internal oscillator of 16 MHz: the crystal or the multiplier did not start.
+    Internal,
+}
+
+const FAST: Clocks = Clocks { source: Source::Crystal, slow_bus_hz: 42_000_000, timer_hz: 84_000_000 };
+const FALL_BACK: Clocks = Clocks { source: Source::Internal, slow_bus_hz: 16_000_000, timer_hz: 16_000_000 };
+
+/// Clocks the peripherals that the image uses.
+pub fn feed_peripherals(rcc: &RCC) {
+    rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled());
+    rcc.apb1enr().modify(|_, w| w.dacen().enabled().tim2en().enabled().usart2en().enabled());
+    rcc.apb2enr().modify(|_, w| w.adc1en().enabled());
+}
+
+/// Goes from the internal oscillator, which the processor starts with, to the crystal if it can.
+pub fn start(rcc: &RCC, flash: &FLASH) -> Clocks {
+    if to_crystal(rcc, flash).is_some() { FAST } else { FALL_BACK }
+}
+
+/// `None` as soon as a step does not succeed in time; the processor then still runs from the internal oscillator.
+fn to_crystal(rcc: &RCC, flash: &FLASH) -> Option<()> {
+    rcc.cr().modify(|_, w| w.hseon().on());
+    within(|| rcc.cr().read().hserdy().is_ready())?;
+    // 8 MHz / 8 * 336 / 2 = 168 MHz; the 48 MHz output is unused, but its divider has to be legal.
+    // SAFETY: the factors are within the ranges of the reference manual (RM0090, 7.3.2).
+    rcc.pllcfgr()
+        .write(|w| unsafe { w.pllsrc().hse().pllm().bits(8).plln().bits(336).pllp().div2().pllq().bits(7) });
+    rcc.cr().modify(|_, w| w.pllon().on());
+    within(|| rcc.cr().read().pllrdy().is_ready())?;
+    // The flash is slower than 168 MHz: five wait states at 3.3 V (RM0090, table 10), hidden by prefetch and caches.
+    flash.acr().write(|w| w.latency().ws5().prften().enabled().icen().enabled().dcen().enabled());
+    within(|| flash.acr().read().latency().is_ws5())?;
+    // APB1 at most 42 MHz, APB2 at most 84 MHz; a timer on a divided bus runs at twice the bus clock.
+    rcc.cfgr().write(|w| w.ppre1().div4().ppre2().div2().sw().pll());
+    within(|| rcc.cfgr().read().sws().is_pll())
+}
+
+fn within(condition: impl Fn() -> bool) -> Option<()> {
+    (0..POLLS).any(|_| condition()).then_some(())
+}

@@ -1,1 +1,22 @@
-//! Placeholder.
+//! Everything that is done with a muscle on a desk: read its recordings, identify and simulate its model, run
+//! the firmware in the loop, draw the reports. The command `mgpi` is this library's face.
+//!
+//! # Design
+//! Each command is a file in [`commands`]; it reads (strictly), works, and writes all of its outputs at the
+//! end and at once, or none. Whatever goes wrong is an [`Error`] whose message names the place.
+
+pub mod commands;
+pub mod error;
+pub mod figures;
+pub mod identification;
+pub mod model_file;
+pub mod output;
+pub mod recording;
+pub mod report;
+pub mod table;
+pub mod unit;
+
+pub use error::Error;
+
+/// Name and version of this tool, as files and reports carry them.
+pub const TOOL: &str = concat!("mgpi ", env!("CARGO_PKG_VERSION"));

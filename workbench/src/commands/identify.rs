@@ -1,0 +1,252 @@
+//! `mgpi identify`: from a recording to a model.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Map, Value, json};
+
+use crate::figures::{Figures, stroke};
+use crate::identification::{self, Fit, Options, Problem, searches};
+use crate::model_file::{Identification, ModelFile, Source};
+use crate::output::Outputs;
+use crate::recording::{Choice, Recording};
+use crate::report::identified::Identified;
+use crate::{Error, TOOL};
+
+/// Identifies a model from a recording.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// The recording
+    #[arg(value_name = "REC.csv")]
+    recording: PathBuf,
+    /// Where the model goes
+    #[arg(short = 'o', value_name = "MODEL.toml")]
+    model_file: PathBuf,
+    /// Kind of model
+    #[arg(long, value_enum, default_value = "mgpi")]
+    model: Kind,
+    /// Number of plays
+    #[arg(long, default_value_t = 10, value_name = "N")]
+    plays: usize,
+    /// Number of dead zones
+    #[arg(long, default_value_t = 10, value_name = "M")]
+    dead_zones: usize,
+    /// Envelope of the plays
+    #[arg(long, value_enum, default_value = "tanh")]
+    envelope: Envelope,
+    /// Also write a report (one HTML file)
+    #[arg(long, value_name = "REPORT.html")]
+    report: Option<PathBuf>,
+    /// Also write the figures and parameters as JSON
+    #[arg(long, value_name = "FIGURES.json")]
+    json: Option<PathBuf>,
+    /// Input column [default: pressure_bar, else command_bar]
+    #[arg(long, value_name = "COLUMN")]
+    input: Option<String>,
+    /// Output column [default: contraction_mm]
+    #[arg(long, value_name = "COLUMN")]
+    output: Option<String>,
+    /// The muscle's length at rest in mm, if the recording has length_mm
+    #[arg(long, value_name = "MM", conflicts_with = "output")]
+    rest_length: Option<f64>,
+    /// Range of the input (of the valve, say), in its unit; a value outside is refused
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    input_range: Option<(f64, f64)>,
+    /// Another recording that the model is tried on
+    #[arg(long, value_name = "REC2.csv")]
+    validate: Option<PathBuf>,
+    /// Number of starts of the search
+    #[arg(long, default_value_t = 24, value_name = "N")]
+    starts: usize,
+    /// Seed of the starts
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    /// Threads, 0 for one a core
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    threads: usize,
+    /// Overwrite existing outputs
+    #[arg(long)]
+    force: bool,
+}
+
+/// Kinds of model that can be identified.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Kind {
+    /// Modified generalized Prandtl-Ishlinskii
+    Mgpi,
+}
+
+/// Envelopes of the plays.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Envelope {
+    /// c0 tanh(c1 x + c2) + c3
+    Tanh,
+}
+
+/// Identifies.
+///
+/// # Errors
+/// A recording is not what it should be, no model can be made of it, or an output cannot be written.
+pub fn run(arguments: &Arguments) -> Result<(), Error> {
+    let Arguments { model_file, report, json, .. } = arguments;
+    let mut outputs = Outputs::claim([model_file].into_iter().chain(report).chain(json), arguments.force)?;
+    let recording = Recording::read(&arguments.recording, &arguments.choice())?;
+    let heldout = arguments.validate.as_deref().map(|file| Recording::read(file, &arguments.choice()));
+    let heldout = heldout.transpose()?;
+
+    let begin = Instant::now();
+    let fit = fit(&recording, arguments)?;
+    let seconds = begin.elapsed().as_secs_f64();
+
+    let identification = identification_of(&recording, &fit, heldout.as_ref());
+    let model = ModelFile {
+        input: recording.drive.input.channel.clone(),
+        output: recording.output.channel.clone(),
+        density: fit.density,
+        parameters: fit.parameters.clone(),
+        model: fit.model.clone(),
+        identification: Some(identification.clone()),
+    };
+    outputs.stage(model_file, model.to_toml().as_bytes())?;
+    if let Some(file) = report {
+        let simulated = &fit.simulated;
+        let (identification, estimates) = (&identification, &fit.estimates);
+        let report =
+            Identified { model: &model, identification, recording: &recording, simulated, estimates };
+        outputs.stage(file, report.to_html()?.as_bytes())?;
+    }
+    if let Some(file) = json {
+        let text = format!("{:#}\n", to_json(&model, &identification, &fit, seconds));
+        outputs.stage(file, text.as_bytes())?;
+    }
+    outputs.commit()?;
+    print_summary(&recording, &identification, &fit, seconds);
+    Ok(())
+}
+
+impl Arguments {
+    fn choice(&self) -> Choice {
+        Choice {
+            input: self.input.clone(),
+            output: self.output.clone(),
+            rest_length_mm: self.rest_length,
+            input_range: self.input_range,
+        }
+    }
+}
+
+fn range(text: &str) -> Result<(f64, f64), String> {
+    let limits = text.split_once(',').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
+    match limits {
+        Some((low, high)) if low < high => Ok((low, high)),
+        _ => Err("two numbers LOW,HIGH are needed, the lower first".to_owned()),
+    }
+}
+
+fn fit(recording: &Recording, arguments: &Arguments) -> Result<Fit, Error> {
+    let (Kind::Mgpi, Envelope::Tanh) = (arguments.model, arguments.envelope);
+    let problem = Problem {
+        input: &recording.drive.input.values,
+        output: &recording.output.values,
+        scored: &recording.drive.scored,
+    };
+    let options = Options {
+        plays: arguments.plays,
+        dead_zones: arguments.dead_zones,
+        starts: arguments.starts,
+        seed: arguments.seed,
+        threads: arguments.threads,
+    };
+    let style = ProgressStyle::with_template("identifying {wide_bar} {pos}/{len} searches, {eta} left");
+    let bar = ProgressBar::new(searches(options.starts) as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let fit = identification::identify(&problem, &options, &|done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    fit.map_err(|source| Error::Identification {
+        file: recording.drive.file.clone(),
+        columns: recording.columns(),
+        source: Box::new(source),
+    })
+}
+
+fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<&Recording>) -> Identification {
+    let source = |recording: &Recording| Source {
+        file: recording.drive.file.display().to_string(),
+        sha256: recording.drive.sha256.clone(),
+    };
+    let figures = |recording: &Recording, simulated: &[f64]| {
+        Figures::of(&recording.output.values, simulated, &recording.drive.scored)
+    };
+    let errors = fit.estimates.iter();
+    let errors = errors.filter_map(|estimate| Some((estimate.name.clone(), estimate.standard_error?)));
+    Identification {
+        tool: TOOL.to_owned(),
+        recording: source(recording),
+        scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
+        stroke: stroke(&recording.output.values, &recording.drive.scored),
+        training: figures(recording, &fit.simulated),
+        heldout: heldout.map(|other| {
+            let simulated = identification::simulate(&fit.model, &other.drive.input.values);
+            (source(other), figures(other, &simulated))
+        }),
+        starts: fit.starts,
+        termination: fit.termination.reason.clone(),
+        standard_errors: errors.collect(),
+    }
+}
+
+fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, seconds: f64) -> Value {
+    let (names, unit) = (model.names(), model.output.unit);
+    let figures = |figures: &Figures| -> Map<String, Value> {
+        figures.keyed(unit).into_iter().map(|(key, value)| (key, value.into())).collect()
+    };
+    let parameters = fit.estimates.iter().map(|estimate| {
+        json!({
+            "name": estimate.name,
+            "value": estimate.value,
+            "standard_error": estimate.standard_error,
+            "unit": names.unit(&estimate.name),
+        })
+    });
+    let mut json = json!({
+        "training": figures(&identification.training),
+        "heldout": identification.heldout.as_ref().map(|(_, heldout)| figures(heldout)),
+        "parameters": parameters.collect::<Vec<_>>(),
+        // A fit without an exact inverse does not get here: it is an error of the identification.
+        "invertible": true,
+        "starts": identification.starts,
+        "termination": identification.termination,
+        "seconds": seconds,
+    });
+    json[format!("stroke_{}", unit.suffix())] = identification.stroke.into();
+    json
+}
+
+fn print_summary(recording: &Recording, identification: &Identification, fit: &Fit, seconds: f64) {
+    let Recording { drive, output } = recording;
+    let (timing, unit, stroke) = (&drive.timing, output.channel.unit, identification.stroke);
+    println!("model         {}, from {}", recording.columns(), drive.file.display());
+    println!(
+        "rows          {}, of which {} scored; a row every {:.4} s, {} gaps, the largest {:.4} s at {:.4} s",
+        drive.time_s.len(),
+        identification.scored_rows,
+        timing.median_step_s,
+        timing.gaps,
+        timing.largest_step_s,
+        timing.largest_step_at_s
+    );
+    println!("stroke        {stroke:.3} {unit}");
+    println!("training      {}", identification.training.in_words(stroke, unit));
+    if let Some((source, figures)) = &identification.heldout {
+        println!("held out      {} ({})", figures.in_words(stroke, unit), source.file);
+    }
+    println!("termination   {}", identification.termination);
+    println!(
+        "invertible    smallest slope {:.3e} of the plays, {:.3e} {unit} of the dead zones",
+        fit.model.plays().smallest_slope(),
+        fit.model.dead_zones().smallest_slope()
+    );
+    println!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
+}

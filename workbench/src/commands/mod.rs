@@ -1,0 +1,38 @@
+//! The commands of `mgpi`, one a file: arguments, and what is done with them.
+
+pub mod identify;
+pub mod report;
+pub mod simulate;
+
+use clap::{Parser, Subcommand};
+
+use crate::Error;
+
+/// Models, identifies and controls pneumatic artificial muscles with hysteresis.
+#[derive(Debug, Parser)]
+#[command(name = "mgpi", version)]
+pub struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Identify(identify::Arguments),
+    Simulate(simulate::Arguments),
+    Report(report::Arguments),
+}
+
+impl CommandLine {
+    /// Does what the command line asks for.
+    ///
+    /// # Errors
+    /// Whatever keeps the command from its work; then no output has been written.
+    pub fn run(self) -> Result<(), Error> {
+        match self.command {
+            Command::Identify(arguments) => identify::run(&arguments),
+            Command::Simulate(arguments) => simulate::run(&arguments),
+            Command::Report(arguments) => report::run(&arguments),
+        }
+    }
+}

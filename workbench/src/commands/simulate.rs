@@ -1,0 +1,76 @@
+//! `mgpi simulate`: a model's answer to the input of a recording.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::Error;
+use crate::figures::{Figures, stroke};
+use crate::identification;
+use crate::model_file::ModelFile;
+use crate::output::Outputs;
+use crate::recording::{self, Choice, Drive, Series, TIME};
+use crate::table::Table;
+use crate::unit::Channel;
+
+/// Simulates a model, from rest, with the input of a recording.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// The model, from `mgpi identify`
+    model: PathBuf,
+    /// The recording; the model knows which of its columns to use
+    #[arg(long, value_name = "REC.csv")]
+    input: PathBuf,
+    /// Where the answer goes: time, input, simulated output; if the recording has the output, it and the error
+    #[arg(short, long, value_name = "OUT.csv")]
+    output: PathBuf,
+    /// The muscle's length at rest in mm, if the recording has length_mm
+    #[arg(long, value_name = "MM")]
+    rest_length: Option<f64>,
+    /// Overwrite an existing output
+    #[arg(long)]
+    force: bool,
+}
+
+/// Simulates.
+///
+/// # Errors
+/// A file is not what it should be, or the output cannot be written.
+pub fn run(arguments: &Arguments) -> Result<(), Error> {
+    let mut outputs = Outputs::claim([&arguments.output], arguments.force)?;
+    let model = ModelFile::read(&arguments.model)?;
+    let choice = Choice::of_model(&model, arguments.rest_length);
+    let table = Table::read(&arguments.input)?;
+    let drive = Drive::of(&table, &choice)?;
+    let is_measured = table.column(&model.output.name).is_some() || arguments.rest_length.is_some();
+    let measured = is_measured.then(|| recording::output(&table, &choice)).transpose()?;
+    let simulated = identification::simulate(&model.model, &drive.input.values);
+
+    let text = csv(&drive, &model.output, &simulated, measured.as_ref());
+    outputs.stage(&arguments.output, text.as_bytes())?;
+    outputs.commit()?;
+    println!("{} rows simulated", simulated.len());
+    if let Some(Series { channel, values }) = measured {
+        let figures = Figures::of(&values, &simulated, &drive.scored);
+        println!("{}", figures.in_words(stroke(&values, &drive.scored), channel.unit));
+    }
+    Ok(())
+}
+
+/// The answer as a recording: its output column is the simulated one.
+fn csv(drive: &Drive, output: &Channel, simulated: &[f64], measured: Option<&Series>) -> String {
+    let errors: Vec<f64>;
+    let mut names = vec![TIME.to_owned(), drive.input.channel.name.clone(), output.name.clone()];
+    let mut columns: Vec<&[f64]> = vec![&drive.time_s, &drive.input.values, simulated];
+    if let Some(measured) = measured {
+        names.extend([format!("measured_{}", output.name), format!("error_{}", output.unit.suffix())]);
+        errors = measured.values.iter().zip(simulated).map(|(measured, model)| measured - model).collect();
+        columns.extend([&*measured.values, &*errors]);
+    }
+    let mut text = names.join(",") + "\n";
+    for row in 0..drive.time_s.len() {
+        let fields: Vec<String> = columns.iter().map(|column| column[row].to_string()).collect();
+        text += &(fields.join(",") + "\n");
+    }
+    text
+}

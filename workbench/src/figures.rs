@@ -1,0 +1,72 @@
+//! How far a model, or a tracked muscle, is from what was measured, or wanted.
+
+use crate::unit::Unit;
+
+/// Root mean square, mean absolute and maximum error. Unit: that of the compared values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// Root of the mean square error.
+    pub rmse: f64,
+    /// Mean absolute error.
+    pub mae: f64,
+    /// Largest absolute error.
+    pub max_error: f64,
+}
+
+impl Figures {
+    /// The figures of the differences `a - b` over the rows with `scored`; all lists are equally long.
+    ///
+    /// NaN where no row is scored.
+    pub fn of(a: &[f64], b: &[f64], scored: &[bool]) -> Self {
+        let errors =
+            || a.iter().zip(b).zip(scored).filter(|(_, scored)| **scored).map(|((a, b), _)| (a - b).abs());
+        let count = errors().count() as f64;
+        Self {
+            rmse: (errors().map(|error| error * error).sum::<f64>() / count).sqrt(),
+            mae: errors().sum::<f64>() / count,
+            max_error: errors().fold(if count > 0.0 { 0.0 } else { f64::NAN }, f64::max),
+        }
+    }
+
+    /// The three under their names with the unit: `rmse_mm`, `mae_mm`, `max_error_mm`.
+    pub fn keyed(&self, unit: Unit) -> [(String, f64); 3] {
+        [("rmse", self.rmse), ("mae", self.mae), ("max_error", self.max_error)]
+            .map(|(name, value)| (format!("{name}_{}", unit.suffix()), value))
+    }
+
+    /// The three for people, with their shares of the stroke.
+    pub fn in_words(&self, stroke: f64, unit: Unit) -> String {
+        let share = |value: f64| format!("{value:.4} {unit} ({:.2} % of stroke)", 100.0 * value / stroke);
+        format!(
+            "RMSE {}, mean absolute error {}, largest error {}",
+            share(self.rmse),
+            share(self.mae),
+            share(self.max_error)
+        )
+    }
+}
+
+/// Highest less lowest scored value: the stroke, in the values' unit.
+pub fn stroke(values: &[f64], scored: &[bool]) -> f64 {
+    let scored = values.iter().zip(scored).filter(|(_, scored)| **scored);
+    let (min, max) = scored
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (&value, _)| (min.min(value), max.max(value)));
+    max - min
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_those_of_the_scored_rows() {
+        let figures = Figures::of(&[1.0, 5.0, 100.0], &[4.0, 1.0, 0.0], &[true, true, false]);
+        assert_eq!(figures, Figures { rmse: 12.5_f64.sqrt(), mae: 3.5, max_error: 4.0 });
+    }
+
+    #[test]
+    fn without_a_scored_row_there_is_no_figure() {
+        let figures = Figures::of(&[1.0], &[1.0], &[false]);
+        assert!([figures.rmse, figures.mae, figures.max_error].into_iter().all(f64::is_nan));
+    }
+}

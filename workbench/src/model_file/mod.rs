@@ -1,0 +1,128 @@
+//! The model file `model.toml`, format 1.
+//!
+//! # Design
+//! Keys carry their units, which are those of the model's input and output columns (`c1_per_bar`,
+//! `weights_mm`; for a force over a position `c1_per_mm`, `weights_n`). Numbers are written so that they read
+//! back as the same bits. Reading is strict: an unknown, missing or mistyped key, another format, a number
+//! that is not finite, or parameters that no invertible model can be made of are refused by a
+//! [`ModelFileError`] that names file and key.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`names`] | names and units of the parameters |
+//! | `section` | takes keys out of a TOML table, strictly |
+//! | `read`, `write` | the format in either direction |
+
+pub mod names;
+mod read;
+mod section;
+mod write;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use model_core::ParameterError;
+use thiserror::Error;
+
+use crate::figures::Figures;
+use crate::identification::{Density, HostModel, HostParameters};
+use crate::unit::Channel;
+use names::Names;
+use section::KeyError;
+
+/// The format that this version writes and reads.
+pub const FORMAT: usize = 1;
+/// The only kind of model so far.
+pub const KIND: &str = "mgpi";
+
+/// A model with what is known about it.
+#[derive(Clone, Debug)]
+pub struct ModelFile {
+    /// What the model is driven by.
+    pub input: Channel,
+    /// What it predicts.
+    pub output: Channel,
+    /// The density that the plays come from.
+    pub density: Density,
+    /// The raw parameters, including the validity range.
+    pub parameters: HostParameters,
+    /// The model of these parameters.
+    pub model: HostModel,
+    /// Where the parameters come from; a model from a paper has none.
+    pub identification: Option<Identification>,
+}
+
+/// What a model was identified from, and how well.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identification {
+    /// What wrote the file, with its version.
+    pub tool: String,
+    /// The recording it was identified from.
+    pub recording: Source,
+    /// Number of rows that were scored.
+    pub scored_rows: usize,
+    /// Highest less lowest scored output. Output unit.
+    pub stroke: f64,
+    /// Figures on the recording. Output unit.
+    pub training: Figures,
+    /// Another recording, never used for identifying, and the figures on it.
+    pub heldout: Option<(Source, Figures)>,
+    /// Number of starts.
+    pub starts: usize,
+    /// How the best start ended.
+    pub termination: String,
+    /// Standard errors by parameter name, without those of parameters at a bound. The parameter's unit.
+    pub standard_errors: Vec<(String, f64)>,
+}
+
+/// A file that figures come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The file, as it was named.
+    pub file: String,
+    /// SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+/// What is wrong with a model file.
+#[derive(Debug, Error)]
+#[error("{}{problem}", file.display())]
+pub struct ModelFileError {
+    file: PathBuf,
+    problem: Problem,
+}
+
+/// Each message follows the file's name.
+#[derive(Debug, Error)]
+enum Problem {
+    #[error(": cannot be read: {0}")]
+    Unreadable(#[from] io::Error),
+    #[error(", line {line}: not a TOML file, or cut off: {message}")]
+    Syntax { line: usize, message: String },
+    #[error(": {0}")]
+    Key(#[from] KeyError),
+    #[error(": format {0} is of another version; this one reads format {FORMAT}")]
+    Format(usize),
+    #[error(": no invertible model: {0}")]
+    Parameters(#[from] ParameterError),
+}
+
+impl ModelFile {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// See the module's design.
+    pub fn read(path: &Path) -> Result<Self, ModelFileError> {
+        read::read(path).map_err(|problem| ModelFileError { file: path.to_owned(), problem })
+    }
+
+    /// The file's text.
+    pub fn to_toml(&self) -> String {
+        write::to_toml(self)
+    }
+
+    /// Names and units of the parameters.
+    pub fn names(&self) -> Names {
+        Names { input: self.input.unit, output: self.output.unit }
+    }
+}

@@ -1,0 +1,106 @@
+//! Writing a command's files: all of them at the end, each at once, none over an existing file.
+//!
+//! A command claims its outputs before it begins to work, so that an hour of work is not lost to a file
+//! that is in the way. Contents are written beside their place under another name; [`Outputs::commit`]
+//! renames them. A command that fails before that leaves nothing behind.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile};
+use thiserror::Error;
+
+/// Why an output was not written.
+#[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
+pub enum OutputError {
+    #[error("{}: exists already; --force overwrites it", .0.display())]
+    Exists(PathBuf),
+    #[error("{}: named for two outputs", .0.display())]
+    NamedTwice(PathBuf),
+    #[error("{}: cannot be written: {source}", path.display())]
+    Unwritable { path: PathBuf, source: io::Error },
+}
+
+/// The outputs of a command.
+#[derive(Debug)]
+pub struct Outputs {
+    force: bool,
+    staged: Vec<(NamedTempFile, PathBuf)>,
+}
+
+impl Outputs {
+    /// Claims the files that a command is going to write.
+    ///
+    /// # Errors
+    /// A file exists and `force` is not set, is named twice, or its directory does not exist.
+    pub fn claim<'a>(paths: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<Self, OutputError> {
+        let mut claimed: Vec<&Path> = Vec::new();
+        for path in paths {
+            if claimed.contains(&path.as_path()) {
+                return Err(OutputError::NamedTwice(path.clone()));
+            }
+            if path.is_dir() {
+                return Err(unwritable(path)(io::ErrorKind::IsADirectory.into()));
+            }
+            if path.exists() && !force {
+                return Err(OutputError::Exists(path.clone()));
+            }
+            if !directory(path).is_dir() {
+                return Err(unwritable(path)(io::Error::new(
+                    io::ErrorKind::NotFound,
+                    format!("there is no directory {}", directory(path).display()),
+                )));
+            }
+            claimed.push(path);
+        }
+        Ok(Self { force, staged: Vec::new() })
+    }
+
+    /// Writes the content of a claimed file beside its place.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn stage(&mut self, path: &Path, content: &[u8]) -> Result<(), OutputError> {
+        let mut file = new_file(directory(path)).map_err(unwritable(path))?;
+        file.write_all(content).map_err(unwritable(path))?;
+        self.staged.push((file, path.to_owned()));
+        Ok(())
+    }
+
+    /// Puts all staged files into their places.
+    ///
+    /// # Errors
+    /// A file cannot be renamed, or has come into being meanwhile without `force`.
+    pub fn commit(self) -> Result<(), OutputError> {
+        for (file, path) in self.staged {
+            let persisted = if self.force { file.persist(&path) } else { file.persist_noclobber(&path) };
+            persisted.map_err(|error| match error.error.kind() {
+                io::ErrorKind::AlreadyExists => OutputError::Exists(path.clone()),
+                _ => unwritable(&path)(error.error),
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// The directory that a file stands in.
+fn directory(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// A file under another name, readable by whom the user's mask allows.
+fn new_file(directory: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = Builder::new();
+    builder.prefix(".mgpi-");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(directory)
+}
+
+fn unwritable(path: &Path) -> impl FnOnce(io::Error) -> OutputError {
+    move |source| OutputError::Unwritable { path: path.to_owned(), source }
+}

@@ -1,0 +1,87 @@
+//! Report of an identification: loop, time series, error, parameters.
+
+use maud::{Markup, html};
+
+use super::DrawingError;
+use super::model_run::ModelRun;
+use super::page::page;
+use crate::identification::Estimate;
+use crate::model_file::{Identification, ModelFile};
+use crate::recording::Recording;
+
+/// What an identification reports on.
+pub struct Identified<'a> {
+    /// The identified model.
+    pub model: &'a ModelFile,
+    /// How it was identified.
+    pub identification: &'a Identification,
+    /// The recording.
+    pub recording: &'a Recording,
+    /// The model's output for every row. Output unit.
+    pub simulated: &'a [f64],
+    /// The raw parameters with their standard errors.
+    pub estimates: &'a [Estimate],
+}
+
+impl Identified<'_> {
+    /// The report as an HTML file.
+    ///
+    /// # Errors
+    /// A plot cannot be drawn.
+    pub fn to_html(&self) -> Result<String, DrawingError> {
+        let run = ModelRun::new(self.recording, self.simulated);
+        let (input, output) = (self.model.input.words(), self.model.output.words());
+        let plots = [
+            run.loops(&format!("Hysteresis loops, {output} over {input}")),
+            run.error("Error over time"),
+            run.output(&format!("{output} over time")),
+            run.input(&format!("{input} over time")),
+        ];
+        let body = html! {
+            (self.figures())
+            div.plots { @for plot in &plots { (plot.figure()?) } }
+            (self.parameters())
+        };
+        let title = format!("{output} over {input}: the model of {}", self.identification.recording.file);
+        let source = format!("Recording with SHA-256 {}", self.identification.recording.sha256);
+        Ok(page(&title, &body, &source))
+    }
+
+    fn figures(&self) -> Markup {
+        let Identification { training, heldout, stroke, termination, starts, scored_rows, .. } =
+            self.identification;
+        let unit = self.model.output.unit;
+        html! {
+            p { "On the " (scored_rows) " scored rows the model's figures are: " (training.in_words(*stroke, unit)) "." }
+            @if let Some((recording, figures)) = heldout {
+                p { "On " (recording.file) ", which it was not identified from, they are: "
+                    (figures.in_words(*stroke, unit)) "." }
+            }
+            p { "The stroke is " (format!("{stroke:.2}")) " " (unit) ". The best of " (starts) " starts "
+                (termination) ". The model is strictly increasing, and so invertible." }
+        }
+    }
+
+    fn parameters(&self) -> Markup {
+        let names = self.model.names();
+        html! {
+            h2 { "Parameters" }
+            p { "Standard errors are for independent residuals; neighbouring residuals of a recording are alike, "
+                "so that the true ones are larger. A dash: the parameter stands at a bound." }
+            div.wide { table {
+                thead { tr { th { "name" } th { "value" } th { "standard error" } th { "unit" } } }
+                tbody { @for estimate in self.estimates {
+                    tr {
+                        td { (estimate.name) }
+                        td { (format!("{:.5}", estimate.value)) }
+                        td { @match estimate.standard_error {
+                            Some(error) => (format!("{error:.2e}")),
+                            None => "–",
+                        } }
+                        td { (names.unit(&estimate.name)) }
+                    }
+                } }
+            } }
+        }
+    }
+}

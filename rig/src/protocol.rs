@@ -1,0 +1,124 @@
+//! Command waveforms of the recordings, all piecewise linear: waypoints of time and command.
+//!
+//! Two waypoints at one time are a jump; the later one holds from that time on. Each protocol starts at 0 s.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardUniform};
+
+use crate::parameters::VALVE_RANGE_BAR;
+
+/// A command over time.
+#[derive(Debug, Clone)]
+pub struct Protocol {
+    waypoints: Vec<(f64, f64)>,
+}
+
+impl Protocol {
+    /// Triangles of 20 s with amplitudes of 6, 5, 4, 3, 2 and 1 bar, as in the paper's Fig. 8.
+    pub fn decreasing_triangles() -> Self {
+        (1..=6).rev().fold(Self::vented(), |protocol, amplitude| {
+            protocol.ramp(f64::from(amplitude), 10.0).ramp(0.0, 10.0)
+        })
+    }
+
+    /// Two triangles over the whole range at each of the periods 40, 20, 10, 5, 2, 1 and 0.5 s.
+    pub fn rates() -> Self {
+        [40.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5].iter().fold(Self::vented(), |protocol, period_s| {
+            (0..2).fold(protocol, |protocol, _| {
+                protocol.ramp(VALVE_RANGE_BAR, period_s / 2.0).ramp(0.0, period_s / 2.0)
+            })
+        })
+    }
+
+    /// Jumps with holds of 10 s: up and down the range in steps of 1 bar, then ever larger jumps around 3
+    /// bar.
+    pub fn holds() -> Self {
+        [0, 1, 2, 3, 4, 5, 6, 5, 4, 3, 2, 1, 0, 3, 4, 2, 5, 1, 6, 0]
+            .iter()
+            .fold(Self::vented(), |protocol, &level| protocol.ramp(f64::from(level), 0.0).hold(10.0))
+    }
+
+    /// Sixty ramps to random pressures of the whole range, each of a random duration of 0.5 to 4 s.
+    pub fn random_ramps(seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        // Not the stream the sensors draw their noise from under the same seed.
+        rng.set_stream(1);
+        let mut draw = |low: f64, high: f64| {
+            let unit: f64 = StandardUniform.sample(&mut rng);
+            low + (high - low) * unit
+        };
+        (0..60).fold(Self::vented(), |protocol, _| protocol.ramp(draw(0.0, VALVE_RANGE_BAR), draw(0.5, 4.0)))
+    }
+
+    /// Time of the last waypoint, s.
+    pub fn duration_s(&self) -> f64 {
+        self.last().0
+    }
+
+    /// The command at `time_s`, bar. Before the first and after the last waypoint it is theirs.
+    pub fn command_bar(&self, time_s: f64) -> f64 {
+        let next = self.waypoints.partition_point(|waypoint| waypoint.0 <= time_s);
+        if next == 0 {
+            return self.waypoints[0].1;
+        }
+        let (start_s, start_bar) = self.waypoints[next - 1];
+        self.waypoints.get(next).map_or(start_bar, |(end_s, end_bar)| {
+            start_bar + (end_bar - start_bar) * (time_s - start_s) / (end_s - start_s)
+        })
+    }
+
+    fn vented() -> Self {
+        Self { waypoints: vec![(0.0, 0.0)] }
+    }
+
+    fn ramp(mut self, command_bar: f64, duration_s: f64) -> Self {
+        self.waypoints.push((self.duration_s() + duration_s, command_bar));
+        self
+    }
+
+    fn hold(self, duration_s: f64) -> Self {
+        let (_, command_bar) = self.last();
+        self.ramp(command_bar, duration_s)
+    }
+
+    fn last(&self) -> (f64, f64) {
+        self.waypoints[self.waypoints.len() - 1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_peak_at_ten_seconds_and_return_to_zero() {
+        let protocol = Protocol::decreasing_triangles();
+        assert_eq!(protocol.duration_s(), 120.0);
+        for (time_s, command_bar) in
+            [(0.0, 0.0), (5.0, 3.0), (10.0, 6.0), (20.0, 0.0), (30.0, 5.0), (110.0, 1.0), (120.0, 0.0)]
+        {
+            assert!((protocol.command_bar(time_s) - command_bar).abs() < 1e-12, "at {time_s} s");
+        }
+    }
+
+    #[test]
+    fn jump_holds_from_its_time_on() {
+        let protocol = Protocol::holds();
+        assert_eq!(protocol.command_bar(9.999), 0.0);
+        assert_eq!(protocol.command_bar(10.0), 1.0);
+        assert_eq!(protocol.command_bar(19.999), 1.0);
+        assert_eq!(protocol.command_bar(1e6), 0.0);
+    }
+
+    #[test]
+    fn every_protocol_stays_in_the_range_and_random_ramps_depend_on_the_seed() {
+        let ramps = |seed| Protocol::random_ramps(seed);
+        assert_eq!(ramps(1).waypoints, ramps(1).waypoints);
+        assert_ne!(ramps(1).waypoints, ramps(2).waypoints);
+        for protocol in [Protocol::decreasing_triangles(), Protocol::rates(), Protocol::holds(), ramps(3)] {
+            assert!(protocol.waypoints.iter().all(|w| (0.0..=VALVE_RANGE_BAR).contains(&w.1)));
+            assert!(protocol.waypoints.is_sorted_by_key(|w| w.0));
+        }
+    }
+}

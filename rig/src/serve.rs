@@ -1,0 +1,63 @@
+//! The plant protocol: a line of `time_s command_bar` in, a line of `pressure_bar contraction_mm` out.
+//!
+//! The first line sets the clock and finds the plant at rest. From then on a line says: this command, from
+//! the previous time to this one; and the answer is what the sensors say at this time. Numbers are written in
+//! the shortest form that reads back the same. The end of the input ends the plant; a line that makes no
+//! sense is an error that names it.
+
+use std::io::{BufRead, ErrorKind, Read, Write};
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::plant::Plant;
+
+/// Longest line accepted, bytes: two numbers in any notation fit.
+const LINE_LIMIT: usize = 256;
+
+/// Answers every line of `input` on `output`, each flushed.
+///
+/// # Errors A line that is not two finite numbers, or whose time is not after the previous one's; a broken
+/// input or output.
+pub fn serve(mut input: impl BufRead, mut output: impl Write, plant: &mut Plant) -> Result<()> {
+    let mut last_s = None;
+    let mut line = Vec::with_capacity(LINE_LIMIT);
+    for number in 1u64.. {
+        line.clear();
+        let length = input.by_ref().take(LINE_LIMIT as u64 + 1).read_until(b'\n', &mut line);
+        if length.context("cannot read the commands")? == 0 {
+            break;
+        }
+        let (time_s, command_bar) = parse(&line).with_context(|| format!("line {number}"))?;
+        let start_s = last_s.replace(time_s).unwrap_or(time_s);
+        ensure!(
+            number == 1 || time_s > start_s,
+            "line {number}: time_s is {time_s} s, not after the previous line's {start_s} s"
+        );
+        let measured = plant.step(command_bar, time_s - start_s);
+        let answer = format!("{} {}\n", measured.pressure_bar, measured.contraction_mm);
+        match output.write_all(answer.as_bytes()).and_then(|()| output.flush()) {
+            // A controller that has gone is the end, as the end of its commands is.
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => break,
+            written => written.context("cannot answer")?,
+        }
+    }
+    Ok(())
+}
+
+/// The two numbers of a line.
+fn parse(line: &[u8]) -> Result<(f64, f64)> {
+    ensure!(line.len() <= LINE_LIMIT, "longer than {LINE_LIMIT} bytes");
+    let text = std::str::from_utf8(line).context("not text")?;
+    let mut fields = text.split_whitespace();
+    let (Some(time), Some(command), None) = (fields.next(), fields.next(), fields.next()) else {
+        bail!("two numbers expected, `time_s command_bar`, found {:?}", text.trim_end());
+    };
+    Ok((finite("time_s", time)?, finite("command_bar", command)?))
+}
+
+fn finite(name: &str, field: &str) -> Result<f64> {
+    match field.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => bail!("{name} is {field:?}, not a finite number"),
+    }
+}

@@ -20,6 +20,9 @@ use crate::error::{Check, ParameterError, Requirement};
 use crate::play::{PlayBank, PlayParameters, admissible};
 use crate::real::Real;
 
+/// How many plays are tried one by one before the cut is searched by halving.
+const NEAR: usize = 4;
+
 /// A play with the prefix sums up to and with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Step<T> {
@@ -131,7 +134,10 @@ impl<T: Real, const N: usize> StaircaseBank<T, N> {
                 continue;
             }
             let open = self.steps.get(cut..top.end).unwrap_or_default();
-            cut += open.partition_point(|step| driven(&top, step));
+            // A smooth input drives few more plays from sample to sample: look near first.
+            let near = open.iter().take(NEAR).take_while(|step| driven(&top, step)).count();
+            let far = open.get(NEAR..).filter(|_| near == NEAR).unwrap_or_default();
+            cut += near + far.partition_point(|step| driven(&top, step));
             tail = self.part(&top, cut, top.end) + top.tail;
             break;
         }

@@ -1,0 +1,43 @@
+//! The staircase beside the plain bank: time per sample over a smooth reference, n = 10, 100, 1000.
+//!
+//! The claim behind it: the staircase at n = 100 takes at most 1.5 times its time at n = 10, at n = 1000 at most 2
+//! times. Run with `cargo bench -p model-core`.
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use model_core::play::{PlayBank, PlayParameters};
+use model_core::staircase::StaircaseBank;
+
+const SAMPLES: usize = 10_000;
+
+/// Raised cosines of changing height: major and minor loops, smooth.
+fn reference() -> Vec<f64> {
+    let angle = |k: usize| std::f64::consts::TAU * k as f64 / 2000.0;
+    (0..SAMPLES).map(|k| (0.7 + 0.3 * (angle(k) / 7.3).cos()) * (1.0 - angle(k).cos()) / 2.0).collect()
+}
+
+fn parameters<const N: usize>() -> PlayParameters<f64, N> {
+    let alpha = 0.8 / N as f64;
+    PlayParameters::exponential(N, 0.3, 1.4 / N as f64, 2.0, alpha).expect("N plays fit")
+}
+
+fn banks<const N: usize>(criterion: &mut Criterion) {
+    let reference = reference();
+    let mut group = criterion.benchmark_group("bank");
+    group.throughput(Throughput::Elements(SAMPLES as u64));
+    let stairs = StaircaseBank::<f64, N>::try_new(&parameters()).expect("valid");
+    let mut state = stairs.rest_state(0.0);
+    group.bench_function(BenchmarkId::new("staircase", N), |bencher| {
+        bencher.iter(|| reference.iter().map(|&v| stairs.step(&mut state, black_box(v))).sum::<f64>());
+    });
+    let plain = PlayBank::<f64, N>::try_new(&parameters()).expect("valid");
+    let mut state = plain.rest_state(0.0);
+    group.bench_function(BenchmarkId::new("plain", N), |bencher| {
+        bencher.iter(|| reference.iter().map(|&v| plain.step(&mut state, black_box(v))).sum::<f64>());
+    });
+    group.finish();
+}
+
+criterion_group!(benches, banks::<10>, banks::<100>, banks::<1000>);
+criterion_main!(benches);

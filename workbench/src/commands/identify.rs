@@ -11,7 +11,7 @@ use crate::figures::{Figures, stroke};
 use crate::identification::{self, Fit, Options, Problem, searches};
 use crate::model_file::{Identification, ModelFile, Source};
 use crate::output::Outputs;
-use crate::recording::{Choice, Recording};
+use crate::recording::{Choice, Recording, Timing};
 use crate::report::identified::Identified;
 use crate::{Error, TOOL};
 
@@ -228,15 +228,8 @@ fn print_summary(recording: &Recording, identification: &Identification, fit: &F
     let Recording { drive, output } = recording;
     let (timing, unit, stroke) = (&drive.timing, output.channel.unit, identification.stroke);
     println!("model         {}, from {}", recording.columns(), drive.file.display());
-    println!(
-        "rows          {}, of which {} scored; a row every {:.4} s, {} gaps, the largest {:.4} s at {:.4} s",
-        drive.time_s.len(),
-        identification.scored_rows,
-        timing.median_step_s,
-        timing.gaps,
-        timing.largest_step_s,
-        timing.largest_step_at_s
-    );
+    println!("rows          {}, of which {} are scored", drive.time_s.len(), identification.scored_rows);
+    println!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
     println!("stroke        {stroke:.3} {unit}");
     println!("training      {}", identification.training.in_words(stroke, unit));
     if let Some((source, figures)) = &identification.heldout {
@@ -249,4 +242,12 @@ fn print_summary(recording: &Recording, identification: &Identification, fit: &F
         fit.model.dead_zones().smallest_slope()
     );
     println!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
+}
+
+fn gaps(timing: &Timing) -> String {
+    let Timing { gaps, largest_step_s, largest_step_at_s, .. } = timing;
+    match gaps {
+        0 => "no gaps".to_owned(),
+        _ => format!("{gaps} gaps, the largest {largest_step_s:.4} s at {largest_step_at_s:.4} s"),
+    }
 }

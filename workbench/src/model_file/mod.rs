@@ -21,7 +21,6 @@ mod write;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use model_core::ParameterError;
 use thiserror::Error;
 
 use crate::figures::Figures;
@@ -104,7 +103,7 @@ enum Problem {
     #[error(": format {0} is of another version; this one reads format {FORMAT}")]
     Format(usize),
     #[error(": no invertible model: {0}")]
-    Parameters(#[from] ParameterError),
+    Parameters(String),
 }
 
 impl ModelFile {

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use model_core::ParameterError;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::TanhParameters;
 use model_core::play::PlayParameters;
@@ -33,7 +34,7 @@ pub fn read(path: &Path) -> Result<ModelFile, Problem> {
     let names = Names { input: input.unit, output: output.unit };
     let [input_min, input_max] = validity(top.section("validity")?, input.unit)?;
     let envelope = envelope(top.section("envelope")?, &names)?;
-    let (plays, density) = plays(top.section("plays")?)?;
+    let (plays, density) = plays(top.section("plays")?, &names)?;
     let dead_zones = dead_zones(top.section("dead_zones")?, &names)?;
     let identification = match top.optional_section("identification")? {
         Some(section) => Some(identification(section, &names, dead_zones.weights.len())?),
@@ -41,9 +42,18 @@ pub fn read(path: &Path) -> Result<ModelFile, Problem> {
     };
     top.finish()?;
     let parameters = HostParameters { envelope, plays, dead_zones, input_min, input_max };
-    let model = HostModel::try_new(&parameters)?;
-    model.inverse()?;
+    let model = HostModel::try_new(&parameters).map_err(|error| names.problem(&error))?;
+    model.inverse().map_err(|error| names.problem(&error))?;
     Ok(ModelFile { input, output, density, parameters, model, identification })
+}
+
+impl Names {
+    /// The problem of parameters that are not valid, in the file's units.
+    fn problem(&self, error: &ParameterError) -> Problem {
+        let message = error.to_string();
+        let message = message.replace("output unit", &self.output.to_string());
+        Problem::Parameters(message.replace("input unit", &self.input.to_string()))
+    }
 }
 
 fn channel(mut section: Section) -> Result<Channel, KeyError> {
@@ -77,15 +87,15 @@ fn envelope(mut section: Section, names: &Names) -> Result<TanhParameters<f64>, 
     Ok(parameters)
 }
 
-fn plays(mut section: Section) -> Result<(PlayParameters<f64, PLAYS>, Density), Problem> {
+fn plays(mut section: Section, names: &Names) -> Result<(PlayParameters<f64, PLAYS>, Density), Problem> {
     section.fixed_text("density", "exponential")?;
     let count = section.count("count")?;
     let q = section.number("q")?;
     let density =
         Density { rho: section.number("rho")?, tau: section.number("tau")?, alpha: section.number("alpha")? };
     section.finish()?;
-    let plays = PlayParameters::exponential(count, q, density.rho, density.tau, density.alpha)?;
-    Ok((plays, density))
+    let plays = PlayParameters::exponential(count, q, density.rho, density.tau, density.alpha);
+    Ok((plays.map_err(|error| names.problem(&error))?, density))
 }
 
 fn dead_zones(mut section: Section, names: &Names) -> Result<DeadZoneParameters<f64, DEAD_ZONES>, KeyError> {

@@ -32,17 +32,18 @@ impl Identified<'_> {
         let run = ModelRun::new(self.recording, self.simulated);
         let (input, output) = (self.model.input.words(), self.model.output.words());
         let plots = [
-            run.loops(&format!("Hysteresis loops, {output} over {input}")),
+            run.loops(&format!("Loops: {output} over {input}")),
             run.error("Error over time"),
-            run.output(&format!("{output} over time")),
-            run.input(&format!("{input} over time")),
+            run.output(&format!("Output: {output} over time")),
+            run.input(&format!("Input: {input} over time")),
         ];
         let body = html! {
             (self.figures())
             div.plots { @for plot in &plots { (plot.figure()?) } }
             (self.parameters())
         };
-        let title = format!("{output} over {input}: the model of {}", self.identification.recording.file);
+        let file = self.recording.drive.file.file_name().unwrap_or_default().display().to_string();
+        let title = format!("Model of {file}: {output} over {input}");
         let source = format!("Recording with SHA-256 {}", self.identification.recording.sha256);
         Ok(page(&title, &body, &source))
     }
@@ -59,6 +60,10 @@ impl Identified<'_> {
             }
             p { "The stroke is " (format!("{stroke:.2}")) " " (unit) ". The best of " (starts) " starts "
                 (termination) ". The model is strictly increasing, and so invertible." }
+            @if self.recording.drive.scored.contains(&false) {
+                p { "Rows that are not valid are history of the input only: they are not scored, and leave gaps "
+                    "in the loops and in the error." }
+            }
         }
     }
 

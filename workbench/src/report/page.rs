@@ -14,10 +14,12 @@ body { font: 1rem/1.5 system-ui, sans-serif; color: var(--ink); background: var(
   max-width: 84rem; margin: 0 auto; padding: 1rem }
 h1 { font-size: 1.5rem; line-height: 1.2 } h2 { font-size: 1.15rem; margin-top: 2rem }
 p { max-width: 42rem } footer { color: var(--faint); font-size: .85rem; overflow-wrap: anywhere }
-.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 30rem), 1fr)); gap: 1rem }
-figure { margin: 0; break-inside: avoid } figure > svg { width: 100%; height: auto; display: block }
-figcaption { font-weight: 600 } .key { font-weight: 400; margin-left: 1rem; white-space: nowrap }
-.key svg { margin-right: .3rem }
+.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 30rem), 1fr)); gap: 1rem }
+figure { margin: 0; break-inside: avoid; display: flex; flex-direction: column }
+figure > svg { width: 100%; height: auto; margin-top: auto }
+polyline { stroke-linejoin: round }
+figcaption { font-weight: 600 } .legend { font-weight: 400 }
+.legend span { margin-right: 1rem; white-space: nowrap } .legend svg { margin-right: .3rem }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums }
 th, td { text-align: right; padding: .15rem .8rem; border-bottom: 1px solid var(--rule) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }

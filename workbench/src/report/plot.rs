@@ -62,7 +62,11 @@ impl Style {
 
     /// Width of a line. Unit: pixels.
     fn width(self) -> u32 {
-        if self == Self::Measured { 3 } else { 2 }
+        match self {
+            Self::Measured => 3,
+            Self::Model => 2,
+            Self::Error | Self::Ink | Self::Grid => 1,
+        }
     }
 }
 
@@ -76,6 +80,21 @@ pub struct Line<'a> {
     pub x: &'a [f64],
     /// Vertical values, as many; a NaN interrupts the line.
     pub y: &'a [f64],
+}
+
+impl Line<'_> {
+    /// A stroke of the line's look and its name, for the legend.
+    fn key(&self) -> Markup {
+        html! {
+            span {
+                svg width="36" height="10" aria-hidden="true" {
+                    line x1="0" x2="36" y1="5" y2="5" stroke=(hex(self.style.light()))
+                        stroke-width=(self.style.width()) {}
+                }
+                (self.name)
+            }
+        }
+    }
 }
 
 /// A plot: lines over two axes.
@@ -109,14 +128,8 @@ impl Plot<'_> {
             figure {
                 figcaption {
                     (self.title)
-                    @for line in self.lines.iter().filter(|_| self.lines.len() > 1) {
-                        span.key {
-                            svg width="36" height="10" aria-hidden="true" {
-                                line x1="0" x2="36" y1="5" y2="5" stroke=(hex(line.style.light()))
-                                    stroke-width=(line.style.width()) {}
-                            }
-                            (line.name)
-                        }
+                    @if self.lines.len() > 1 {
+                        div.legend { @for line in &self.lines { (line.key()) } }
                     }
                 }
                 svg role="img" viewBox=(format!("0 0 {} {}", SIZE.0, SIZE.1)) xmlns="http://www.w3.org/2000/svg" {

@@ -1,0 +1,55 @@
+//! The control code against the rig, with a model identified from the rig's recording.
+//!
+//! `cargo test -p host-tests --test rig_plant -- --nocapture` prints the figures.
+
+use host_tests::{PERIOD_S, configuration, figures, raised_cosines, run};
+use model_core::Mode;
+use rig::parameters::DEAD_LOAD_N;
+use rig::plant::Plant;
+use rig::sensor::Sensors;
+use workbench::identification::{Fit, Options, Problem, identify};
+
+/// The model of the project's own recording, as `mgpi identify` finds it.
+fn identified() -> Fit {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../recordings/rig-fig8.csv");
+    let text = std::fs::read_to_string(path).expect("the recording is part of the project");
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .filter(|line| line.starts_with(|first: char| first.is_ascii_digit()))
+        .map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect())
+        .collect();
+    let (input, output): (Vec<f64>, Vec<f64>) = rows.iter().map(|row| (row[2], row[3])).unzip();
+    let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
+    let options = Options { plays: 10, dead_zones: 10, starts: 16, seed: 1, threads: 0 };
+    identify(&problem, &options, &|_| ()).expect("identified")
+}
+
+#[test]
+fn on_the_rig_feedback_and_feedforward_together_beat_each_alone_within_bounds() {
+    let fit = identified();
+    let configuration = configuration(&fit.parameters);
+    let reference = raised_cosines(5.0, &[110.0, 80.0, 50.0]);
+    let (rest, full) = fit.model.output_range();
+    let rmse_percent = |mode| {
+        let mut rig = Plant::at_rest(DEAD_LOAD_N, Sensors::noisy(7));
+        let mut plant = |command| {
+            let measured = rig.step(command, PERIOD_S);
+            (measured.pressure_bar, measured.contraction_mm)
+        };
+        let contraction = run(&configuration, mode, &reference, &mut plant);
+        let figures = figures(&reference, &contraction, 2000);
+        println!(
+            "{mode:?}: RMSE {:.3} mm, {:.3} % of stroke",
+            figures.rmse,
+            100.0 * figures.rmse / (full - rest)
+        );
+        100.0 * figures.rmse / (full - rest)
+    };
+    let both = rmse_percent(Mode::Both);
+    let feedforward_only = rmse_percent(Mode::FeedforwardOnly);
+    let feedback_only = rmse_percent(Mode::FeedbackOnly);
+    assert!((0.25..0.38).contains(&both), "both: {both} %");
+    assert!((0.55..0.8).contains(&feedforward_only), "feed-forward only: {feedforward_only} %");
+    assert!((8.0..11.5).contains(&feedback_only), "feedback only: {feedback_only} %");
+    assert!(both < feedforward_only && feedforward_only < feedback_only);
+}

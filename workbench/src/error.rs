@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::emulator::EmulatorError;
+use crate::emulator::image::ImageError;
 use crate::identification::IdentificationError;
 use crate::model_file::ModelFileError;
 use crate::output::OutputError;
+use crate::pil::PilError;
 use crate::report::DrawingError;
 use crate::table::DataError;
 
@@ -25,6 +28,15 @@ pub enum Error {
     /// A report cannot be drawn.
     #[error(transparent)]
     Drawing(#[from] DrawingError),
+    /// There is no firmware.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// The emulator does not do its work.
+    #[error(transparent)]
+    Emulator(#[from] EmulatorError),
+    /// A run of the firmware does not come to its end.
+    #[error(transparent)]
+    Pil(#[from] PilError),
     /// No model can be made of a recording.
     #[error("{}, {columns}: {source}", file.display())]
     Identification {
@@ -35,4 +47,11 @@ pub enum Error {
         /// Why.
         source: Box<IdentificationError>,
     },
+}
+
+impl Error {
+    /// The exit status that tells a caller: 130 when the user has interrupted (128 and the signal's number), else 2.
+    pub fn exit_status(&self) -> u8 {
+        if matches!(self, Self::Pil(PilError::Stopped)) { 130 } else { 2 }
+    }
 }

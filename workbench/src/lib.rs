@@ -5,12 +5,15 @@
 //! Each command is a file in [`commands`]; it reads (strictly), works, and writes all of its outputs at the
 //! end and at once, or none. Whatever goes wrong is an [`Error`] whose message names the place.
 
+pub mod child;
 pub mod commands;
+pub mod emulator;
 pub mod error;
 pub mod figures;
 pub mod identification;
 pub mod model_file;
 pub mod output;
+pub mod pil;
 pub mod recording;
 pub mod report;
 pub mod table;

@@ -1,4 +1,4 @@
-//! The command `mgpi`. Any error goes to standard error, with exit status 2.
+//! The command `mgpi`. Any error goes to standard error, with exit status 2; an interruption is status 130.
 
 use std::process::ExitCode;
 
@@ -10,7 +10,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::from(2)
+            ExitCode::from(error.exit_status())
         }
     }
 }

@@ -1,6 +1,8 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
+pub mod emulate;
 pub mod identify;
+pub mod pil;
 pub mod report;
 pub mod simulate;
 
@@ -21,6 +23,8 @@ enum Command {
     Identify(identify::Arguments),
     Simulate(simulate::Arguments),
     Report(report::Arguments),
+    Pil(Box<pil::Arguments>),
+    Emulate(emulate::Arguments),
 }
 
 impl CommandLine {
@@ -33,6 +37,8 @@ impl CommandLine {
             Command::Identify(arguments) => identify::run(&arguments),
             Command::Simulate(arguments) => simulate::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
+            Command::Pil(arguments) => pil::run(&arguments),
+            Command::Emulate(arguments) => emulate::run(&arguments),
         }
     }
 }

@@ -1,0 +1,199 @@
+//! `mgpi pil`: the firmware, in the emulator, tracks a reference with a plant.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use model_core::Mode;
+use model_core::pid::PidParameters;
+
+use crate::Error;
+use crate::child::Stop;
+use crate::emulator::image;
+use crate::identification::simulate;
+use crate::model_file::ModelFile;
+use crate::output::Outputs;
+use crate::pil::plant::Program;
+use crate::pil::reference::Reference;
+use crate::pil::results::{figures, json, log};
+use crate::pil::{Bench, Finished, configuration};
+
+/// The runs, as they are called in the results.
+const RUNS: [(&str, Mode); 3] = [
+    ("tracking", Mode::Both),
+    ("feedforward_only", Mode::FeedforwardOnly),
+    ("feedback_only", Mode::FeedbackOnly),
+];
+/// The progress bar is moved once in so many ticks.
+const TICKS_A_MOVE: u64 = 250;
+
+/// Runs the firmware in the loop: three times, with feed-forward and feedback, and with either alone.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// The model, from `mgpi identify`
+    #[arg(long, value_name = "MODEL.toml")]
+    model: PathBuf,
+    /// What to track: time_s, reference_mm
+    #[arg(long, value_name = "REF.csv")]
+    reference: PathBuf,
+    /// The built-in plant, with an effect hidden in it or without [default: rig]
+    #[arg(long, value_name = "rig[:EFFECT]", value_parser = rig)]
+    plant: Option<Rig>,
+    /// Any plant: a command line that answers `time_s command_bar` with `pressure_bar contraction_mm`, line by line
+    #[arg(long, value_name = "COMMAND", conflicts_with = "plant")]
+    plant_command: Option<String>,
+    /// Longest time for an answer of the plant in s
+    #[arg(long, default_value_t = 5.0, value_name = "S", value_parser = positive)]
+    plant_timeout_s: f64,
+    /// Proportional gain in bar/mm
+    #[arg(long, default_value_t = PidParameters::<f32>::paper().kp, value_name = "GAIN")]
+    kp: f32,
+    /// Integral gain in bar/(mm s)
+    #[arg(long, default_value_t = PidParameters::<f32>::paper().ki, value_name = "GAIN")]
+    ki: f32,
+    /// Derivative gain in bar s/mm
+    #[arg(long, default_value_t = PidParameters::<f32>::paper().kd, value_name = "GAIN")]
+    kd: f32,
+    /// Ticks a second
+    #[arg(long, default_value_t = 1000.0, value_name = "HZ", value_parser = positive)]
+    rate_hz: f64,
+    /// Where the log of the combined run goes
+    #[arg(short = 'o', value_name = "LOG.csv")]
+    log: Option<PathBuf>,
+    /// Where the log of the run with feed-forward only goes
+    #[arg(long, value_name = "LOG.csv")]
+    feedforward_log: Option<PathBuf>,
+    /// Where the log of the run with feedback only goes
+    #[arg(long, value_name = "LOG.csv")]
+    feedback_log: Option<PathBuf>,
+    /// Also write the figures as JSON
+    #[arg(long, value_name = "FIGURES.json")]
+    json: Option<PathBuf>,
+    /// The firmware's ELF file [default: that of MGPI_FIRMWARE, else the one built beside this program]
+    #[arg(long, value_name = "ELF")]
+    firmware: Option<PathBuf>,
+    /// Also show what firmware and plants have to say
+    #[arg(long, short)]
+    verbose: bool,
+    /// Overwrite existing outputs
+    #[arg(long)]
+    force: bool,
+}
+
+/// The built-in plant.
+#[derive(Clone, Debug, Default)]
+struct Rig {
+    effect: Option<String>,
+}
+
+/// Tracks.
+///
+/// # Errors
+/// A file is not what it should be, firmware or plant do not do their work, an output cannot be written, or the user
+/// interrupts.
+pub fn run(arguments: &Arguments) -> Result<(), Error> {
+    let Arguments { log: main_log, feedforward_log, feedback_log, json: json_file, rate_hz, .. } = arguments;
+    let logs = [main_log, feedforward_log, feedback_log];
+    let files = logs.into_iter().flatten().chain(json_file);
+    let mut outputs = Outputs::claim(files, arguments.force)?;
+    let model = ModelFile::read(&arguments.model)?;
+    let configuration = configuration(&arguments.model, &model, arguments.pid(), *rate_hz)?;
+    let reference = Reference::read(&arguments.reference, *rate_hz)?;
+    let firmware = image::find(arguments.firmware.as_deref())?;
+    let plant = arguments.plant();
+    let stop = Stop::on_signals();
+    let bench = Bench {
+        firmware: &firmware,
+        configuration: &configuration,
+        plant: &plant,
+        reference: &reference,
+        stop,
+    };
+
+    let begin = Instant::now();
+    let finished = with_progress((RUNS.len() * reference.ticks()) as u64, |ticked| {
+        bench.run(&RUNS.map(|(_, mode)| mode), ticked)
+    })?;
+    let seconds = begin.elapsed().as_secs_f64();
+
+    for (file, finished) in logs.into_iter().zip(&finished) {
+        if let Some(file) = file {
+            outputs.stage(file, log(&finished.run).as_bytes())?;
+        }
+    }
+    let named = || RUNS.iter().map(|(name, _)| *name).zip(finished.iter().map(|finished| &finished.run));
+    if let Some(file) = json_file {
+        outputs.stage(file, format!("{:#}\n", json(named(), model.output.unit)).as_bytes())?;
+    }
+    outputs.commit()?;
+    if arguments.verbose {
+        print_messages(&finished);
+    }
+    let stroke_mm = stroke_mm(&model);
+    for (name, run) in named() {
+        println!("{name:<17} {}", figures(run).in_words(stroke_mm, model.output.unit));
+    }
+    let ticks = finished.len() * reference.ticks();
+    println!("{ticks} ticks in {seconds:.1} s, {:.0} a second", ticks as f64 / seconds);
+    Ok(())
+}
+
+impl Arguments {
+    fn pid(&self) -> PidParameters<f32> {
+        PidParameters { kp: self.kp, ki: self.ki, kd: self.kd, ..PidParameters::paper() }
+    }
+
+    fn plant(&self) -> Program {
+        let limit = Duration::from_secs_f64(self.plant_timeout_s);
+        match (&self.plant_command, &self.plant) {
+            (Some(line), _) => Program::shell(line, limit),
+            (None, rig) => Program::rig(rig.as_ref().and_then(|rig| rig.effect.as_deref()), limit),
+        }
+    }
+}
+
+fn rig(text: &str) -> Result<Rig, String> {
+    match text.split_once(':') {
+        None if text == "rig" => Ok(Rig::default()),
+        Some(("rig", effect)) if !effect.is_empty() => Ok(Rig { effect: Some(effect.to_owned()) }),
+        _ => Err("there is the plant rig, or rig:EFFECT; for any other there is --plant-command".to_owned()),
+    }
+}
+
+/// From the lowest to the highest input that the model is valid for, coming from rest.
+fn stroke_mm(model: &ModelFile) -> f64 {
+    let ends = [model.parameters.input_min, model.parameters.input_max];
+    let contraction_mm = simulate(&model.model, &ends);
+    contraction_mm[1] - contraction_mm[0]
+}
+
+/// A number above 0 that a time span can be made of.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= 1e6 => Ok(number),
+        _ => Err("a number above 0, at most 1e6, is needed".to_owned()),
+    }
+}
+
+/// Does the work under a progress bar; the work calls what it is given once a tick.
+fn with_progress<T>(ticks: u64, work: impl FnOnce(&(dyn Fn() + Sync)) -> T) -> T {
+    let style = ProgressStyle::with_template("tracking {wide_bar} {per_sec}, {eta} left");
+    let bar = ProgressBar::new(ticks).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let done = AtomicU64::new(0);
+    let result = work(&|| {
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        if done.is_multiple_of(TICKS_A_MOVE) {
+            bar.set_position(done);
+        }
+    });
+    bar.finish_and_clear();
+    result
+}
+
+fn print_messages(finished: &[Finished]) {
+    for ((name, _), Finished { log, plant_messages, .. }) in RUNS.iter().zip(finished) {
+        println!("{name}, the firmware's log:\n{log}{name}, the plant's messages:\n{plant_messages}");
+    }
+}

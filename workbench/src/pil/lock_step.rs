@@ -1,0 +1,150 @@
+//! One run, tick by tick.
+//!
+//! # Timing
+//! At the time of a tick the plant, which has held the command of the tick before until then, is measured; the
+//! measurement goes to the board as ADC codes, and its DAC code is the next command. Before the first tick the valve is
+//! vented.
+
+use model_core::Mode;
+use wire::{Configuration, Flags, Hello, Request, Response, Scaling, TickReply, TickRequest, VERSION};
+
+use super::PilError;
+use super::reference::Reference;
+use crate::emulator::Emulator;
+
+/// A board that answers requests: the emulated one, or the control code on the host.
+pub trait Board {
+    /// Sends a request and waits for the response.
+    ///
+    /// # Errors
+    /// There is none.
+    fn request(&mut self, request: &Request) -> Result<Response, PilError>;
+}
+
+impl Board for Emulator {
+    fn request(&mut self, request: &Request) -> Result<Response, PilError> {
+        Ok(Self::request(self, request)?)
+    }
+}
+
+/// What a plant's sensors say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measurement {
+    /// Unit: bar.
+    pub pressure_bar: f64,
+    /// Unit: mm.
+    pub contraction_mm: f64,
+}
+
+/// A muscle on its valve.
+pub trait Plant {
+    /// Holds the command until `time_s`, then measures. The first call finds the plant at rest.
+    ///
+    /// # Errors
+    /// It does not answer, or not sensibly.
+    fn advance(&mut self, time_s: f64, command_bar: f32) -> Result<Measurement, PilError>;
+}
+
+/// A tick in the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Unit: s.
+    pub time_s: f64,
+    /// Unit: mm.
+    pub reference_mm: f64,
+    /// What was measured before the tick.
+    pub measured: Measurement,
+    /// What the board's DAC has put out. Unit: bar.
+    pub command_bar: f32,
+    /// Unit: bar.
+    pub feedforward_bar: f32,
+    /// Unit: bar.
+    pub feedback_bar: f32,
+}
+
+/// A whole run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// One a tick.
+    pub samples: Vec<Sample>,
+    /// Ticks that found the one before unfinished, as the board has counted.
+    pub overruns: u32,
+}
+
+/// Configures the board, tracks the whole reference in the given mode, and stops. `ticked` is called after each tick.
+///
+/// # Errors
+/// Board or plant do not answer as they should; the board vents.
+pub fn run(
+    board: &mut impl Board,
+    plant: &mut impl Plant,
+    configuration: &Configuration,
+    mode: Mode,
+    reference: &Reference,
+    ticked: &dyn Fn(),
+) -> Result<Run, PilError> {
+    let hello = identify(board)?;
+    demand(board, &Request::Configure(configuration.clone()))?;
+    demand(board, &Request::Start(mode))?;
+    let mut samples = Vec::with_capacity(reference.ticks());
+    let mut command_bar = hello.command.value(hello.command.code(0.0));
+    for (time_s, reference_mm) in reference.samples() {
+        let measured = plant.advance(time_s, command_bar)?;
+        let reply = tick(board, &tick_request(&hello, time_s, reference_mm, measured)?)?;
+        if !reply.flags.contains(Flags::TRACKING) {
+            return Err(PilError::Vented { time_s, fault: identify(board)?.fault });
+        }
+        command_bar = hello.command.value(reply.dac_code);
+        let TickReply { feedforward_bar, feedback_bar, .. } = reply;
+        samples.push(Sample { time_s, reference_mm, measured, command_bar, feedforward_bar, feedback_bar });
+        ticked();
+    }
+    let overruns = identify(board)?.overruns;
+    demand(board, &Request::Stop)?;
+    Ok(Run { samples, overruns })
+}
+
+fn tick_request(
+    hello: &Hello,
+    time_s: f64,
+    reference_mm: f64,
+    measured: Measurement,
+) -> Result<TickRequest, PilError> {
+    let code = |scaling: &Scaling, quantity, value: f64, unit| {
+        let (min, max) = (scaling.value(scaling.code_min), scaling.value(scaling.code_max));
+        if (f64::from(min)..=f64::from(max)).contains(&value) {
+            Ok(scaling.code(value as f32))
+        } else {
+            Err(PilError::OutsideSensor { time_s, quantity, value, min, max, unit })
+        }
+    };
+    Ok(TickRequest {
+        reference_mm: reference_mm as f32,
+        pressure_code: code(&hello.pressure, "the pressure", measured.pressure_bar, "bar")?,
+        contraction_code: code(&hello.contraction, "the contraction", measured.contraction_mm, "mm")?,
+    })
+}
+
+fn identify(board: &mut impl Board) -> Result<Hello, PilError> {
+    match board.request(&Request::Identify)? {
+        Response::Hello(hello) if hello.version == VERSION => Ok(hello),
+        Response::Hello(hello) => Err(PilError::Version(hello.version)),
+        _ => Err(PilError::OutOfTurn),
+    }
+}
+
+fn demand(board: &mut impl Board, request: &Request) -> Result<(), PilError> {
+    match board.request(request)? {
+        Response::Accepted => Ok(()),
+        Response::Refused(refusal) => Err(PilError::Refused(refusal)),
+        _ => Err(PilError::OutOfTurn),
+    }
+}
+
+fn tick(board: &mut impl Board, request: &TickRequest) -> Result<TickReply, PilError> {
+    match board.request(&Request::Tick(*request))? {
+        Response::Tick(reply) => Ok(reply),
+        Response::Refused(refusal) => Err(PilError::Refused(refusal)),
+        _ => Err(PilError::OutOfTurn),
+    }
+}

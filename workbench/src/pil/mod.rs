@@ -1,0 +1,193 @@
+//! The processor in the loop: the firmware, in the emulator, tracks a reference with a plant that is a program.
+//!
+//! # Design
+//! | file | what it does |
+//! |---|---|
+//! | [`lock_step`] | one run: reference and measurement to the board, its command to the plant, tick by tick |
+//! | [`plant`] | a plant that is a program, line by line |
+//! | [`reference`] | what is to be tracked |
+//! | [`results`] | log, figures |
+//!
+//! Three runs, each of the firmware from its start with a plant of its own: feed-forward and feedback, feed-forward
+//! only, feedback only. They go on side by side; the first that fails stops the others.
+//!
+//! # Contract
+//! Lock-step: neither board nor plant goes on before the other has answered, so that the results do not depend on
+//! how fast either is. The same inputs give the same results, bit for bit.
+
+pub mod lock_step;
+pub mod plant;
+pub mod reference;
+pub mod results;
+
+use std::panic::resume_unwind;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use model_core::pid::PidParameters;
+use model_core::{Mode, ParameterError, TrackingParameters};
+use thiserror::Error;
+use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Refusal, VERSION};
+
+use crate::child::Stop;
+use crate::emulator::{Emulator, EmulatorError};
+use crate::model_file::ModelFile;
+use crate::table::DataError;
+use crate::unit::Unit;
+use lock_step::Run;
+use plant::{PlantError, PlantProcess, Program};
+use reference::{MOST_TICKS, Reference};
+
+/// Fastest change of the command: an eighth of a second through the whole range, faster than proportional
+/// regulators of this size are. Unit: bar/s.
+const SLEW_BAR_PER_S: f32 = 50.0;
+
+/// Why a run of the firmware does not come to its end.
+#[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
+pub enum PilError {
+    #[error(transparent)]
+    Emulator(EmulatorError),
+    #[error(transparent)]
+    Plant(PlantError),
+    #[error(transparent)]
+    Reference(#[from] DataError),
+    #[error("{}: {ticks} ticks; a run takes at most {MOST_TICKS}", file.display())]
+    TooLong { file: PathBuf, ticks: f64 },
+    #[error("{}: its {channel} is in {found}; the valve board needs {needed}", model.display())]
+    Unit { model: PathBuf, channel: &'static str, found: Unit, needed: &'static str },
+    #[error("{}: no model for the board: {problem}", model.display())]
+    Capacity { model: PathBuf, problem: ParameterError },
+    #[error("the board refuses: {}", in_words(.0))]
+    Refused(Refusal),
+    #[error("the board speaks version {0} of the messages, this program version {VERSION}")]
+    Version(u16),
+    #[error("the board answers what was not asked")]
+    OutOfTurn,
+    #[error(
+        "at {time_s} s the plant answers {quantity} {value} {unit}, outside what the board's sensor measures, \
+         {min} to {max} {unit}"
+    )]
+    OutsideSensor { time_s: f64, quantity: &'static str, value: f64, min: f32, max: f32, unit: &'static str },
+    #[error("at {time_s} s the board has vented the valve: {fault:?}")]
+    Vented { time_s: f64, fault: Option<Fault> },
+    #[error("interrupted")]
+    Stopped,
+}
+
+impl From<EmulatorError> for PilError {
+    fn from(error: EmulatorError) -> Self {
+        match error {
+            EmulatorError::Stopped => Self::Stopped,
+            error => Self::Emulator(error),
+        }
+    }
+}
+
+impl From<PlantError> for PilError {
+    fn from(error: PlantError) -> Self {
+        if error.is_stop() { Self::Stopped } else { Self::Plant(error) }
+    }
+}
+
+fn in_words(refusal: &Refusal) -> String {
+    match refusal {
+        Refusal::Parameter(message) => message.as_str().to_owned(),
+        other => format!("{other:?}"),
+    }
+}
+
+/// Model, gains and limits for a board that ticks `rate_hz` times a second. The valve's range is the model's.
+///
+/// # Errors
+/// The model, read from `file`, has other units than the board or is too large for it.
+pub fn configuration(
+    file: &Path,
+    model: &ModelFile,
+    pid: PidParameters<f32>,
+    rate_hz: f64,
+) -> Result<Configuration, PilError> {
+    for (channel, found, needed) in [("input", model.input.unit, "bar"), ("output", model.output.unit, "mm")]
+    {
+        if found.suffix() != needed {
+            return Err(PilError::Unit { model: file.to_owned(), channel, found, needed });
+        }
+    }
+    let converted = model.parameters.convert::<f32, PLAYS, DEAD_ZONES>();
+    let model = converted.map_err(|problem| PilError::Capacity { model: file.to_owned(), problem })?;
+    Ok(Configuration {
+        version: VERSION,
+        tracking: TrackingParameters {
+            // A valve cannot suck: noise around 0 bar may have put the model's lower end below.
+            command_min: model.input_min.max(0.0),
+            command_max: model.input_max,
+            model,
+            pid,
+            slew_bar_per_s: SLEW_BAR_PER_S,
+            period_s: (1.0 / rate_hz) as f32,
+        },
+    })
+}
+
+/// What the three runs have in common.
+#[derive(Debug)]
+pub struct Bench<'a> {
+    /// The firmware's ELF file.
+    pub firmware: &'a Path,
+    /// For the board.
+    pub configuration: &'a Configuration,
+    /// What starts a plant.
+    pub plant: &'a Program,
+    /// What is to be tracked.
+    pub reference: &'a Reference,
+    /// Asked to stop by whoever wants the runs to end, and by a run that fails.
+    pub stop: Stop,
+}
+
+/// A finished run with what firmware and plant said.
+#[derive(Debug)]
+pub struct Finished {
+    /// The run.
+    pub run: Run,
+    /// The firmware's log, a line an entry.
+    pub log: String,
+    /// What the plant said on its standard error.
+    pub plant_messages: String,
+}
+
+impl Bench<'_> {
+    /// The runs of the given modes, side by side; `ticked` is called after each tick of each.
+    ///
+    /// # Errors
+    /// The first problem of any run; [`PilError::Stopped`] when a stop was requested from outside.
+    pub fn run(&self, modes: &[Mode], ticked: &(dyn Fn() + Sync)) -> Result<Vec<Finished>, PilError> {
+        let runs: Vec<Result<Finished, PilError>> = thread::scope(|scope| {
+            let threads: Vec<_> =
+                modes.iter().map(|&mode| scope.spawn(move || self.run_one(mode, ticked))).collect();
+            threads
+                .into_iter()
+                .map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
+                .collect()
+        });
+        // A run that was stopped because of another one knows no reason.
+        if runs.iter().any(|run| matches!(run, Err(problem) if !matches!(problem, PilError::Stopped))) {
+            return runs.into_iter().filter(|run| !matches!(run, Err(PilError::Stopped))).collect();
+        }
+        runs.into_iter().collect()
+    }
+
+    fn run_one(&self, mode: Mode, ticked: &dyn Fn()) -> Result<Finished, PilError> {
+        let finished = self.try_run(mode, ticked);
+        if finished.is_err() {
+            self.stop.request();
+        }
+        finished
+    }
+
+    fn try_run(&self, mode: Mode, ticked: &dyn Fn()) -> Result<Finished, PilError> {
+        let mut plant = PlantProcess::start(self.plant, &self.stop)?;
+        let mut board = Emulator::start(self.firmware, &self.stop)?;
+        let run = lock_step::run(&mut board, &mut plant, self.configuration, mode, self.reference, ticked)?;
+        Ok(Finished { run, log: board.log(), plant_messages: plant.messages() })
+    }
+}

@@ -1,0 +1,226 @@
+//! A plant that is a program. Once a tick it gets a line `time_s command_bar` on its standard input and answers
+//! `pressure_bar contraction_mm [load_n temperature_c]` on its standard output.
+//!
+//! The first line finds the plant at rest; every further one says: this command, from the time before to this one. Its
+//! time-out, or an answer that is none, is an error that quotes it.
+
+use std::io::{self, Read, Write};
+use std::os::fd::AsFd;
+use std::path::PathBuf;
+use std::process::{ChildStdin, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use thiserror::Error;
+
+use super::PilError;
+use super::lock_step::{Measurement, Plant};
+use crate::child::{ChildGroup, Stop, WAIT_SLICE};
+
+/// The longest answer: many times four numbers. Unit: byte.
+const LONGEST_ANSWER: usize = 1024;
+
+/// Why a plant is of no use.
+#[derive(Debug, Error)]
+#[error("the plant `{plant}`, at {time_s} s: {problem}")]
+pub struct PlantError {
+    plant: String,
+    time_s: f64,
+    problem: Problem,
+}
+
+#[derive(Debug, Error)]
+enum Problem {
+    #[error("cannot be started: {0}")]
+    NotStarted(io::Error),
+    #[error("no answer within {0} s")]
+    Late(f64),
+    #[error("{0}")]
+    Ended(String),
+    #[error("cannot be talked to: {0}")]
+    Io(#[from] io::Error),
+    #[error("the answer `{0}` is not `pressure_bar contraction_mm [load_n temperature_c]`, finite numbers")]
+    Answer(String),
+    #[error("more than one line is answered; the second begins with `{0}`")]
+    Unasked(String),
+    #[error("the answer is longer than {LONGEST_ANSWER} bytes")]
+    TooLong,
+    #[error("stopped")]
+    Stopped,
+}
+
+impl PlantError {
+    /// Whether it is none of the plant: a stop was requested.
+    pub fn is_stop(&self) -> bool {
+        matches!(self.problem, Problem::Stopped)
+    }
+}
+
+/// A program with its arguments.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// What it is called in messages.
+    pub name: String,
+    /// Its file, or its name on the search path.
+    pub file: PathBuf,
+    /// Its arguments.
+    pub arguments: Vec<String>,
+    /// How long it may take for an answer.
+    pub limit: Duration,
+}
+
+impl Program {
+    /// The program `rig` beside this one, with an effect hidden in it or without.
+    pub fn rig(effect: Option<&str>, limit: Duration) -> Self {
+        // Without a directory it is looked for on the search path.
+        let beside = std::env::current_exe().map(|program| program.with_file_name("rig"));
+        let mut arguments = vec!["plant".to_owned()];
+        arguments.extend(effect.iter().flat_map(|effect| ["--hide".to_owned(), (*effect).to_owned()]));
+        Self {
+            name: format!("rig {}", arguments.join(" ")),
+            file: beside.unwrap_or_else(|_| "rig".into()),
+            arguments,
+            limit,
+        }
+    }
+
+    /// A command line for the shell.
+    pub fn shell(line: &str, limit: Duration) -> Self {
+        let arguments = vec!["-c".to_owned(), line.to_owned()];
+        Self { name: line.to_owned(), file: "sh".into(), arguments, limit }
+    }
+}
+
+/// A running plant.
+#[derive(Debug)]
+pub struct PlantProcess {
+    name: String,
+    group: ChildGroup,
+    commands: ChildStdin,
+    answers: ChildStdout,
+    /// What has come of the answer.
+    received: Vec<u8>,
+    limit: Duration,
+    stop: Stop,
+}
+
+impl PlantProcess {
+    /// Starts the program.
+    ///
+    /// # Errors
+    /// It cannot be started.
+    pub fn start(program: &Program, stop: &Stop) -> Result<Self, PlantError> {
+        let mut command = Command::new(&program.file);
+        command.args(&program.arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let started = ChildGroup::spawn(&mut command).and_then(|mut group| match group.pipes() {
+            (Some(commands), Some(answers)) => Ok((group, commands, answers)),
+            _ => Err(io::ErrorKind::BrokenPipe.into()),
+        });
+        let name = program.name.clone();
+        match started {
+            Ok((group, commands, answers)) => Ok(Self {
+                name,
+                group,
+                commands,
+                answers,
+                received: Vec::new(),
+                limit: program.limit,
+                stop: stop.clone(),
+            }),
+            Err(error) => Err(PlantError { plant: name, time_s: 0.0, problem: Problem::NotStarted(error) }),
+        }
+    }
+
+    /// What it said on its standard error so far.
+    pub fn messages(&self) -> String {
+        self.group.messages()
+    }
+
+    fn ask(&mut self, question: &str) -> Result<Measurement, Problem> {
+        if !self.received.is_empty() {
+            return Err(Problem::Unasked(String::from_utf8_lossy(&self.received).trim_end().to_owned()));
+        }
+        let deadline = Instant::now() + self.limit;
+        wait(&self.commands, PollFlags::OUT, deadline, self)?;
+        if self.commands.write_all(question.as_bytes()).is_err() {
+            return Err(Problem::Ended(self.group.end()));
+        }
+        loop {
+            if let Some(end) = self.received.iter().position(|&byte| byte == b'\n') {
+                let measurement = parse(&self.received[..end]);
+                self.received.drain(..=end);
+                return measurement;
+            }
+            if self.received.len() > LONGEST_ANSWER {
+                return Err(Problem::TooLong);
+            }
+            wait(&self.answers, PollFlags::IN, deadline, self)?;
+            let mut bytes = [0; LONGEST_ANSWER];
+            match self.answers.read(&mut bytes)? {
+                0 => return Err(Problem::Ended(self.group.end())),
+                count => self.received.extend_from_slice(&bytes[..count]),
+            }
+        }
+    }
+}
+
+impl Plant for PlantProcess {
+    fn advance(&mut self, time_s: f64, command_bar: f32) -> Result<Measurement, PilError> {
+        let answer = self.ask(&format!("{time_s} {command_bar}\n"));
+        Ok(answer.map_err(|problem| PlantError { plant: self.name.clone(), time_s, problem })?)
+    }
+}
+
+/// Waits until a pipe of the plant can be used, or has been closed.
+fn wait(pipe: &impl AsFd, use_as: PollFlags, deadline: Instant, plant: &PlantProcess) -> Result<(), Problem> {
+    let slice = Timespec { tv_sec: 0, tv_nsec: WAIT_SLICE.subsec_nanos().into() };
+    loop {
+        match poll(&mut [PollFd::new(pipe, use_as)], Some(&slice)) {
+            Ok(0) | Err(rustix::io::Errno::INTR) => {}
+            Ok(_) => return Ok(()),
+            Err(error) => return Err(Problem::Io(error.into())),
+        }
+        if plant.stop.is_requested() {
+            return Err(Problem::Stopped);
+        }
+        if Instant::now() > deadline {
+            return Err(Problem::Late(plant.limit.as_secs_f64()));
+        }
+    }
+}
+
+/// An answer without its end of line.
+fn parse(line: &[u8]) -> Result<Measurement, Problem> {
+    let text = String::from_utf8_lossy(line);
+    let numbers: Option<Vec<f64>> = text
+        .split_whitespace()
+        .map(|field| field.parse().ok().filter(|number: &f64| number.is_finite()))
+        .collect();
+    match numbers.as_deref() {
+        Some(&[pressure_bar, contraction_mm] | &[pressure_bar, contraction_mm, _, _]) => {
+            Ok(Measurement { pressure_bar, contraction_mm })
+        }
+        _ => Err(Problem::Answer(text.trim_end().to_owned())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse;
+
+    #[test]
+    fn an_answer_is_two_numbers_or_four() {
+        for answer in ["1.5 -2", "  1.5\t-2 30 21.5\r"] {
+            let measured = parse(answer.as_bytes()).expect(answer);
+            assert_eq!((measured.pressure_bar, measured.contraction_mm), (1.5, -2.0));
+        }
+    }
+
+    #[test]
+    fn what_is_no_answer_is_quoted() {
+        for answer in ["", "1", "1 2 3", "1 2 3 4 5", "1,2", "nan 2", "1 inf", "hello there", "1 2 3 x"] {
+            let message = parse(answer.as_bytes()).expect_err(answer).to_string();
+            assert!(message.contains(&format!("`{answer}`")), "{message}");
+        }
+    }
+}

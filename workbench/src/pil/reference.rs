@@ -1,0 +1,105 @@
+//! What is to be tracked: `time_s, reference_mm` from a file, linearly interpolated at the instants of the ticks.
+
+use std::path::Path;
+
+use super::PilError;
+use crate::recording::{Choice, Drive};
+use crate::table::Table;
+
+/// The column of the reference.
+const COLUMN: &str = "reference_mm";
+/// The longest run: 10,000 s at 1 kHz. Three logs of it still fit in a small machine's memory.
+pub const MOST_TICKS: usize = 10_000_000;
+
+/// A reference, and how often it is sampled.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Strictly increasing. Unit: s.
+    time_s: Vec<f64>,
+    /// One a time. Unit: mm.
+    reference_mm: Vec<f64>,
+    rate_hz: f64,
+    ticks: usize,
+}
+
+impl Reference {
+    /// Reads a reference that is sampled `rate_hz` (above 0) times a second, from its first time to its last.
+    ///
+    /// # Errors
+    /// The file is no table, lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
+    pub fn read(file: &Path, rate_hz: f64) -> Result<Self, PilError> {
+        let choice = Choice { input: Some(COLUMN.to_owned()), ..Choice::default() };
+        let Drive { time_s, input, .. } = Drive::of(&Table::read(file)?, &choice)?;
+        // A table has at least one row. The margin is for a last tick that rounding puts behind the last row.
+        let duration_s = time_s[time_s.len() - 1] - time_s[0];
+        let ticks = (duration_s * rate_hz + 1e-6).floor() + 1.0;
+        if ticks > MOST_TICKS as f64 {
+            return Err(PilError::TooLong { file: file.to_owned(), ticks });
+        }
+        Ok(Self { time_s, reference_mm: input.values, rate_hz, ticks: ticks as usize })
+    }
+
+    /// Number of ticks, at least 1.
+    pub fn ticks(&self) -> usize {
+        self.ticks
+    }
+
+    /// Time (s) and reference (mm) of every tick.
+    pub fn samples(&self) -> impl Iterator<Item = (f64, f64)> {
+        let mut segment = 0;
+        (0..self.ticks).map(move |tick| {
+            let time_s = self.time_s[0] + tick as f64 / self.rate_hz;
+            while segment + 2 < self.time_s.len() && self.time_s[segment + 1] <= time_s {
+                segment += 1;
+            }
+            (time_s, self.interpolate(segment, time_s))
+        })
+    }
+
+    /// On the line from row `segment` to the next, not beyond its end; the row itself if it is the last.
+    fn interpolate(&self, segment: usize, time_s: f64) -> f64 {
+        let (from_s, from_mm) = (self.time_s[segment], self.reference_mm[segment]);
+        let Some(to_mm) = self.reference_mm.get(segment + 1) else { return from_mm };
+        let share = (time_s - from_s) / (self.time_s[segment + 1] - from_s);
+        from_mm + share.min(1.0) * (to_mm - from_mm)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(csv: &str, rate_hz: f64) -> Result<Vec<(f64, f64)>, PilError> {
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        std::fs::write(&file, csv).expect("written");
+        Ok(Reference::read(file.path(), rate_hz)?.samples().collect())
+    }
+
+    #[test]
+    fn a_reference_is_interpolated_between_uneven_rows() {
+        let found = samples("time_s,reference_mm\n1,0\n1.5,10\n1.75,10\n2,0\n", 8.0).expect("valid");
+        let expected =
+            [(1.0, 0.0), (1.125, 2.5), (1.25, 5.0), (1.375, 7.5), (1.5, 10.0), (1.625, 10.0), (1.75, 10.0)];
+        assert_eq!(found[..7], expected);
+        assert_eq!(found[7..], [(1.875, 5.0), (2.0, 0.0)]);
+    }
+
+    #[test]
+    fn a_single_row_is_a_single_tick() {
+        assert_eq!(samples("time_s,reference_mm\n3,7\n", 1000.0).expect("valid"), [(3.0, 7.0)]);
+    }
+
+    #[test]
+    fn the_last_row_is_reached_though_its_time_is_no_binary_fraction() {
+        let found = samples("time_s,reference_mm\n0,0\n0.3,3\n", 10.0).expect("valid");
+        assert_eq!(found.len(), 4);
+        assert!((found[3].1 - 3.0).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn a_reference_longer_than_memory_is_refused() {
+        let message =
+            samples("time_s,reference_mm\n0,0\n1e12,1\n", 1000.0).expect_err("too long").to_string();
+        assert!(message.contains("10000000"), "{message}");
+    }
+}

@@ -55,7 +55,7 @@ impl Identified<'_> {
         html! {
             p { "On the " (scored_rows) " scored rows the model's figures are: " (training.in_words(*stroke, unit)) "." }
             @if let Some((recording, figures)) = heldout {
-                p { "On " (recording.file) ", which it was not identified from, they are: "
+                p { "On the held-out recording " (recording.file) " they are: "
                     (figures.in_words(*stroke, unit)) "." }
             }
             p { "The stroke is " (format!("{stroke:.2}")) " " (unit) ". The best of " (starts) " starts "

@@ -209,6 +209,18 @@ fn a_length_is_the_same_recording_as_its_contraction() {
 }
 
 #[test]
+fn the_second_recording_needs_the_columns_of_the_first() {
+    let bench = Bench::new();
+    recording(&bench, "rec.csv");
+    bench.write("second.csv", bench.read("rec.csv").replace("pressure_bar", "command_bar"));
+    let message = bench.refuses("identify rec.csv -o model.toml --validate second.csv");
+    assert_eq!(
+        message,
+        "error: second.csv: no column pressure_bar; the file has time_s, command_bar, contraction_mm\n"
+    );
+}
+
+#[test]
 fn gaps_in_time_are_allowed_and_reported() {
     let bench = Bench::new();
     recording(&bench, "rec.csv");

@@ -92,9 +92,15 @@ enum Envelope {
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { model_file, report, json, .. } = arguments;
     let mut outputs = Outputs::claim([model_file].into_iter().chain(report).chain(json), arguments.force)?;
-    let recording = Recording::read(&arguments.recording, &arguments.choice())?;
-    let heldout = arguments.validate.as_deref().map(|file| Recording::read(file, &arguments.choice()));
-    let heldout = heldout.transpose()?;
+    let choice = arguments.choice();
+    let recording = Recording::read(&arguments.recording, &choice)?;
+    // The same columns, also where the choice was left open and this file offers others.
+    let choice = Choice {
+        input: Some(recording.drive.input.channel.name.clone()),
+        output: Some(recording.output.channel.name.clone()),
+        ..choice
+    };
+    let heldout = arguments.validate.as_deref().map(|file| Recording::read(file, &choice)).transpose()?;
 
     let begin = Instant::now();
     let fit = fit(&recording, arguments)?;

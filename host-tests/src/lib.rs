@@ -1,20 +1,57 @@
 //! Closed loops of the shipped control code against plants, on the host and at full speed.
 //!
-//! [`run`] is a board without hardware: the same [`firmware::Control`] as in the images, with its converters'
-//! codes on both sides. The tests of this package hold its figures within bounds on both sides, so that a
-//! drift to the better, which is as suspect as one to the worse, fails too.
+//! [`HostBoard`] is a board without hardware: the same [`firmware::Control`] as in the images, behind the same
+//! requests, in the same lock-step as `mgpi pil`. The tests of this package hold its figures within bounds
+//! on both sides, so that a drift to the better, which is as suspect as one to the worse, fails too.
 
-use firmware::{Control, LockStepBoard, order::prepare, scaling};
+use firmware::order::prepare;
+use firmware::{Control, LockStepBoard};
 use model_core::pid::PidParameters;
 use model_core::{MgpiParameters, Mode, TrackingParameters};
-use wire::{Configuration, Flags, Request, Response, TickRequest, VERSION};
+use rig::parameters::DEAD_LOAD_N;
+use rig::sensor::Sensors;
+use wire::{Configuration, Request, Response, VERSION};
 use workbench::figures::Figures;
+use workbench::pil::PilError;
+use workbench::pil::lock_step::{self, Board, Measurement, Plant, Run};
 
 /// The board's tick. Unit: s.
 pub const PERIOD_S: f64 = 1e-3;
 
-/// A plant: takes the command (bar) for a period, answers pressure (bar) and contraction (mm).
-pub type Plant<'a> = dyn FnMut(f64) -> (f64, f64) + 'a;
+/// The board's control code on the host.
+#[derive(Debug, Default)]
+pub struct HostBoard {
+    control: Control,
+    board: LockStepBoard,
+}
+
+impl Board for HostBoard {
+    fn request(&mut self, request: &Request) -> Result<Response, PilError> {
+        Ok(match request {
+            Request::Tick(tick) => Response::Tick(self.board.tick(&mut self.control, *tick)),
+            other => prepare(other.clone()).map_or_else(Response::Refused, |order| self.control.apply(order)),
+        })
+    }
+}
+
+/// A plant that is a function of the command (bar), called once a tick: pressure (bar), contraction (mm).
+pub struct FunctionPlant<F>(pub F);
+
+impl<F: FnMut(f64) -> (f64, f64)> Plant for FunctionPlant<F> {
+    fn advance(&mut self, _: f64, command_bar: f32) -> Result<Measurement, PilError> {
+        let (pressure_bar, contraction_mm) = (self.0)(command_bar.into());
+        Ok(Measurement { pressure_bar, contraction_mm })
+    }
+}
+
+/// The rig with noisy sensors, one tick a call.
+pub fn rig(seed: u64) -> FunctionPlant<impl FnMut(f64) -> (f64, f64)> {
+    let mut rig = rig::plant::Plant::at_rest(DEAD_LOAD_N, Sensors::noisy(seed));
+    FunctionPlant(move |command| {
+        let measured = rig.step(command, PERIOD_S);
+        (measured.pressure_bar, measured.contraction_mm)
+    })
+}
 
 /// A board's configuration with the paper's gains for a model of the host.
 ///
@@ -46,39 +83,25 @@ pub fn raised_cosines(floor_mm: f64, amplitudes_mm: &[f64]) -> Vec<f64> {
     approach.chain(amplitudes_mm.iter().flat_map(swing)).collect()
 }
 
-/// Runs the control code from rest against a plant, and answers the contraction at every tick. Unit: mm.
+/// Runs a board from rest against a plant, a reference value (mm) a tick.
 ///
-/// # Panics
-/// The board refuses the configuration, or a fault ends the run.
+/// # Errors
+/// Board or plant do not do their part.
 pub fn run(
+    board: &mut impl Board,
+    plant: &mut impl Plant,
     configuration: &Configuration,
     mode: Mode,
     reference_mm: &[f64],
-    plant: &mut Plant<'_>,
-) -> Vec<f64> {
-    let mut control = Control::new();
-    let mut board = LockStepBoard::new();
-    for request in [Request::Configure(configuration.clone()), Request::Start(mode)] {
-        let order = prepare(request).expect("a valid request");
-        assert_eq!(control.apply(order), Response::Accepted);
-    }
-    let tick = |&reference_mm: &f64| {
-        let command_bar = f64::from(scaling::COMMAND.value(board.output().0));
-        let (pressure_bar, contraction_mm) = plant(command_bar);
-        let request = TickRequest {
-            reference_mm: reference_mm as f32,
-            pressure_code: scaling::PRESSURE.code(pressure_bar as f32),
-            contraction_code: scaling::CONTRACTION.code(contraction_mm as f32),
-        };
-        let reply = board.tick(&mut control, request);
-        assert!(reply.flags.contains(Flags::TRACKING), "a fault ended the run: {:?}", control.state());
-        contraction_mm
-    };
-    reference_mm.iter().map(tick).collect()
+) -> Result<Run, PilError> {
+    let samples = reference_mm.iter().enumerate().map(|(tick, mm)| (tick as f64 * PERIOD_S, *mm));
+    lock_step::run(board, plant, configuration, mode, samples, &|| ())
 }
 
-/// Tracking figures of a run, without its first `skipped` ticks. Unit: mm.
-pub fn figures(reference_mm: &[f64], contraction_mm: &[f64], skipped: usize) -> Figures {
-    let scored: Vec<bool> = (0..reference_mm.len()).map(|tick| tick >= skipped).collect();
-    Figures::of(contraction_mm, reference_mm, &scored)
+/// Tracking figures of a run, without its first 2 s. Unit: mm.
+pub fn figures(run: &Run) -> Figures {
+    let (reference, contraction): (Vec<f64>, Vec<f64>) =
+        run.samples.iter().map(|sample| (sample.reference_mm, sample.measured.contraction_mm)).unzip();
+    let scored: Vec<bool> = run.samples.iter().map(|sample| sample.time_s >= 2.0).collect();
+    Figures::of(&contraction, &reference, &scored)
 }

@@ -2,7 +2,7 @@
 //!
 //! `cargo test -p host-tests --test mgpi_plant -- --nocapture` prints the figures.
 
-use host_tests::{PERIOD_S, configuration, figures, raised_cosines, run};
+use host_tests::{FunctionPlant, HostBoard, PERIOD_S, configuration, figures, raised_cosines, run};
 use model_core::{Mgpi, MgpiParameters, Mode, paper};
 use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
 
@@ -25,14 +25,14 @@ fn rmse_percent<const N: usize, const M: usize>(model: &MgpiParameters<f64, N, M
     // any lag the sample time alone makes a proportional loop of this gain oscillate.
     let follow = if mode == Mode::FeedforwardOnly { 1.0 } else { 1.0 - (-PERIOD_S / LAG_S).exp() };
     let mut pressure = 0.0;
-    let mut plant = |command: f64| {
+    let mut plant = FunctionPlant(|command: f64| {
         pressure += follow * (command - pressure);
         (pressure, plant_model.step(&mut state, pressure).expect("finite"))
-    };
+    });
     // From 5 mm, since 1.9 mm remain at 0 bar once the muscle has been up.
     let reference = raised_cosines(5.0, &[110.0, 80.0, 50.0]);
-    let contraction = run(&configuration(model), mode, &reference, &mut plant);
-    100.0 * figures(&reference, &contraction, 2000).rmse / stroke
+    let run = run(&mut HostBoard::default(), &mut plant, &configuration(model), mode, &reference);
+    100.0 * figures(&run.expect("no fault")).rmse / stroke
 }
 
 fn assert_between(what: &str, value: f64, [low, high]: [f64; 2]) {

@@ -2,11 +2,8 @@
 //!
 //! `cargo test -p host-tests --test rig_plant -- --nocapture` prints the figures.
 
-use host_tests::{PERIOD_S, configuration, figures, raised_cosines, run};
+use host_tests::{HostBoard, configuration, figures, raised_cosines, rig, run};
 use model_core::Mode;
-use rig::parameters::DEAD_LOAD_N;
-use rig::plant::Plant;
-use rig::sensor::Sensors;
 use workbench::identification::{Fit, Options, Problem, identify};
 
 /// The model of the project's own recording, as `mgpi identify` finds it.
@@ -31,13 +28,8 @@ fn on_the_rig_feedback_and_feedforward_together_beat_each_alone_within_bounds() 
     let reference = raised_cosines(5.0, &[110.0, 80.0, 50.0]);
     let (rest, full) = fit.model.output_range();
     let rmse_percent = |mode| {
-        let mut rig = Plant::at_rest(DEAD_LOAD_N, Sensors::noisy(7));
-        let mut plant = |command| {
-            let measured = rig.step(command, PERIOD_S);
-            (measured.pressure_bar, measured.contraction_mm)
-        };
-        let contraction = run(&configuration, mode, &reference, &mut plant);
-        let figures = figures(&reference, &contraction, 2000);
+        let run = run(&mut HostBoard::default(), &mut rig(7), &configuration, mode, &reference);
+        let figures = figures(&run.expect("no fault"));
         println!(
             "{mode:?}: RMSE {:.3} mm, {:.3} % of stroke",
             figures.rmse,

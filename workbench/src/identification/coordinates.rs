@@ -16,7 +16,6 @@
 //! is a smooth function of an unbounded variable (half a tanh of it across the range), since the
 //! Levenberg-Marquardt kernel knows no bounds.
 
-use model_core::Real;
 use model_core::envelope::TanhParameters;
 
 /// Number of nonlinear coordinates.
@@ -196,7 +195,7 @@ impl Inner {
     /// ρ and τ of equation (10); without plays both 0.
     pub fn rho_and_tau(&self) -> (f64, f64) {
         match self.weights.first() {
-            Some(first) => (first * Real::exp(self.beta), self.beta / self.alpha),
+            Some(first) => (first * self.beta.exp(), self.beta / self.alpha),
             None => (0.0, 0.0),
         }
     }

@@ -9,7 +9,6 @@ use model_core::Mode;
 use wire::{Configuration, Flags, Hello, Request, Response, Scaling, TickReply, TickRequest, VERSION};
 
 use super::PilError;
-use super::reference::Reference;
 use crate::emulator::Emulator;
 
 /// A board that answers requests: the emulated one, or the control code on the host.
@@ -71,7 +70,8 @@ pub struct Run {
     pub overruns: u32,
 }
 
-/// Configures the board, tracks the whole reference in the given mode, and stops. `ticked` is called after each tick.
+/// Configures the board, tracks the reference, time (s) and value (mm) of every tick, in the given mode, and stops.
+/// `ticked` is called after each tick.
 ///
 /// # Errors
 /// Board or plant do not answer as they should; the board vents.
@@ -80,15 +80,15 @@ pub fn run(
     plant: &mut impl Plant,
     configuration: &Configuration,
     mode: Mode,
-    reference: &Reference,
+    reference: impl Iterator<Item = (f64, f64)>,
     ticked: &dyn Fn(),
 ) -> Result<Run, PilError> {
     let hello = identify(board)?;
     demand(board, &Request::Configure(configuration.clone()))?;
     demand(board, &Request::Start(mode))?;
-    let mut samples = Vec::with_capacity(reference.ticks());
+    let mut samples = Vec::with_capacity(reference.size_hint().0);
     let mut command_bar = hello.command.value(hello.command.code(0.0));
-    for (time_s, reference_mm) in reference.samples() {
+    for (time_s, reference_mm) in reference {
         let measured = plant.advance(time_s, command_bar)?;
         let reply = tick(board, &tick_request(&hello, time_s, reference_mm, measured)?)?;
         if !reply.flags.contains(Flags::TRACKING) {

@@ -187,7 +187,7 @@ impl Bench<'_> {
     fn try_run(&self, mode: Mode, ticked: &dyn Fn()) -> Result<Finished, PilError> {
         let mut plant = PlantProcess::start(self.plant, &self.stop)?;
         let mut board = Emulator::start(self.firmware, &self.stop)?;
-        let run = lock_step::run(&mut board, &mut plant, self.configuration, mode, self.reference, ticked)?;
+        let run = lock_step::run(&mut board, &mut plant, self.configuration, mode, self.reference.samples(), ticked)?;
         Ok(Finished { run, log: board.log(), plant_messages: plant.messages() })
     }
 }

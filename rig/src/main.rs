@@ -13,7 +13,7 @@ use rig::parameters::{
 };
 use rig::plant::Plant;
 use rig::protocol::Protocol;
-use rig::recording::{write_recording, write_reference};
+use rig::recording::{RaisedCosines, write_recording, write_reference};
 use rig::sensor::Sensors;
 use rig::serve::serve;
 
@@ -97,6 +97,9 @@ struct ReferenceArgs {
     /// Peak of each raised cosine, mm
     #[arg(long, value_delimiter = ',', default_value = "110,80,50", value_parser = amplitude_mm)]
     amplitudes_mm: Vec<f64>,
+    /// Where each ends and the next begins, mm
+    #[arg(long, default_value_t = 10.0, value_parser = amplitude_mm)]
+    trough_mm: f64,
     /// Period of each, s
     #[arg(long, default_value_t = 20.0, value_parser = period_s)]
     period_s: f64,
@@ -108,7 +111,7 @@ fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Record(args) => record(&args),
         Command::Plant(args) => serve(std::io::stdin().lock(), std::io::stdout().lock(), &mut args.plant()),
-        Command::Reference(args) => reference(&args),
+        Command::Reference(args) => reference(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -142,19 +145,17 @@ fn record(RecordArgs { protocol: name, plant, output }: &RecordArgs) -> Result<(
     })
 }
 
-fn reference(ReferenceArgs { amplitudes_mm, period_s, output }: &ReferenceArgs) -> Result<()> {
+fn reference(ReferenceArgs { amplitudes_mm, trough_mm, period_s, output }: ReferenceArgs) -> Result<()> {
     let peaks: Vec<_> = amplitudes_mm.iter().map(f64::to_string).collect();
+    let (peaks, rate_hz) = (peaks.join(","), output.rate_hz);
     let made_by = [
         format!("raised cosines, rig {}", env!("CARGO_PKG_VERSION")),
         format!(
-            "rig reference --amplitudes-mm {} --period-s {period_s} --rate-hz {}",
-            peaks.join(","),
-            output.rate_hz
+            "rig reference --amplitudes-mm {peaks} --trough-mm {trough_mm} --period-s {period_s} --rate-hz {rate_hz}"
         ),
     ];
-    write_whole(&output.output, output.force, |out| {
-        write_reference(out, &made_by, amplitudes_mm, *period_s, output.rate_hz)
-    })
+    let reference = RaisedCosines { peaks_mm: amplitudes_mm, trough_mm, period_s };
+    write_whole(&output.output, output.force, |out| write_reference(out, &made_by, &reference, rate_hz))
 }
 
 fn rate_hz(text: &str) -> Result<f64, String> {

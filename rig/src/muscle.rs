@@ -10,8 +10,8 @@
 //! their times.
 //!
 //! What it is not: a Prandtl-Ishlinskii model. The friction's limits grow with pressure and the geometry is
-//! nonlinear, so loops between the same pressures are not congruent (heights differ by up to 4 %), and an
-//! inner loop closes only to about 0.1 mm: as the pressure falls so do the limits, and bristles slip that
+//! nonlinear, so loops between the same pressures are not congruent (heights differ by some 3 %), and an
+//! inner loop closes only to about 0.2 mm: as the pressure falls so do the limits, and bristles slip that
 //! have hardly moved. A wider loop does wipe out what was inside it, to less than 1 µm.
 //!
 //! Limits: 0 to 6 bar, load 0 to [`LOAD_LIMIT_N`](crate::parameters::LOAD_LIMIT_N). A pressure path taken in

@@ -22,10 +22,10 @@ pub const FIBRE_ANGLE_DEG: f64 = 25.0;
 
 /// Factor on the contraction ratio in the braid's force, dimensionless: the ends taper to the fittings
 /// instead of staying cylindrical (form: Tondu and Lopez 2000). Small, since the muscle is slender. Loop.
-pub const END_CORRECTION: f64 = 1.06;
+pub const END_CORRECTION: f64 = 1.025;
 
 /// Pressure the tube needs to press against the fibres, bar. Loop: the flat start of the rising branch.
-pub const THRESHOLD_PRESSURE_BAR: f64 = 1.12;
+pub const THRESHOLD_PRESSURE_BAR: f64 = 1.07;
 
 /// Width of the pressure range in which the tube comes to bear, part by part, bar. Loop: how sharply the
 /// rising branch bends up.
@@ -33,19 +33,19 @@ pub const THRESHOLD_WIDTH_BAR: f64 = 0.65;
 
 /// Axial stiffness of the elastic skin, N per unit of contraction ratio. A rubber wall of 1.5 mm and 3 N/mm²
 /// has 0.3 kN lengthwise, and the growing circumference adds a multiple. Loop: the stroke.
-pub const SKIN_STIFFNESS_N: f64 = 880.0;
+pub const SKIN_STIFFNESS_N: f64 = 940.0;
 
 /// Fibre friction of the pressureless muscle, N. Loop: the width at 0 bar.
-pub const FRICTION_N: f64 = 9.0;
+pub const FRICTION_N: f64 = 6.0;
 
 /// Growth of the fibre friction with pressure, which presses the layers together, N/bar. Loop: the width at 4
 /// bar.
-pub const FRICTION_N_PER_BAR: f64 = 10.0;
+pub const FRICTION_N_PER_BAR: f64 = 13.0;
 
 /// Contraction at which each bristle breaks away after a reversal at [`BREAKAWAY_PRESSURE_BAR`], mm: nearly
 /// geometric, from fibre crossings next to each other to the whole length. The bristles share the friction
 /// equally. Loop: the narrowing after the reversal at 6 bar.
-pub const BREAKAWAY_MM: [f64; 6] = [2.0, 4.0, 7.0, 14.0, 26.0, 50.0];
+pub const BREAKAWAY_MM: [f64; 6] = [1.0, 2.0, 5.0, 10.0, 25.0, 50.0];
 
 /// Pressure at which [`BREAKAWAY_MM`] holds, bar: mid-range. Stiffness does not depend on pressure.
 pub const BREAKAWAY_PRESSURE_BAR: f64 = 3.0;
@@ -54,7 +54,7 @@ pub const BREAKAWAY_PRESSURE_BAR: f64 = 3.0;
 /// the published curve starts.
 pub const DEAD_LOAD_N: f64 = 2.0;
 
-/// Largest load, N: near 85 N the fibres of the pressureless muscle lie along the axis and lock (contraction
+/// Largest load, N: near 95 N the fibres of the pressureless muscle lie along the axis and lock (contraction
 /// ratio 1 - 1/cos of the fibre angle, divided by the end correction), which the skin does not know.
 pub const LOAD_LIMIT_N: f64 = 80.0;
 

@@ -41,22 +41,43 @@ pub fn write_recording(
     Ok(())
 }
 
-/// Writes `time_s,reference_mm`: a raised cosine from 0 and back for each of `amplitudes_mm` (its peak), each
-/// of `period_s`.
+/// A reference to track: raised cosines of one period between a trough and a peak each, rising from 0 at
+/// first.
+#[derive(Debug, Clone)]
+pub struct RaisedCosines {
+    /// Peak of each, mm.
+    pub peaks_mm: Vec<f64>,
+    /// Where each ends and the next begins, mm. A muscle that has contracted does not come back to 0 mm by
+    /// itself.
+    pub trough_mm: f64,
+    /// Period of each, s.
+    pub period_s: f64,
+}
+
+impl RaisedCosines {
+    /// The reference at `time_s`, mm.
+    fn at_mm(&self, time_s: f64) -> f64 {
+        let period = (time_s / self.period_s) as usize;
+        let Some(peak_mm) = self.peaks_mm.get(period) else { return self.trough_mm };
+        let phase = time_s / self.period_s - period as f64;
+        let foot_mm = if period == 0 && phase < 0.5 { 0.0 } else { self.trough_mm };
+        foot_mm + (peak_mm - foot_mm) * 0.5 * (1.0 - (TAU * phase).cos())
+    }
+}
+
+/// Writes `time_s,reference_mm` at `rate_hz`, with comment lines as in [`write_recording`].
+///
+/// # Errors
+/// `out` refuses.
 pub fn write_reference(
     out: &mut dyn Write,
     made_by: &[String],
-    amplitudes_mm: &[f64],
-    period_s: f64,
+    reference: &RaisedCosines,
     rate_hz: f64,
 ) -> io::Result<()> {
     write_head(out, made_by, "time_s,reference_mm")?;
-    for time_s in instants_s(period_s * amplitudes_mm.len() as f64, rate_hz) {
-        let period = (time_s / period_s) as usize;
-        // The last instant ends the last period.
-        let amplitude_mm = amplitudes_mm.get(period).copied().unwrap_or_default();
-        let reference_mm = 0.5 * amplitude_mm * (1.0 - (TAU * time_s / period_s).cos());
-        writeln!(out, "{},{}", rounded(time_s, 1e6), rounded(reference_mm, 1e4))?;
+    for time_s in instants_s(reference.period_s * reference.peaks_mm.len() as f64, rate_hz) {
+        writeln!(out, "{},{}", rounded(time_s, 1e6), rounded(reference.at_mm(time_s), 1e4))?;
     }
     Ok(())
 }
@@ -83,29 +104,22 @@ fn rounded(value: f64, parts: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn columns(csv: &[u8]) -> Vec<(f64, f64)> {
-        let text = std::str::from_utf8(csv).unwrap();
-        let number = |field: Option<&str>| field.unwrap().parse().unwrap();
-        let rows = text.lines().filter(|line| !line.starts_with(['#', 't']));
-        rows.map(|row| row.split(',')).map(|mut row| (number(row.next()), number(row.next()))).collect()
+    #[test]
+    fn reference_starts_at_zero_and_runs_between_trough_and_peaks() {
+        let reference = RaisedCosines { peaks_mm: vec![110.0, 80.0], trough_mm: 10.0, period_s: 20.0 };
+        let turns =
+            [(0.0, 0.0), (5.0, 55.0), (10.0, 110.0), (15.0, 60.0), (20.0, 10.0), (30.0, 80.0), (40.0, 10.0)];
+        for (time_s, expected_mm) in turns {
+            assert!((reference.at_mm(time_s) - expected_mm).abs() < 1e-9, "at {time_s} s");
+        }
     }
 
     #[test]
-    fn reference_rises_to_each_amplitude_and_returns_to_zero() {
+    fn reference_file_says_how_it_was_made_and_has_both_ends() {
+        let reference = RaisedCosines { peaks_mm: vec![100.0], trough_mm: 0.0, period_s: 2.0 };
         let mut csv = Vec::new();
-        write_reference(&mut csv, &["how".to_owned()], &[110.0, 80.0], 20.0, 100.0).unwrap();
-        assert!(csv.starts_with(b"# how\ntime_s,reference_mm\n0,0\n"));
-        let rows = columns(&csv);
-        assert_eq!(rows.len(), 4001);
-        for (row, expected) in [
-            (0, (0.0, 0.0)),
-            (500, (5.0, 55.0)),
-            (1000, (10.0, 110.0)),
-            (2000, (20.0, 0.0)),
-            (3000, (30.0, 80.0)),
-            (4000, (40.0, 0.0)),
-        ] {
-            assert_eq!(rows[row], expected);
-        }
+        write_reference(&mut csv, &["how".to_owned()], &reference, 2.0).unwrap();
+        let expected = "# how\ntime_s,reference_mm\n0,0\n0.5,50\n1,100\n1.5,50\n2,0\n";
+        assert_eq!(String::from_utf8(csv).unwrap(), expected);
     }
 }

@@ -166,3 +166,19 @@ fn plant_names_the_line_and_the_field_it_cannot_take() {
         assert_refused(&dialogue("", input), message);
     }
 }
+
+#[test]
+fn kept_recordings_are_what_their_comment_lines_make() {
+    let folder = TempDir::new().unwrap();
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("../recordings");
+    for name in ["rig-fig8.csv", "rig-ramps.csv", "reference-cosines.csv"] {
+        let csv = fs::read_to_string(kept.join(name)).unwrap();
+        let arguments = csv.lines().find_map(|line| line.strip_prefix("# rig ")).unwrap();
+        let output = rig(folder.path(), &format!("{arguments} -o {name}"));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(
+            fs::read_to_string(folder.path().join(name)).unwrap() == csv,
+            "{name} differs: write it anew"
+        );
+    }
+}

@@ -60,7 +60,7 @@ fn contraction_depends_on_the_pressures_and_not_on_how_finely_they_are_passed() 
 }
 
 #[test]
-fn inner_loops_return_to_where_they_left_within_a_tenth_of_a_millimetre_but_not_exactly() {
+fn inner_loops_return_to_where_they_left_within_a_quarter_of_a_millimetre_but_not_exactly() {
     let mut worst_mm: f64 = 0.0;
     for high_bar in [2.0, 3.0, 4.0, 5.0, 6.0] {
         for low_bar in [0.2, 0.5, 1.0, 1.6] {
@@ -71,7 +71,7 @@ fn inner_loops_return_to_where_they_left_within_a_tenth_of_a_millimetre_but_not_
         }
     }
     println!("worst {worst_mm:.4} mm");
-    assert!((0.005..0.15).contains(&worst_mm), "{worst_mm} mm");
+    assert!((0.01..0.25).contains(&worst_mm), "{worst_mm} mm");
 }
 
 #[test]

@@ -5,6 +5,14 @@
 //! Each command is a file in [`commands`]; it reads (strictly), works, and writes all of its outputs at the
 //! end and at once, or none. Whatever goes wrong is an [`Error`] whose message names the place.
 
+/// Prints a line for people. That nobody reads on (a closed pipe) is no reason to fail.
+macro_rules! say {
+    ($($words:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($words)*);
+    }};
+}
+
 pub mod child;
 pub mod commands;
 pub mod emulator;

@@ -18,6 +18,8 @@ pub enum OutputError {
     Exists(PathBuf),
     #[error("{}: named for two outputs", .0.display())]
     NamedTwice(PathBuf),
+    #[error("{}: is an input of this command; not even --force overwrites it", .0.display())]
+    IsInput(PathBuf),
     #[error("{}: cannot be written: {source}", path.display())]
     Unwritable { path: PathBuf, source: io::Error },
 }
@@ -30,15 +32,23 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Claims the files that a command is going to write.
+    /// Claims the files that a command is going to write; `inputs` are those that it reads.
     ///
     /// # Errors
-    /// A file exists and `force` is not set, is named twice, or its directory does not exist.
-    pub fn claim<'a>(paths: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<Self, OutputError> {
+    /// A file exists and `force` is not set, is an input, is named twice, or its directory does not exist.
+    pub fn claim<'a>(
+        paths: impl IntoIterator<Item = &'a PathBuf>,
+        inputs: &[&Path],
+        force: bool,
+    ) -> Result<Self, OutputError> {
+        let inputs: Vec<PathBuf> = inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
         let mut claimed: Vec<&Path> = Vec::new();
         for path in paths {
             if claimed.contains(&path.as_path()) {
                 return Err(OutputError::NamedTwice(path.clone()));
+            }
+            if path.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
+                return Err(OutputError::IsInput(path.clone()));
             }
             if path.is_dir() {
                 return Err(unwritable(path)(io::ErrorKind::IsADirectory.into()));

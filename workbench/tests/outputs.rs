@@ -129,3 +129,33 @@ fn assert_self_contained(page: &str, drawings: usize) {
         assert!(!page.contains(foreign), "{foreign}");
     }
 }
+
+#[test]
+fn an_input_is_never_overwritten_not_even_by_force() {
+    let bench = bench();
+    let before = bench.read("rec.csv");
+    let message = bench.refuses("simulate paper.toml --input rec.csv -o ./rec.csv --force");
+    assert_eq!(message, "error: ./rec.csv: is an input of this command; not even --force overwrites it\n");
+    assert_eq!(bench.read("rec.csv"), before);
+}
+
+#[test]
+fn a_model_that_does_not_describe_the_recording_is_called_that() {
+    let bench = bench();
+    let falling: String = bench
+        .read("rec.csv")
+        .lines()
+        .map(|line| match line.rsplit_once(',').map(|(head, last)| (head, last.parse::<f64>())) {
+            Some((head, Ok(contraction))) => format!("{head},{}\n", -contraction),
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    bench.write("falling.csv", falling);
+    let output = bench.mgpi("identify falling.csv -o model.toml --starts 2");
+    let message = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(
+        message.contains("warning: falling.csv: this model does not describe the recording"),
+        "{message}"
+    );
+    assert!(message.contains("the output falls as the input rises"), "{message}");
+}

@@ -34,7 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     thread::scope(|scope| {
         if let Some(log) = log {
             // Ends with the emulator; a log that cannot be read is no reason to end it.
-            scope.spawn(|| decoder.follow(log, |entry| println!("{entry}")));
+            scope.spawn(|| decoder.follow(log, |entry| say!("{entry}")));
         }
         let ended = wait(&mut group, &stop);
         drop(group);
@@ -47,7 +47,7 @@ fn wait(group: &mut ChildGroup, stop: &Stop) -> Result<(), Error> {
     let mut announced = false;
     while !stop.is_requested() {
         if !announced && let Some(port) = port(&group.messages()) {
-            println!("serial port {port}; Ctrl-C ends the emulator");
+            say!("serial port {port}; Ctrl-C ends the emulator");
             announced = true;
         }
         if !group.is_running() {

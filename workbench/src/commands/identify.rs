@@ -1,6 +1,6 @@
 //! `mgpi identify`: from a recording to a model.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
@@ -71,6 +71,9 @@ pub struct Arguments {
     force: bool,
 }
 
+/// Share of the stroke that an error has to reach for the fit to be called poor: ten times what a muscle leaves.
+const POOR_FIT: f64 = 0.1;
+
 /// Kinds of model that can be identified.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Kind {
@@ -91,7 +94,10 @@ enum Envelope {
 /// A recording is not what it should be, no model can be made of it, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { model_file, report, json, .. } = arguments;
-    let mut outputs = Outputs::claim([model_file].into_iter().chain(report).chain(json), arguments.force)?;
+    let inputs: Vec<&Path> =
+        [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
+    let files = [model_file].into_iter().chain(report).chain(json);
+    let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
     let choice = arguments.choice();
     let recording = Recording::read(&arguments.recording, &choice)?;
     // The same columns, also where the choice was left open and this file offers others.
@@ -129,6 +135,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     outputs.commit()?;
     print_summary(&recording, &identification, &fit, seconds);
+    warn_of_poor_fit(&recording, &identification);
     Ok(())
 }
 
@@ -233,21 +240,51 @@ fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, second
 fn print_summary(recording: &Recording, identification: &Identification, fit: &Fit, seconds: f64) {
     let Recording { drive, output } = recording;
     let (timing, unit, stroke) = (&drive.timing, output.channel.unit, identification.stroke);
-    println!("model         {}, from {}", recording.columns(), drive.file.display());
-    println!("rows          {}, of which {} are scored", drive.time_s.len(), identification.scored_rows);
-    println!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
-    println!("stroke        {stroke:.3} {unit}");
-    println!("training      {}", identification.training.in_words(stroke, unit));
+    say!("model         {}, from {}", recording.columns(), drive.file.display());
+    say!("rows          {}, of which {} are scored", drive.time_s.len(), identification.scored_rows);
+    say!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
+    say!("stroke        {stroke:.3} {unit}");
+    say!("training      {}", identification.training.in_words(stroke, unit));
     if let Some((source, figures)) = &identification.heldout {
-        println!("held out      {} ({})", figures.in_words(stroke, unit), source.file);
+        say!("held out      {} ({})", figures.in_words(stroke, unit), source.file);
     }
-    println!("termination   {}", identification.termination);
-    println!(
+    say!("termination   {}", identification.termination);
+    say!(
         "invertible    smallest slope {:.3e} of the plays, {:.3e} {unit} of the dead zones",
         fit.model.plays().smallest_slope(),
         fit.model.dead_zones().smallest_slope()
     );
-    println!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
+    say!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
+}
+
+/// A plain word where the model does not describe the recording.
+fn warn_of_poor_fit(recording: &Recording, identification: &Identification) {
+    let share = identification.training.rmse / identification.stroke;
+    if share < POOR_FIT {
+        return;
+    }
+    let Recording { drive, output } = recording;
+    let (input, output, scored) = (&drive.input.values, &output.values, &drive.scored);
+    let reason = if covariance(input, output, scored) < 0.0 {
+        "the output falls as the input rises, and these models rise: give one of the columns the other sign"
+    } else {
+        "the output is not a rising hysteresis curve of the input alone: another column, speed or time acts as well"
+    };
+    eprintln!(
+        "warning: {}: this model does not describe the recording, its error is {:.0} % of the stroke; {reason}",
+        drive.file.display(),
+        100.0 * share
+    );
+}
+
+/// Covariance of two columns over the scored rows, in the product of their units.
+fn covariance(a: &[f64], b: &[f64], scored: &[bool]) -> f64 {
+    let rows: Vec<(f64, f64)> =
+        a.iter().zip(b).zip(scored).filter(|(_, scored)| **scored).map(|((a, b), _)| (*a, *b)).collect();
+    let count = rows.len() as f64;
+    let (mean_a, mean_b) =
+        rows.iter().fold((0.0, 0.0), |(sum_a, sum_b), (a, b)| (sum_a + a / count, sum_b + b / count));
+    rows.iter().map(|(a, b)| (a - mean_a) * (b - mean_b)).sum::<f64>() / count
 }
 
 fn gaps(timing: &Timing) -> String {

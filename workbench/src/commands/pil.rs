@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { log: main_log, feedforward_log, feedback_log, json: json_file, rate_hz, .. } = arguments;
     let logs = [main_log, feedforward_log, feedback_log];
     let files = logs.into_iter().flatten().chain(json_file);
-    let mut outputs = Outputs::claim(files, arguments.force)?;
+    let mut outputs = Outputs::claim(files, &[&arguments.model, &arguments.reference], arguments.force)?;
     let model = ModelFile::read(&arguments.model)?;
     let configuration = configuration(&arguments.model, &model, arguments.pid(), *rate_hz)?;
     let reference = Reference::read(&arguments.reference, *rate_hz)?;
@@ -133,10 +133,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     let stroke_mm = stroke_mm(&model);
     for (name, run) in named() {
-        println!("{name:<17} {}", figures(run).in_words(stroke_mm, model.output.unit));
+        say!("{name:<17} {}", figures(run).in_words(stroke_mm, model.output.unit));
     }
     let ticks = finished.len() * reference.ticks();
-    println!("{ticks} ticks in {seconds:.1} s, {:.0} a second", ticks as f64 / seconds);
+    say!("{ticks} ticks in {seconds:.1} s, {:.0} a second", ticks as f64 / seconds);
     Ok(())
 }
 
@@ -194,6 +194,6 @@ fn with_progress<T>(ticks: u64, work: impl FnOnce(&(dyn Fn() + Sync)) -> T) -> T
 
 fn print_messages(finished: &[Finished]) {
     for ((name, _), Finished { log, plant_messages, .. }) in RUNS.iter().zip(finished) {
-        println!("{name}, the firmware's log:\n{log}{name}, the plant's messages:\n{plant_messages}");
+        say!("{name}, the firmware's log:\n{log}{name}, the plant's messages:\n{plant_messages}");
     }
 }

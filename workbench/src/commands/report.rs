@@ -40,7 +40,11 @@ pub struct Arguments {
 /// # Errors
 /// A file is not what it should be, or the report cannot be drawn or written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let mut outputs = Outputs::claim([&arguments.output], arguments.force)?;
+    let mut outputs = Outputs::claim(
+        [&arguments.output],
+        &[&arguments.model, &arguments.recording, &arguments.log],
+        arguments.force,
+    )?;
     let model = ModelFile::read(&arguments.model)?;
     let recording = Recording::read(&arguments.recording, &Choice::of_model(&model, arguments.rest_length))?;
     let log = Table::read(&arguments.log)?;

@@ -37,7 +37,8 @@ pub struct Arguments {
 /// # Errors
 /// A file is not what it should be, or the output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let mut outputs = Outputs::claim([&arguments.output], arguments.force)?;
+    let mut outputs =
+        Outputs::claim([&arguments.output], &[&arguments.model, &arguments.input], arguments.force)?;
     let model = ModelFile::read(&arguments.model)?;
     let choice = Choice::of_model(&model, arguments.rest_length);
     let table = Table::read(&arguments.input)?;
@@ -49,10 +50,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let text = csv(&drive, &model.output, &simulated, measured.as_ref());
     outputs.stage(&arguments.output, text.as_bytes())?;
     outputs.commit()?;
-    println!("{} rows simulated", simulated.len());
+    say!("{} rows simulated", simulated.len());
     if let Some(Series { channel, values }) = measured {
         let figures = Figures::of(&values, &simulated, &drive.scored);
-        println!("{}", figures.in_words(stroke(&values, &drive.scored), channel.unit));
+        say!("{}", figures.in_words(stroke(&values, &drive.scored), channel.unit));
     }
     Ok(())
 }

@@ -56,9 +56,7 @@ impl Bounds {
     pub fn variables(&self, coordinates: &[f64; COUNT]) -> [f64; COUNT] {
         std::array::from_fn(|i| {
             let (low, high) = self.0[i];
-            ((coordinates[i] - (low + high) / 2.0) / ((high - low) / 2.0))
-                .clamp(-0.999, 0.999)
-                .atanh()
+            ((coordinates[i] - (low + high) / 2.0) / ((high - low) / 2.0)).clamp(-0.999, 0.999).atanh()
         })
     }
 
@@ -99,27 +97,15 @@ impl Inner {
     /// The inner model with the given coordinates.
     pub fn new(coordinates: &[f64; COUNT], plays: usize) -> Self {
         let [ln_a, b, ln_alpha, ln_beta, logit_s] = *coordinates;
-        let (a, alpha, beta, s) = (
-            ln_a.exp(),
-            ln_alpha.exp(),
-            ln_beta.exp(),
-            1.0 / (1.0 + (-logit_s).exp()),
-        );
+        let (a, alpha, beta, s) = (ln_a.exp(), ln_alpha.exp(), ln_beta.exp(), 1.0 / (1.0 + (-logit_s).exp()));
         // Without plays there is nothing to share with.
         let s = if plays == 0 { 1.0 } else { s };
         let raw: Vec<f64> = (1..=plays).map(|i| (-beta * i as f64).exp()).collect();
         let sum: f64 = raw.iter().sum();
         let weights: Vec<f64> = raw.iter().map(|weight| (1.0 - s) * weight / sum).collect();
-        let mean = raw
-            .iter()
-            .enumerate()
-            .map(|(i, weight)| (i + 1) as f64 * weight / sum)
-            .sum::<f64>();
-        let weights_by_ln_beta = weights
-            .iter()
-            .enumerate()
-            .map(|(i, weight)| beta * weight * (mean - (i + 1) as f64))
-            .collect();
+        let mean = raw.iter().enumerate().map(|(i, weight)| (i + 1) as f64 * weight / sum).sum::<f64>();
+        let weights_by_ln_beta =
+            weights.iter().enumerate().map(|(i, weight)| beta * weight * (mean - (i + 1) as f64)).collect();
         Self {
             a,
             b,
@@ -153,12 +139,7 @@ impl Inner {
 
     /// The largest u of the recording's range: that of the first loading to the highest input.
     pub fn u_max(&self) -> f64 {
-        self.s
-            + self
-                .reaches()
-                .zip(&self.weights)
-                .map(|(reach, p)| p * reach)
-                .sum::<f64>()
+        self.s + self.reaches().zip(&self.weights).map(|(reach, p)| p * reach).sum::<f64>()
     }
 
     /// The derivatives of [`u_max`](Self::u_max) by the coordinates.

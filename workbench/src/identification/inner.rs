@@ -41,15 +41,9 @@ pub fn sensitivities(inner: &Inner, inputs: &[f64]) -> Vec<[f64; COUNT]> {
         for (i, play) in plays.iter_mut().enumerate() {
             let (r, p) = (inner.thresholds[i], inner.weights[i]);
             if v - r > play.output {
-                *play = Play {
-                    output: v - r,
-                    by: [by_ln_a, by_b, -r],
-                };
+                *play = Play { output: v - r, by: [by_ln_a, by_b, -r] };
             } else if v + r < play.output {
-                *play = Play {
-                    output: v + r,
-                    by: [by_ln_a, by_b, r],
-                };
+                *play = Play { output: v + r, by: [by_ln_a, by_b, r] };
             }
             for (sum, derivative) in by.iter_mut().zip(&play.by) {
                 *sum += p * derivative;

@@ -3,12 +3,12 @@
 //! # Design
 //! | file | what it does |
 //! |---|---|
-//! | [`coordinates`] | removes the model's two exact scalings: five nonlinear coordinates, bounded smoothly |
-//! | [`inner`] | u over the recording and its exact sensitivities |
-//! | [`projection`], [`nnls`] | offset and slopes of the dead zones, linear and kept positive |
-//! | [`problem`] | the reduced problem and its Jacobian, for the Levenberg-Marquardt kernel (MINPACK's, crate `levenberg-marquardt`) |
-//! | [`starts`] | where the searches begin |
-//! | [`uncertainty`] | standard errors of the raw parameters |
+//! | `coordinates` | removes the model's two exact scalings: five nonlinear coordinates, bounded smoothly |
+//! | `inner` | u over the recording and its exact sensitivities |
+//! | `projection`, `nnls` | offset and slopes of the dead zones, linear and kept positive |
+//! | `problem` | the reduced problem and its Jacobian, for the Levenberg-Marquardt kernel (MINPACK's, crate `levenberg-marquardt`) |
+//! | `starts` | where the searches begin |
+//! | `uncertainty` | standard errors of the raw parameters |
 //!
 //! The problem has several minima, so that many starts are tried side by side: each gets a few steps, then
 //! the best quarter goes on to convergence. The answer depends on the seed, not on the number of threads.
@@ -219,11 +219,8 @@ pub fn identify(
     let (point, reason) = pool
         .install(|| {
             let screened = search_all(&starts::starts(options), SCREENING);
-            let best: Vec<_> = screened
-                .iter()
-                .take(finalists(options.starts))
-                .map(|(point, _)| point.coordinates)
-                .collect();
+            let best: Vec<_> =
+                screened.iter().take(finalists(options.starts)).map(|(point, _)| point.coordinates).collect();
             drop(screened);
             search_all(&best, CONVERGENCE).into_iter().next()
         })
@@ -245,11 +242,7 @@ fn finalists(starts: usize) -> usize {
 type Span = (f64, f64);
 
 fn normalise(problem: &Problem<'_>, options: &Options) -> Result<(Data, Span), IdentificationError> {
-    let Problem {
-        input,
-        output,
-        scored,
-    } = *problem;
+    let Problem { input, output, scored } = *problem;
     if input.len() != output.len() || input.len() != scored.len() {
         return Err(IdentificationError::Lengths);
     }
@@ -270,15 +263,11 @@ fn normalise(problem: &Problem<'_>, options: &Options) -> Result<(Data, Span), I
     let rows: Vec<usize> = (0..scored.len()).filter(|&row| scored[row]).collect();
     let parameters = COUNT + 1 + options.dead_zones;
     if rows.len() <= parameters {
-        return Err(IdentificationError::TooFewRows {
-            rows: rows.len(),
-            parameters,
-        });
+        return Err(IdentificationError::TooFewRows { rows: rows.len(), parameters });
     }
     let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        })
+        values
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
     };
     let (low, high) = range(&mut input.iter().copied());
     if low == high {
@@ -301,11 +290,8 @@ fn normalise(problem: &Problem<'_>, options: &Options) -> Result<(Data, Span), I
 }
 
 fn search(data: &Data, bounds: Bounds, start: &[f64; COUNT], patience: usize) -> (Point, TerminationReason) {
-    let kernel = LevenbergMarquardt::new()
-        .with_ftol(1e-9)
-        .with_xtol(1e-9)
-        .with_gtol(1e-9)
-        .with_patience(patience);
+    let kernel =
+        LevenbergMarquardt::new().with_ftol(1e-9).with_xtol(1e-9).with_gtol(1e-9).with_patience(patience);
     let (problem, report) = kernel.minimize(Reduced::new(data, bounds, start));
     (problem.into_point(), report.termination)
 }
@@ -320,11 +306,7 @@ fn finish(
     reason: TerminationReason,
 ) -> Result<Fit, IdentificationError> {
     let (rho, tau) = point.inner.rho_and_tau();
-    let density = Density {
-        rho,
-        tau,
-        alpha: point.inner.alpha,
-    };
+    let density = Density { rho, tau, alpha: point.inner.alpha };
     let plays = PlayParameters::exponential(options.plays, point.inner.s, rho, tau, density.alpha);
     let width = point.segments.width();
     let parameters = HostParameters {
@@ -343,10 +325,7 @@ fn finish(
     Ok(Fit {
         simulated: simulate(&model, problem.input),
         estimates: uncertainty::estimates(data, bounds, (low, span), point),
-        termination: Termination {
-            reason: in_words(&reason),
-            converged: reason.was_successful(),
-        },
+        termination: Termination { reason: in_words(&reason), converged: reason.was_successful() },
         starts: options.starts,
         model,
         parameters,
@@ -357,18 +336,14 @@ fn finish(
 /// The model's output for every input, from rest; the inputs are finite.
 pub fn simulate(model: &HostModel, input: &[f64]) -> Vec<f64> {
     let mut state = model.rest_state();
-    input
-        .iter()
-        .map(|&x| model.step(&mut state, x).unwrap_or(f64::NAN))
-        .collect()
+    input.iter().map(|&x| model.step(&mut state, x).unwrap_or(f64::NAN)).collect()
 }
 
 fn in_words(reason: &TerminationReason) -> String {
     match reason {
-        TerminationReason::Converged {
-            ftol: true,
-            xtol: true,
-        } => "converged: sum of squares and parameters settled",
+        TerminationReason::Converged { ftol: true, xtol: true } => {
+            "converged: sum of squares and parameters settled"
+        }
         TerminationReason::Converged { ftol: true, .. } => "converged: sum of squares settled",
         TerminationReason::Converged { .. } => "converged: parameters settled",
         TerminationReason::Orthogonal => "converged: the gradient vanished",

@@ -25,9 +25,7 @@ pub fn solve(gram: &DMatrix<f64>, moment: &DVector<f64>, bounded: &[bool]) -> So
     for _ in 0..3 * count + 3 {
         settle(gram, moment, bounded, &mut free, &mut values);
         let gradient = moment - gram * &values;
-        let best = (0..count)
-            .filter(|&j| !free[j])
-            .max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]));
+        let best = (0..count).filter(|&j| !free[j]).max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]));
         match best {
             Some(j) if gradient[j] > tolerance => free[j] = true,
             _ => break,
@@ -54,11 +52,7 @@ fn settle(
         }
         // The longest step that keeps every bound. An unknown that stands at 0 allows none.
         let allowed = |j: usize| {
-            if values[j] > 0.0 {
-                values[j] / (values[j] - target[j])
-            } else {
-                0.0
-            }
+            if values[j] > 0.0 { values[j] / (values[j] - target[j]) } else { 0.0 }
         };
         let step = blocked.iter().map(|&j| allowed(j)).fold(1.0, f64::min);
         let binding: Vec<usize> = blocked.into_iter().filter(|&j| allowed(j) <= step).collect();
@@ -114,11 +108,7 @@ mod tests {
             if solution.free[j] {
                 assert!(gradient[j].abs() < 1e-9, "{j}: gradient {}", gradient[j]);
             } else {
-                assert!(
-                    solution.values[j] == 0.0 && gradient[j] <= 1e-9,
-                    "{j}: gradient {}",
-                    gradient[j]
-                );
+                assert!(solution.values[j] == 0.0 && gradient[j] <= 1e-9, "{j}: gradient {}", gradient[j]);
             }
             assert!(!bounded[j] || solution.values[j] >= 0.0);
         }

@@ -56,27 +56,14 @@ impl Point {
         let inner = Inner::new(&coordinates, data.plays);
         let mut u = Vec::with_capacity(data.inputs.len());
         simulate(&inner, &data.inputs, &mut u);
-        let segments = Segments::new(
-            data.rows.iter().map(|&row| u[row]),
-            inner.u_max(),
-            data.dead_zones,
-        );
+        let segments = Segments::new(data.rows.iter().map(|&row| u[row]), inner.u_max(), data.dead_zones);
         let linear = segments.fit(&data.outputs, data.least_slope);
         let model = segments.evaluate(&linear.coefficients()).collect::<Vec<_>>();
         let residuals = DVector::from_iterator(
             data.outputs.len(),
-            model
-                .iter()
-                .zip(&data.outputs)
-                .map(|(model, measured)| model - measured),
+            model.iter().zip(&data.outputs).map(|(model, measured)| model - measured),
         );
-        Self {
-            coordinates,
-            inner,
-            segments,
-            linear,
-            residuals,
-        }
+        Self { coordinates, inner, segments, linear, residuals }
     }
 
     /// Sum of the squared residuals.
@@ -111,9 +98,7 @@ impl Point {
 
     /// Takes out of each column its part in the span of the free linear columns.
     fn project(&self, columns: &mut OMatrix<f64, Dyn, U5>) {
-        let places: Vec<usize> = (0..self.linear.free.len())
-            .filter(|&j| self.linear.free[j])
-            .collect();
+        let places: Vec<usize> = (0..self.linear.free.len()).filter(|&j| self.linear.free[j]).collect();
         let gram: DMatrix<f64> = self.segments.gram().select_rows(&places).select_columns(&places);
         // Segments without a row make ΦᵀΦ singular; the pseudo-inverse leaves them out.
         let Ok(inverse) = gram.pseudo_inverse(1e-12 * self.residuals.len() as f64) else {
@@ -138,13 +123,7 @@ impl<'a> Problem<'a> {
     pub fn new(data: &'a Data, bounds: Bounds, start: &[f64; COUNT]) -> Self {
         let variables = Vector5::from(bounds.variables(start));
         let (coordinates, scales) = bounds.coordinates(&variables.into());
-        Self {
-            data,
-            bounds,
-            variables,
-            scales,
-            point: Point::new(data, coordinates),
-        }
+        Self { data, bounds, variables, scales, point: Point::new(data, coordinates) }
     }
 
     /// The point where the problem stands.

@@ -40,11 +40,7 @@ impl Segments {
             let segment = ((u / width).max(0.0) as usize).min(count - 1);
             (segment, u - segment as f64 * width)
         };
-        Self {
-            count,
-            width,
-            places: u.map(place).collect(),
-        }
+        Self { count, width, places: u.map(place).collect() }
     }
 
     /// Segment of each row, and the way gone in it.
@@ -114,11 +110,7 @@ impl Segments {
         bounded[0] = false;
         let nnls::Solution { values, free } = nnls::solve(&gram, &moment, &bounded);
         let values = values + least;
-        Linear {
-            offset: values[0],
-            slopes: values.as_slice()[1..].to_vec(),
-            free,
-        }
+        Linear { offset: values[0], slopes: values.as_slice()[1..].to_vec(), free }
     }
 
     /// offset + Σ sⱼ φⱼ(u) for every row.
@@ -133,18 +125,14 @@ impl Segments {
                 this
             })
             .collect();
-        self.places
-            .iter()
-            .map(move |&(segment, way)| starts[segment] + slopes[segment] * way)
+        self.places.iter().map(move |&(segment, way)| starts[segment] + slopes[segment] * way)
     }
 }
 
 impl Linear {
     /// Offset and slopes in one list.
     pub fn coefficients(&self) -> Vec<f64> {
-        std::iter::once(self.offset)
-            .chain(self.slopes.iter().copied())
-            .collect()
+        std::iter::once(self.offset).chain(self.slopes.iter().copied()).collect()
     }
 
     /// The weights w of equation (14): the steps of the slopes.

@@ -14,9 +14,7 @@ const BASES: [u32; COUNT] = [2, 3, 5, 7, 11];
 pub fn starts(options: &Options) -> Vec<[f64; COUNT]> {
     let mut random = ChaCha8Rng::seed_from_u64(options.seed);
     let shift: [f64; COUNT] = std::array::from_fn(|_| random.random());
-    (1..=options.starts)
-        .map(|i| start(options.plays as f64, i as u32, &shift))
-        .collect()
+    (1..=options.starts).map(|i| start(options.plays as f64, i as u32, &shift)).collect()
 }
 
 fn start(plays: f64, index: u32, shift: &[f64; COUNT]) -> [f64; COUNT] {

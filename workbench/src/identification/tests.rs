@@ -21,11 +21,8 @@ fn truth() -> HostModel {
     let (a, b): (f64, f64) = (2.2, -0.4);
     let (g0, g1) = (b.tanh(), (a + b).tanh());
     let weights = [0.9, 0.06, 0.03, 0.01];
-    let mut plays = PlayParameters {
-        q: 0.4,
-        thresholds: heapless::Vec::new(),
-        weights: heapless::Vec::new(),
-    };
+    let mut plays =
+        PlayParameters { q: 0.4, thresholds: heapless::Vec::new(), weights: heapless::Vec::new() };
     let sum: f64 = (1..=4).map(|i| f64::exp(-0.7 * f64::from(i))).sum();
     let mut u_max = 0.4;
     for i in 1..=weights.len() {
@@ -54,13 +51,7 @@ fn truth() -> HostModel {
 }
 
 fn options() -> Options {
-    Options {
-        plays: 4,
-        dead_zones: 4,
-        starts: 8,
-        seed: 1,
-        threads: 1,
-    }
+    Options { plays: 4, dead_zones: 4, starts: 8, seed: 1, threads: 1 }
 }
 
 fn rms(differences: impl Iterator<Item = f64>) -> f64 {
@@ -69,29 +60,12 @@ fn rms(differences: impl Iterator<Item = f64>) -> f64 {
 }
 
 fn fit(input: &[f64], output: &[f64], options: &Options) -> Result<Fit, IdentificationError> {
-    identify(
-        &Problem {
-            input,
-            output,
-            scored: &vec![true; input.len()],
-        },
-        options,
-        &|_| (),
-    )
+    identify(&Problem { input, output, scored: &vec![true; input.len()] }, options, &|_| ())
 }
 
 fn data(input: &[f64], output: &[f64]) -> Data {
     let scored = vec![true; input.len()];
-    normalise(
-        &Problem {
-            input,
-            output,
-            scored: &scored,
-        },
-        &options(),
-    )
-    .expect("sound data")
-    .0
+    normalise(&Problem { input, output, scored: &scored }, &options()).expect("sound data").0
 }
 
 #[test]
@@ -99,27 +73,11 @@ fn a_model_of_the_class_is_recovered_from_its_own_output() {
     let input = triangles();
     let output = simulate(&truth(), &input);
     let fit = fit(&input, &output, &options()).expect("identified");
-    let error = rms(fit
-        .simulated
-        .iter()
-        .zip(&output)
-        .map(|(model, truth)| model - truth));
+    let error = rms(fit.simulated.iter().zip(&output).map(|(model, truth)| model - truth));
     assert!(error < 1e-4, "RMSE {error} mm");
     assert!(fit.termination.converged, "{:?}", fit.termination);
-    let estimate = |name: &str| {
-        fit.estimates
-            .iter()
-            .find(|e| e.name == name)
-            .expect("estimated")
-            .value
-    };
-    for (name, value) in [
-        ("alpha", 0.06),
-        ("q", 0.4),
-        ("offset", -3.0),
-        ("w1", 40.0),
-        ("c1", 2.2 / 6.0),
-    ] {
+    let estimate = |name: &str| fit.estimates.iter().find(|e| e.name == name).expect("estimated").value;
+    for (name, value) in [("alpha", 0.06), ("q", 0.4), ("offset", -3.0), ("w1", 40.0), ("c1", 2.2 / 6.0)] {
         assert!(
             (estimate(name) - value).abs() < 1e-3 * value.abs(),
             "{name} = {}, truth {value}",
@@ -131,10 +89,7 @@ fn a_model_of_the_class_is_recovered_from_its_own_output() {
 #[test]
 fn the_projected_gradient_is_that_of_the_cost() {
     let input = triangles();
-    let output: Vec<f64> = simulate(&truth(), &input)
-        .iter()
-        .map(|y| y + 0.8 * (0.3 * y).sin())
-        .collect();
+    let output: Vec<f64> = simulate(&truth(), &input).iter().map(|y| y + 0.8 * (0.3 * y).sin()).collect();
     let data = data(&input, &output);
     let bounds = Bounds::new(4);
     for start in starts::starts(&options()) {
@@ -164,20 +119,9 @@ fn the_projected_gradient_is_that_of_the_cost() {
 #[test]
 fn the_result_depends_on_the_seed_and_not_on_the_threads() {
     let input = triangles();
-    let output: Vec<f64> = simulate(&truth(), &input)
-        .iter()
-        .map(|y| y + 0.5 * (0.3 * y).sin())
-        .collect();
+    let output: Vec<f64> = simulate(&truth(), &input).iter().map(|y| y + 0.5 * (0.3 * y).sin()).collect();
     let one = fit(&input, &output, &options()).expect("identified");
-    let many = fit(
-        &input,
-        &output,
-        &Options {
-            threads: 4,
-            ..options()
-        },
-    )
-    .expect("identified");
+    let many = fit(&input, &output, &Options { threads: 4, ..options() }).expect("identified");
     assert_eq!(one.parameters, many.parameters);
 }
 
@@ -199,26 +143,10 @@ fn rows_that_do_not_count_drive_the_model_and_are_not_fitted() {
     let input = triangles();
     let truth = simulate(&truth(), &input);
     let scored: Vec<bool> = (0..input.len()).map(|row| !(300..500).contains(&row)).collect();
-    let output: Vec<f64> = truth
-        .iter()
-        .zip(&scored)
-        .map(|(y, &ok)| if ok { *y } else { 1e3 })
-        .collect();
-    let fit = identify(
-        &Problem {
-            input: &input,
-            output: &output,
-            scored: &scored,
-        },
-        &options(),
-        &|_| (),
-    );
-    let error = rms(fit
-        .expect("identified")
-        .simulated
-        .iter()
-        .zip(&truth)
-        .map(|(model, truth)| model - truth));
+    let output: Vec<f64> = truth.iter().zip(&scored).map(|(y, &ok)| if ok { *y } else { 1e3 }).collect();
+    let fit = identify(&Problem { input: &input, output: &output, scored: &scored }, &options(), &|_| ());
+    let error =
+        rms(fit.expect("identified").simulated.iter().zip(&truth).map(|(model, truth)| model - truth));
     assert!(error < 1e-4, "RMSE {error} mm");
 }
 
@@ -242,10 +170,7 @@ fn standard_errors_are_those_of_repeated_experiments() {
         let spread = rms(values.iter().map(|v| v[place] - mean));
         let ratio = claimed[place].standard_error.expect("free") / spread;
         // 40 repetitions know a spread to about ±25 % (two sigma); a factor is what is claimed here.
-        assert!(
-            (0.6..1.6).contains(&ratio),
-            "{name}: claimed over observed {ratio}"
-        );
+        assert!((0.6..1.6).contains(&ratio), "{name}: claimed over observed {ratio}");
     }
 }
 
@@ -254,39 +179,14 @@ fn unusable_problems_are_typed_errors() {
     let input = triangles();
     let output = simulate(&truth(), &input);
     let error = |input: &[f64], output: &[f64], options: Options| fit(input, output, &options).err();
-    let few = IdentificationError::TooFewRows {
-        rows: 8,
-        parameters: 10,
-    };
+    let few = IdentificationError::TooFewRows { rows: 8, parameters: 10 };
     assert_eq!(error(&input[..8], &output[..8], options()), Some(few));
-    assert_eq!(
-        error(&[1.0; 50], &output[..50], options()),
-        Some(IdentificationError::ConstantInput(1.0))
-    );
-    assert_eq!(
-        error(&input[..50], &[2.0; 50], options()),
-        Some(IdentificationError::ConstantOutput(2.0))
-    );
-    assert_eq!(
-        error(&input, &output[1..], options()),
-        Some(IdentificationError::Lengths)
-    );
+    assert_eq!(error(&[1.0; 50], &output[..50], options()), Some(IdentificationError::ConstantInput(1.0)));
+    assert_eq!(error(&input[..50], &[2.0; 50], options()), Some(IdentificationError::ConstantOutput(2.0)));
+    assert_eq!(error(&input, &output[1..], options()), Some(IdentificationError::Lengths));
     let size = IdentificationError::Size("plays", 129, 128);
-    assert_eq!(
-        error(
-            &input,
-            &output,
-            Options {
-                plays: 129,
-                ..options()
-            }
-        ),
-        Some(size)
-    );
+    assert_eq!(error(&input, &output, Options { plays: 129, ..options() }), Some(size));
     let mut broken = output.clone();
     broken[7] = f64::NAN;
-    assert_eq!(
-        error(&input, &broken, options()),
-        Some(IdentificationError::NotFinite("output", 7))
-    );
+    assert_eq!(error(&input, &broken, options()), Some(IdentificationError::NotFinite("output", 7)));
 }

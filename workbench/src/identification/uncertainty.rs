@@ -13,17 +13,8 @@ use super::{Estimate, Span};
 
 /// The raw parameters with their standard errors.
 pub fn estimates(data: &Data, bounds: &Bounds, span: Span, point: &Point) -> Vec<Estimate> {
-    let at: Vec<f64> = point
-        .coordinates
-        .iter()
-        .copied()
-        .chain(point.linear.coefficients())
-        .collect();
-    let mut free: Vec<bool> = bounds
-        .at_bound(&point.coordinates)
-        .iter()
-        .map(|bound| !bound)
-        .collect();
+    let at: Vec<f64> = point.coordinates.iter().copied().chain(point.linear.coefficients()).collect();
+    let mut free: Vec<bool> = bounds.at_bound(&point.coordinates).iter().map(|bound| !bound).collect();
     free.extend(&point.linear.free);
     let covariance = covariance(data, point, &free);
     let raw = |at: &[f64]| raw(data, span, at);
@@ -52,11 +43,7 @@ pub fn estimates(data: &Data, bounds: &Bounds, span: Span, point: &Point) -> Vec
     names(data.dead_zones)
         .zip(values)
         .enumerate()
-        .map(|(row, (name, value))| Estimate {
-            name,
-            value,
-            standard_error: error(row),
-        })
+        .map(|(row, (name, value))| Estimate { name, value, standard_error: error(row) })
         .collect()
 }
 
@@ -65,28 +52,18 @@ fn covariance(data: &Data, point: &Point, free: &[bool]) -> DMatrix<f64> {
     let derivatives = point.derivatives(data);
     let linear = point.linear.free.len();
     let mut information = DMatrix::zeros(COUNT + linear, COUNT + linear);
-    information
-        .view_mut((0, 0), (COUNT, COUNT))
-        .copy_from(&(derivatives.transpose() * &derivatives));
-    information
-        .view_mut((COUNT, COUNT), (linear, linear))
-        .copy_from(&point.segments.gram());
+    information.view_mut((0, 0), (COUNT, COUNT)).copy_from(&(derivatives.transpose() * &derivatives));
+    information.view_mut((COUNT, COUNT), (linear, linear)).copy_from(&point.segments.gram());
     for (c, column) in derivatives.column_iter().enumerate() {
         let mixed = point.segments.moments(column.iter().copied());
         information.view_mut((COUNT, c), (linear, 1)).copy_from(&mixed);
-        information
-            .view_mut((c, COUNT), (1, linear))
-            .copy_from(&mixed.transpose());
+        information.view_mut((c, COUNT), (1, linear)).copy_from(&mixed.transpose());
     }
     let places: Vec<usize> = (0..free.len()).filter(|&j| free[j]).collect();
     let reduced = information.select_rows(&places).select_columns(&places);
     // Unit diagonal first: the unknowns differ by many orders of magnitude.
-    let scales = reduced
-        .diagonal()
-        .map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
-    let scaled = DMatrix::from_fn(places.len(), places.len(), |i, j| {
-        reduced[(i, j)] * scales[i] * scales[j]
-    });
+    let scales = reduced.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
+    let scaled = DMatrix::from_fn(places.len(), places.len(), |i, j| reduced[(i, j)] * scales[i] * scales[j]);
     let freedom = data.rows.len().saturating_sub(places.len()).max(1);
     let variance = point.cost() / freedom as f64;
     let mut covariance = DMatrix::zeros(free.len(), free.len());
@@ -105,11 +82,7 @@ fn covariance(data: &Data, point: &Point, free: &[bool]) -> DMatrix<f64> {
 fn names(dead_zones: usize) -> impl Iterator<Item = String> {
     let inner = ["c0", "c1", "c2", "c3", "q", "rho", "tau", "alpha"];
     let weights = (0..dead_zones).map(|j| format!("w{j}"));
-    inner
-        .into_iter()
-        .map(String::from)
-        .chain(weights)
-        .chain([String::from("offset")])
+    inner.into_iter().map(String::from).chain(weights).chain([String::from("offset")])
 }
 
 /// The raw parameters, in the order of [`names`], at coordinates and linear coefficients.
@@ -121,18 +94,9 @@ fn raw(data: &Data, (low, span): Span, at: &[f64]) -> Vec<f64> {
     let (rho, tau) = inner.rho_and_tau();
     let (offset, slopes) = (at[COUNT], &at[COUNT + 1..]);
     let before = std::iter::once(&0.0).chain(slopes);
-    [
-        envelope.c0,
-        envelope.c1,
-        envelope.c2,
-        envelope.c3,
-        inner.s,
-        rho,
-        tau,
-        inner.alpha,
-    ]
-    .into_iter()
-    .chain(slopes.iter().zip(before).map(|(slope, before)| slope - before))
-    .chain([offset])
-    .collect()
+    [envelope.c0, envelope.c1, envelope.c2, envelope.c3, inner.s, rho, tau, inner.alpha]
+        .into_iter()
+        .chain(slopes.iter().zip(before).map(|(slope, before)| slope - before))
+        .chain([offset])
+        .collect()
 }

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`lock_step`] | one run: reference and measurement to the board, its command to the plant, tick by tick |
 //! | [`plant`] | a plant that is a program, line by line |
-//! | [`reference`] | what is to be tracked |
+//! | [`mod@reference`] | what is to be tracked |
 //! | [`results`] | log, figures |
 //!
 //! Three runs, each of the firmware from its start with a plant of its own: feed-forward and feedback, feed-forward
@@ -187,7 +187,14 @@ impl Bench<'_> {
     fn try_run(&self, mode: Mode, ticked: &dyn Fn()) -> Result<Finished, PilError> {
         let mut plant = PlantProcess::start(self.plant, &self.stop)?;
         let mut board = Emulator::start(self.firmware, &self.stop)?;
-        let run = lock_step::run(&mut board, &mut plant, self.configuration, mode, self.reference.samples(), ticked)?;
+        let run = lock_step::run(
+            &mut board,
+            &mut plant,
+            self.configuration,
+            mode,
+            self.reference.samples(),
+            ticked,
+        )?;
         Ok(Finished { run, log: board.log(), plant_messages: plant.messages() })
     }
 }

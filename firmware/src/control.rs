@@ -15,6 +15,7 @@ use model_core::{Mode, TrackingState};
 use wire::{Fault, Flags, Hello, PLAYS, Refusal, Response, State, TickReply, VERSION};
 
 use crate::board::{Board, DacCode, Samples};
+use crate::law::controller_step;
 use crate::order::{BoardTracking, Order};
 use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, VENT};
 
@@ -119,9 +120,10 @@ impl Control {
         if !CONTRACTION.is_plausible(contraction.0) {
             return Err(Fault::ContractionSensor);
         }
-        let command = tracking
-            .step(&mut running.state, running.mode, self.reference_mm, CONTRACTION.value(contraction.0))
-            .map_err(|_| Fault::Reference)?;
+        let contraction_mm = CONTRACTION.value(contraction.0);
+        let command =
+            controller_step(tracking, &mut running.state, running.mode, self.reference_mm, contraction_mm)
+                .map_err(|_| Fault::Reference)?;
         Ok(TickReply {
             dac_code: COMMAND.code(command.command),
             feedforward_bar: command.feedforward,

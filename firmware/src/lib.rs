@@ -19,6 +19,7 @@
 
 pub mod board;
 pub mod control;
+pub mod law;
 pub mod lock_step;
 pub mod order;
 pub mod scaling;

@@ -1,6 +1,6 @@
 //! The call stack, and what each call of a watched function costs.
 //!
-//! Every exception has a [`Level`] of its own: its own call stack and its own count, so that what it does is no part
+//! Every exception has a `Level` of its own: its own call stack and its own count, so that what it does is no part
 //! of what it interrupts. What an instruction has done is known only when the next one is seen: a conditional return
 //! may or may not have been taken, and an exception may stand between the two.
 

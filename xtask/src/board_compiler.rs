@@ -40,6 +40,15 @@ impl BoardCompiler {
         }
     }
 
+    /// Its name and version.
+    pub fn version(&self) -> String {
+        let program = match self {
+            Self::Installed => "rustc",
+            Self::System { .. } => SYSTEM_RUSTC,
+        };
+        run::output(program, &["--version"]).unwrap_or_default()
+    }
+
     /// Makes a cargo command compile by this compiler.
     pub fn apply(&self, cargo: &mut Command) {
         // These would replace the link arguments of .cargo/config.toml.

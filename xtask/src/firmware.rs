@@ -13,16 +13,27 @@ use crate::run;
 /// # Errors
 /// When cargo fails.
 pub fn build(compiler: &BoardCompiler) -> Result<()> {
-    run::step("firmware", || {
-        let mut cargo = run::cargo(&["build", "--package", "firmware", "--profile", "firmware", "--bins"]);
-        cargo.args(["--features", "emulated,stm32f405", "--target", TARGET]);
-        cargo.arg("--target-dir").arg(run::target_dir().join("firmware"));
-        compiler.apply(&mut cargo);
-        run::succeed(&mut cargo)
-    })
+    run::step("firmware", || build_images(compiler, "emulated,stm32f405"))
+}
+
+/// Builds the images that need no more than these features of the package.
+///
+/// # Errors
+/// When cargo fails.
+pub fn build_images(compiler: &BoardCompiler, features: &str) -> Result<()> {
+    let mut cargo = run::cargo(&["build", "--package", "firmware", "--profile", "firmware", "--bins"]);
+    cargo.args(["--features", features, "--target", TARGET]);
+    cargo.arg("--target-dir").arg(run::target_dir().join("firmware"));
+    compiler.apply(&mut cargo);
+    run::succeed(&mut cargo)
 }
 
 /// The ELF file of the image for the emulator.
 pub fn emulated_elf() -> PathBuf {
-    run::target_dir().join("firmware").join(TARGET).join("firmware/emulated")
+    elf("emulated")
+}
+
+/// The ELF file of an image.
+pub fn elf(image: &str) -> PathBuf {
+    run::target_dir().join("firmware").join(TARGET).join("firmware").join(image)
 }

@@ -5,6 +5,7 @@
 mod board_compiler;
 mod demo;
 mod firmware;
+mod gates;
 mod host;
 mod run;
 mod setup;
@@ -33,6 +34,12 @@ enum Task {
     Test,
     /// Run the firmware in the emulator by hand.
     Emulate,
+    /// Count instructions and bytes, look for panics, and hold the figures against gates.toml.
+    Gates {
+        /// Write the bounds anew around what is measured.
+        #[arg(long)]
+        bless: bool,
+    },
 }
 
 fn main() -> ExitCode {
@@ -62,6 +69,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
             firmware::build(&compiler)?;
             host::emulate()?;
         }
+        Task::Gates { bless } => gates::gates(&compiler, bless)?,
     }
     Ok(())
 }

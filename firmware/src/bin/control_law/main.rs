@@ -1,0 +1,87 @@
+//! The control law alone: no tasks, no logs, no messages, no states. The image shows two things.
+//!
+//! * **No panic**: what it is given, the law cannot panic when nothing of the panic machinery is linked. Model, gains,
+//!   mode, reference and contraction are all unknown to the compiler.
+//! * **Cost of the inverse alone**, which the other images contain only as a part of the controller.
+//!
+//! # Protocol
+//! A zero byte on USART2 says that the board is ready. Then, for each sample, the host sends mode (one byte, 0 to 3 as
+//! in [`MODES`]), reference and contraction (mm), and gets back the inverse's answer and the controller's command (bar);
+//! numbers are `f32`, little-endian. A refused sample is answered by NaN.
+//!
+//! # Limits
+//! The waits for the port are unbounded: it stands for the host's program and is no part of the law. A model that is
+//! refused stops the image before it is ready.
+#![no_std]
+#![no_main]
+
+mod port;
+
+use core::hint::black_box;
+use core::panic::PanicInfo;
+
+use firmware::law::{BoardInverse, controller_step, inverse_step, paper_parameters};
+use firmware::order::BoardTracking;
+use model_core::{InverseMgpiState, Mode, ParameterError, TrackingState};
+use wire::PLAYS;
+
+use port::Port;
+
+/// By the number that stands for them on the port.
+const MODES: [Mode; 4] = [Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly, Mode::Hold];
+
+/// The law with what it remembers.
+struct Law {
+    inverse: BoardInverse,
+    inverse_state: InverseMgpiState<f32, PLAYS>,
+    tracking: BoardTracking,
+    state: TrackingState<f32, PLAYS>,
+}
+
+impl Law {
+    /// The paper's model and gains, at rest.
+    fn paper() -> Result<Self, ParameterError> {
+        let tracking = BoardTracking::try_new(&black_box(paper_parameters()?))?;
+        let inverse = tracking.inverse().clone();
+        let (inverse_state, state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));
+        Ok(Self { inverse, inverse_state, tracking, state })
+    }
+
+    fn sample(&mut self, port: &Port) {
+        let mode = MODES[usize::from(port.receive_byte() & 3)];
+        let (reference_mm, contraction_mm) = (port.receive(), port.receive());
+        let inverse = inverse_step(&self.inverse, &mut self.inverse_state, reference_mm);
+        let command = controller_step(&self.tracking, &mut self.state, mode, reference_mm, contraction_mm);
+        port.send(inverse.unwrap_or(f32::NAN));
+        port.send(command.map_or(f32::NAN, |command| command.command));
+    }
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let port = Port::open();
+    if let Ok(mut law) = Law::paper() {
+        port.send_byte(0);
+        loop {
+            law.sample(&port);
+            #[cfg(feature = "deliberate_panic")]
+            black_box([0])[usize::from(port.receive_byte())];
+        }
+    }
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Recognisable in the linked image, under whatever name the compiler gives the handler.
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    panicked()
+}
+
+#[inline(never)]
+fn panicked() -> ! {
+    loop {
+        cortex_m::asm::udf();
+    }
+}

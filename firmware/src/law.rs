@@ -1,0 +1,57 @@
+//! The control law as two functions that are never inlined, so that what they cost can be counted in the images.
+
+use model_core::pid::PidParameters;
+use model_core::tracking::Command;
+use model_core::{
+    InputError, InverseMgpi, InverseMgpiState, Mode, ParameterError, TrackingParameters, TrackingState, paper,
+};
+use wire::{DEAD_ZONES, PLAYS};
+
+use crate::order::BoardTracking;
+
+/// The inverse model in the board's number type and capacity.
+pub type BoardInverse = InverseMgpi<f32, PLAYS, DEAD_ZONES>;
+
+/// The paper's model and gains on a proportional valve, at the board's tick: what the law is measured with.
+///
+/// # Errors
+/// None in practice, see [`paper::mgpi`].
+pub fn paper_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, ParameterError> {
+    let model = paper::mgpi()?.convert()?;
+    Ok(TrackingParameters {
+        command_min: model.input_min,
+        command_max: model.input_max,
+        model,
+        pid: PidParameters::paper(),
+        slew_bar_per_s: 50.0,
+        period_s: 1e-3,
+    })
+}
+
+/// One sample of the inverse model alone. Reference: mm; result: bar.
+///
+/// # Errors
+/// The reference is not finite; the state is then as it was.
+#[inline(never)]
+pub fn inverse_step(
+    inverse: &BoardInverse,
+    state: &mut InverseMgpiState<f32, PLAYS>,
+    reference_mm: f32,
+) -> Result<f32, InputError> {
+    inverse.step(state, reference_mm)
+}
+
+/// One sample of the whole controller: inverse model, PID, slew and limits. Reference and contraction: mm.
+///
+/// # Errors
+/// Reference or contraction not finite; the state, and so the last command, is then as it was.
+#[inline(never)]
+pub fn controller_step(
+    tracking: &BoardTracking,
+    state: &mut TrackingState<f32, PLAYS>,
+    mode: Mode,
+    reference_mm: f32,
+    contraction_mm: f32,
+) -> Result<Command<f32>, InputError> {
+    tracking.step(state, mode, reference_mm, contraction_mm)
+}

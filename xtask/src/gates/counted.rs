@@ -1,0 +1,105 @@
+//! An image in the emulator under the instruction counter.
+//!
+//! The emulated serial port (USART2) is one end of a pair of connected sockets, handed over as the emulator's standard
+//! input. The counter writes its results when the emulator is asked to end.
+
+use std::fs;
+use std::os::fd::OwnedFd;
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use rustix::process::{Pid, Signal, kill_process};
+
+use super::elf::{Function, Image};
+
+/// How long the image may take for an answer.
+const ANSWER_LIMIT: Duration = Duration::from_secs(10);
+
+/// What the calls of a function have cost. Unit: instructions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// Number of calls.
+    pub calls: usize,
+    /// Of the cheapest call.
+    pub min: f64,
+    /// Over all calls.
+    pub mean: f64,
+    /// Of the dearest call.
+    pub max: f64,
+    /// The first call as dear as that, counted from 0.
+    pub max_call: usize,
+}
+
+/// Runs an image while `drive` talks to it, and counts the instructions of some of its functions, in their order.
+/// `plugin`: the counter's file.
+///
+/// # Errors
+/// The emulator does not start or end, `drive` fails, or the call stack was lost.
+pub fn run(
+    image: &Image,
+    plugin: &Path,
+    functions: &[&Function],
+    drive: impl FnOnce(&UnixStream) -> Result<()>,
+) -> Result<Vec<Cost>> {
+    let results = image.path.with_extension("counts");
+    let (link, theirs) = UnixStream::pair()?;
+    link.set_read_timeout(Some(ANSWER_LIMIT))?;
+    let child = Command::new("qemu-system-arm")
+        .args(["-machine", "netduinoplus2", "-cpu", "cortex-m4", "-display", "none", "-monitor", "none"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .args(["-chardev", "socket,id=link,fd=0", "-serial", "null", "-serial", "chardev:link"])
+        .arg("-plugin")
+        .arg(plugin_option(image, plugin, functions, &results))
+        .arg("-kernel")
+        .arg(&image.path)
+        // Descriptor 0 is the standard input. Standard output is the firmware's log.
+        .stdin(Stdio::from(OwnedFd::from(theirs)))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .context("cannot start qemu-system-arm")?;
+    let driven = drive(&link);
+    let messages = end(child)?;
+    driven.with_context(|| format!("in the emulator: {}", messages.trim()))?;
+    let text = fs::read_to_string(&results)
+        .with_context(|| format!("no counts in {}; the emulator: {}", results.display(), messages.trim()))?;
+    read_costs(&text, functions)
+}
+
+/// Commas separate the option's parts; one in a file's name is doubled.
+fn plugin_option(image: &Image, plugin: &Path, functions: &[&Function], results: &Path) -> String {
+    let escaped = |path: &Path| path.to_string_lossy().replace(',', ",,");
+    let mut option = format!("{},out={}", escaped(plugin), escaped(results));
+    option.extend(image.handlers.iter().map(|address| format!(",handler={address:#x}")));
+    option.extend(functions.iter().map(|f| format!(",fn={}:{:#x}", f.name, f.address)));
+    option
+}
+
+/// Ends the emulator in order, and answers what it said.
+fn end(child: Child) -> Result<String> {
+    // Fails when it has ended by itself; the counts are then there, or missed later.
+    let _ = kill_process(Pid::from_child(&child), Signal::TERM);
+    let output = child.wait_with_output().context("the emulator does not end")?;
+    Ok(String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// The counter's results: a line a function, with its calls, least, most, sum and dearest call.
+fn read_costs(text: &str, functions: &[&Function]) -> Result<Vec<Cost>> {
+    if let Some(problem) = text.strip_prefix("lost ") {
+        bail!("the counter has lost the call stack: {problem}");
+    }
+    let lines = text.lines().zip(functions);
+    let costs: Option<Vec<_>> = lines.map(|(line, function)| read_cost(line, &function.name)).collect();
+    costs.filter(|costs| costs.len() == functions.len()).with_context(|| format!("no counts: {text}"))
+}
+
+fn read_cost(line: &str, name: &str) -> Option<Cost> {
+    let numbers: Vec<u64> =
+        line.strip_prefix(name)?.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
+    let [calls, min, max, sum, max_call] = numbers[..] else { return None };
+    let (min, max, mean) = (min as f64, max as f64, sum as f64 / calls as f64);
+    Some(Cost { calls: calls as usize, min, mean, max, max_call: max_call as usize })
+}

@@ -1,0 +1,172 @@
+//! Gates: what the control law costs on the board's processor, how large the images are, what single precision loses,
+//! and that the law cannot panic. Everything here is exact, the same in every run with the same compiler.
+//!
+//! # Design
+//! | file | what it does |
+//! |---|---|
+//! | [`inputs`] | the samples that the law is driven with |
+//! | [`drive`] | the samples through an image, checked against the same code on the host |
+//! | [`counted`] | an image in the emulator under the instruction counter |
+//! | [`elf`] | functions, sizes and panics of an image |
+//! | [`accuracy`] | `f32` against `f64` |
+//! | [`bounds`] | what the figures have to be |
+//!
+//! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`.
+//!
+//! # Limits
+//! Instructions are not cycles: the emulator has no cycle counter. One run at a time in a target directory: the spoilt
+//! image for the check of the check has the name of the good one.
+
+mod accuracy;
+mod bounds;
+mod counted;
+mod drive;
+mod elf;
+mod inputs;
+
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use firmware::law::paper_parameters;
+use model_core::{Mgpi, paper};
+
+use crate::board_compiler::BoardCompiler;
+use crate::{firmware as images, run};
+use bounds::{Bounds, Figure};
+use counted::Cost;
+use drive::Parameters;
+use elf::Image;
+use inputs::Sample;
+
+/// The library functions whose cost is measured, and the task around them.
+const INVERSE: &str = "firmware::law::inverse_step";
+const CONTROLLER: &str = "firmware::law::controller_step";
+const TICK: &str = "TIM2";
+
+/// Measures, prints the table, and holds the figures against `gates.toml`; with `bless`, writes that anew first.
+///
+/// # Errors
+/// A figure outside its bounds; a panic in the control law, or one on purpose that is not found; anything that cannot
+/// be built or run.
+pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
+    run::step("the check for panics, checked", || find_deliberate_panic(compiler))?;
+    let law = run::step("control law", || build_control_law(compiler, "control_law"))?;
+    images::build(compiler)?;
+    let plugin = run::step("instruction counter", build_plugin)?;
+    let (emulated, production) =
+        (Image::read(&images::emulated_elf())?, Image::read(&images::elf("stm32f405"))?);
+
+    let parameters = paper_parameters()?;
+    let samples = inputs::samples(Mgpi::try_new(&paper::mgpi()?)?.output_range());
+    let mut figures = run::step("instructions", || costs(&plugin, &law, &emulated, &parameters, &samples))?;
+    figures.extend(sizes("emulated", &emulated));
+    figures.extend(sizes("stm32f405", &production));
+    let (error, sample) = accuracy::inverse_error(&parameters, &samples)?;
+    figures.push(Figure {
+        name: "inverse, error of f32, 1e-9 of full scale".to_owned(),
+        value: 1e9 * error,
+        remark: place(sample, &samples),
+    });
+
+    let mut problems = judge(&compiler.version(), &figures, bless)?;
+    problems.extend(law.panics().into_iter().map(|name| format!("the control law can end in {name}")));
+    println!("\ncontrol law: {} panicking functions among {}", law.panics().len(), law.functions.len());
+    problems.iter().for_each(|problem| eprintln!("gate: {problem}"));
+    ensure!(problems.is_empty(), "{} gates are not passed", problems.len());
+    Ok(())
+}
+
+/// A panic put into the control law on purpose has to be found; a check that finds nothing would pass anything.
+fn find_deliberate_panic(compiler: &BoardCompiler) -> Result<()> {
+    let spoilt = build_control_law(compiler, "control_law,deliberate_panic")?;
+    let found = spoilt.panics().into_iter().find(|name| name.ends_with("panic_bounds_check"));
+    let name = found.context("an index out of bounds, put into the control law on purpose, is not found")?;
+    println!("   found: {name}");
+    Ok(())
+}
+
+fn build_control_law(compiler: &BoardCompiler, features: &str) -> Result<Image> {
+    images::build_images(compiler, features)?;
+    let image = Image::read(&images::elf("control_law"))?;
+    // An image without the law has no panics either.
+    image.function(INVERSE).and(image.function(CONTROLLER))?;
+    Ok(image)
+}
+
+fn build_plugin() -> Result<PathBuf> {
+    run::succeed(&mut run::cargo(&["build", "--release", "--package", "instruction-counter"]))?;
+    let name = format!("{DLL_PREFIX}instruction_counter{DLL_SUFFIX}");
+    Ok(run::target_dir().join("release").join(name))
+}
+
+/// The instructions of the inverse, the controller and the whole tick, in the samples.
+fn costs(
+    plugin: &Path,
+    law: &Image,
+    emulated: &Image,
+    parameters: &Parameters,
+    samples: &[Sample],
+) -> Result<Vec<Figure>> {
+    let (controller, tick) = (emulated.function(CONTROLLER)?, emulated.function(TICK)?);
+    let of_law = counted::run(law, plugin, &[law.function(INVERSE)?], |link| {
+        drive::control_law(link, parameters, samples)
+    })?;
+    let of_emulated = counted::run(emulated, plugin, &[controller, tick], |link| {
+        drive::emulated(link, parameters, samples)
+    })?;
+    let titles = ["inverse", "controller (inverse, PID, limits)", "whole tick of the image emulated"];
+    let mut figures = Vec::new();
+    for (title, cost) in titles.into_iter().zip(of_law.into_iter().chain(of_emulated)) {
+        ensure!(cost.calls == samples.len(), "{title}: {} calls in {} samples", cost.calls, samples.len());
+        figures.extend(instructions(title, &cost, samples));
+    }
+    Ok(figures)
+}
+
+fn instructions(title: &str, cost: &Cost, samples: &[Sample]) -> [Figure; 3] {
+    let figure =
+        |which, value, remark| Figure { name: format!("{title}, {which} instructions"), value, remark };
+    [
+        figure("least", cost.min, String::new()),
+        figure("mean", cost.mean, format!("over {} samples", samples.len())),
+        figure("most", cost.max, place(cost.max_call, samples)),
+    ]
+}
+
+fn place(number: usize, samples: &[Sample]) -> String {
+    format!("first in sample {number}, {}", samples[number].phase)
+}
+
+fn sizes(title: &str, image: &Image) -> [Figure; 2] {
+    let figure = |which, value: u64, remark: &str| Figure {
+        name: format!("image {title}, bytes of {which}"),
+        value: value as f64,
+        remark: remark.to_owned(),
+    };
+    [figure("flash", image.flash, ""), figure("RAM", image.ram, "without the stack")]
+}
+
+/// Prints the table, and answers what is outside the bounds.
+fn judge(compiler: &str, figures: &[Figure], bless: bool) -> Result<Vec<String>> {
+    let file = run::root().join("gates.toml");
+    let mut bounds = Bounds::read(&file)?;
+    if bless {
+        bounds = bounds.blessed(compiler, figures);
+        bounds.write(&file, figures)?;
+    }
+    println!("\n{:<58} {:>9} {:>8} {:>8} {:>8}", "", "measured", "lower", "upper", "at most");
+    for Figure { name, value, remark } in figures {
+        let bound = bounds.figures.get(name);
+        let cell = |number: Option<u64>| number.map_or_else(|| "-".to_owned(), |number| number.to_string());
+        let [lower, upper] = [bound.map(|bound| bound.lower), bound.map(|bound| bound.upper)].map(cell);
+        let at_most = cell(bound.and_then(|bound| bound.at_most));
+        let line = format!("{name:<58} {value:>9.1} {lower:>8} {upper:>8} {at_most:>8}  {remark}");
+        println!("{}", line.trim_end());
+    }
+    let mut violations = bounds.violations(figures);
+    if !violations.is_empty() && compiler != bounds.compiler {
+        violations.push(format!("the bounds are those of {}, this is {compiler}", bounds.compiler));
+    }
+    Ok(violations)
+}

@@ -74,6 +74,14 @@ mod app {
         (Shared { lock_step }, Local { usart, receiver: Receiver::new(), frame, logged })
     }
 
+    /// Sleeps between bytes: a processor that spins takes the host's time from the plant.
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
     #[task(binds = TIM2, priority = 2, shared = [lock_step])]
     fn tick(mut cx: tick::Context) {
         cx.shared.lock_step.lock(|LockStep { control, board, reply }| *reply = Some(control.tick(board)));
@@ -97,6 +105,9 @@ mod app {
     fn run_tick(lock_step: &mut impl rtic::Mutex<T = LockStep>, request: TickRequest) -> Response {
         lock_step.lock(|LockStep { control, board, .. }| board.feed(control, request));
         rtic::pend(Interrupt::TIM2);
+        // Without the barriers a pended interrupt may come some instructions later.
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
         let reply = lock_step.lock(|shared| shared.reply.take());
         Response::Tick(reply.expect("the tick's task has the higher priority"))
     }

@@ -194,6 +194,6 @@ fn with_progress<T>(ticks: u64, work: impl FnOnce(&(dyn Fn() + Sync)) -> T) -> T
 
 fn print_messages(finished: &[Finished]) {
     for ((name, _), Finished { log, plant_messages, .. }) in RUNS.iter().zip(finished) {
-        say!("{name}, the firmware's log:\n{log}{name}, the plant's messages:\n{plant_messages}");
+        say!("{name}, the firmware's log:\n{log}\n{name}, the plant's messages:\n{plant_messages}");
     }
 }

@@ -1,22 +1,26 @@
-//! Weighted one-sided dead zones, y = Σ wⱼ S(u, dⱼ) + offset, and their inverse.
+//! Weighted dead zones, y = Σ wⱼ S(u, dⱼ) + offset, and their inverse.
 //!
-//! S(u, 0) = u and S(u, d) = max(u - d, 0) for d > 0, equations (12) to (14). With d₀ = 0 the sum is a
-//! piecewise-linear curve through the knots dⱼ whose slope on [dⱼ, dⱼ₊₁] is the partial sum w₀ + … + wⱼ; both
-//! directions are evaluated in that form, which costs one multiplication instead of one per dead zone and
-//! rounds less (at n = 10 in f32 by an order of magnitude). The weights of equation (20) are those of the
-//! inverse curve in the sum form; tests hold the two against each other.
+//! S(u, 0) = u, S(u, d) = max(u - d, 0) for d > 0 and min(u - d, 0) for d < 0, equations (12) to (14). The sum is
+//! a piecewise-linear curve through the knots dⱼ whose slope beyond a knot, seen from 0, is the partial sum
+//! of the weights up to it, each side by itself. Both directions are evaluated in that form, which costs
+//! one multiplication instead of one per dead zone and rounds less (at n = 10 in f32 by an order of
+//! magnitude). The weights of equation (20) are those of the inverse curve in the sum form; tests hold the
+//! two against each other.
+//!
+//! The MGPI model has thresholds of 0 and above, Kuhnen's modified model has them on both sides of 0.
 //!
 //! # Beyond the paper
 //! `offset` is where the curve starts: a recording whose contraction is not zero at rest needs it. The
 //! paper's model has 0.
 //!
 //! # Validity
-//! Thresholds from exactly 0 strictly upward, partial sums all positive: then the curve is strictly
-//! increasing and its inverse exact. (The paper's equation (23) does not ask for it; without it a
-//! fit can be non-invertible.)
+//! Thresholds strictly increasing, one of them exactly 0, and the partial sums of each side, from 0
+//! outward, all positive: then the curve is strictly increasing and its inverse exact. (The paper's
+//! equation (23) does not ask for it; without it a fit can be non-invertible.)
 
 use heapless::Vec;
 
+use crate::curve::MonotoneCurve;
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
@@ -28,7 +32,7 @@ use crate::real::Real;
     serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct DeadZoneParameters<T, const M: usize> {
-    /// Thresholds d: 0 first, strictly increasing. Unit: that of u (1).
+    /// Thresholds d: strictly increasing, one of them 0. Unit: that of u (1).
     pub thresholds: Vec<T, M>,
     /// Weights w, as many as thresholds. Unit: output unit.
     pub weights: Vec<T, M>,
@@ -36,94 +40,79 @@ pub struct DeadZoneParameters<T, const M: usize> {
     pub offset: T,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Segment<T> {
-    /// Where it starts, along u.
-    threshold: T,
-    /// The output there.
-    output: T,
-    slope: T,
-    reciprocal_slope: T,
-}
-
 /// A validated dead-zone stage of at most `M` dead zones, at least one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeadZones<T, const M: usize> {
-    first: Segment<T>,
-    /// The segments after the first: at most M - 1.
-    rest: Vec<Segment<T>, M>,
+    curve: MonotoneCurve<T, M>,
 }
+
+const SUMS: &str = "partial sums of dead-zone weights";
 
 impl<T: Real, const M: usize> DeadZones<T, M> {
     /// # Errors
-    /// No dead zone; lists of different length; a first threshold other than 0; thresholds that do not
-    /// increase; a partial sum of the weights that is not above 0; anything not finite.
+    /// No dead zone; lists of different length; no threshold of 0; thresholds that do not increase; a
+    /// partial sum of the weights that is not above 0; anything not finite.
     pub fn try_new(parameters: &DeadZoneParameters<T, M>) -> Result<Self, ParameterError> {
         let DeadZoneParameters { thresholds, weights, offset } = parameters;
         if weights.len() != thresholds.len() {
             let requirement = Requirement::Exactly(thresholds.len() as f64);
             return Err(Check::new("number of dead-zone weights", "").length(weights.len(), requirement));
         }
-        let mut pairs = thresholds.iter().copied().zip(weights.iter().copied());
-        let Some((threshold, weight)) = pairs.next() else {
+        if thresholds.is_empty() {
             return Err(Check::new("dead zones", "").length(0, Requirement::AtLeast(1.0)));
-        };
-        if threshold != T::ZERO {
-            let check = Check::at("dead-zone thresholds", 0, "");
-            return Err(check.error(threshold.to_f64(), Requirement::Exactly(0.0)));
         }
-        let output = Check::new("offset", "output unit").finite(*offset)?;
-        let first = Segment::try_new(0, threshold, output, weight)?;
-        let mut zones = Self { first, rest: Vec::new() };
-        let mut last = first;
-        for (i, (threshold, weight)) in pairs.enumerate() {
-            let i = i + 1;
-            Check::at("dead-zone thresholds", i, "").above(threshold, last.threshold)?;
+        for (i, (&weight, &threshold)) in weights.iter().zip(thresholds).enumerate() {
             Check::at("dead-zone weights", i, "output unit").finite(weight)?;
-            last = Segment::try_new(i, threshold, last.output_at(threshold), last.slope + weight)?;
-            // One fewer than a list of capacity M holds: it fits.
-            let _ = zones.rest.push(last);
+            let check = Check::at("dead-zone thresholds", i, "");
+            match thresholds.get(i.wrapping_sub(1)) {
+                Some(&last) => check.above(threshold, last)?,
+                None => check.finite(threshold)?,
+            };
         }
-        Ok(zones)
+        let offset = Check::new("offset", "output unit").finite(*offset)?;
+        let Some(zero) = thresholds.iter().position(|threshold| *threshold == T::ZERO) else {
+            let least = thresholds.first().map_or(0.0, |threshold| threshold.to_f64());
+            return Err(Check::at("dead-zone thresholds", 0, "").error(least, Requirement::Exactly(0.0)));
+        };
+        let zone = |i: usize| Some((i, *thresholds.get(i)?, *weights.get(i)?));
+
+        // From 0 outward to the left: each knot with its output and the slopes on its two sides.
+        let central = zone(zero).map_or(T::ZERO, |(_, _, weight)| weight);
+        let (mut point, mut slope) = ((T::ZERO, offset), central);
+        let mut left: Vec<(usize, (T, T), T), M> = Vec::new();
+        for (i, threshold, weight) in (0..zero).rev().filter_map(zone) {
+            point = (threshold, point.1 + slope * (threshold - point.0));
+            // Fewer than M: it fits.
+            let _ = left.push((i, point, slope));
+            slope += weight;
+        }
+        let check = |i| Check::at(SUMS, i, "output unit");
+        let mut curve = MonotoneCurve::line(point, slope, check(0))?;
+        for &(i, point, slope) in left.iter().rev() {
+            curve.bend(point, slope, check(i + 1))?;
+        }
+
+        (point, slope) = ((T::ZERO, offset), central);
+        for (i, threshold, weight) in (zero + 1..thresholds.len()).filter_map(zone) {
+            point = (threshold, point.1 + slope * (threshold - point.0));
+            slope += weight;
+            curve.bend(point, slope, check(i))?;
+        }
+        Ok(Self { curve })
     }
 
     /// The smallest slope of the curve, the distance from being non-invertible. Unit: output unit.
     pub fn smallest_slope(&self) -> T {
-        self.segments().fold(self.first.slope, |least, s| if s.slope < least { s.slope } else { least })
+        self.curve.smallest_slope()
     }
 
-    /// y(u). Unit: output unit. Below 0 the first segment goes on, beyond the last knot the last one.
+    /// y(u). Unit: output unit. The outermost segments go on without end.
     pub fn value(&self, u: T) -> T {
-        self.segment(|segment| segment.threshold <= u).output_at(u)
+        self.curve.value(u)
     }
 
     /// u(y): exact inverse of [`value`](Self::value) over all outputs.
     pub fn inverse(&self, y: T) -> T {
-        let segment = self.segment(|segment| segment.output <= y);
-        segment.threshold + (y - segment.output) * segment.reciprocal_slope
-    }
-
-    fn segments(&self) -> impl Iterator<Item = &Segment<T>> {
-        core::iter::once(&self.first).chain(&self.rest)
-    }
-
-    /// The last segment that has started; the first where none has.
-    fn segment(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
-        self.rest.iter().take_while(|segment| started(segment)).last().unwrap_or(&self.first)
-    }
-}
-
-impl<T: Real> Segment<T> {
-    fn try_new(index: usize, threshold: T, output: T, slope: T) -> Result<Self, ParameterError> {
-        let check = Check::at("partial sums of dead-zone weights", index, "output unit");
-        let slope = check.above(slope, T::ZERO)?;
-        let reciprocal_slope =
-            Check::at("reciprocal partial sums of dead-zone weights", index, "1/output unit")
-                .finite(T::ONE / slope)?;
-        Ok(Self { threshold, output, slope, reciprocal_slope })
-    }
-
-    fn output_at(&self, u: T) -> T {
-        self.output + self.slope * (u - self.threshold)
+        self.curve.inverse(y)
     }
 }

@@ -101,6 +101,11 @@ impl Check {
         Self { parameter, index: Some(index), unit }
     }
 
+    /// The same place under another name.
+    pub(crate) fn named(self, parameter: &'static str) -> Self {
+        Self { parameter, ..self }
+    }
+
     pub(crate) fn error(self, value: f64, requirement: Requirement) -> ParameterError {
         ParameterError { parameter: self.parameter, index: self.index, value, requirement, unit: self.unit }
     }

@@ -32,9 +32,12 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod cascade;
+pub mod curve;
 pub mod dead_zone;
 pub mod envelope;
 pub mod error;
+pub mod hysteresis;
 pub mod mgpi;
 pub mod paper;
 pub mod pid;
@@ -45,7 +48,9 @@ pub mod staircase;
 pub mod tracking;
 
 pub use error::{InputError, ParameterError, Requirement};
-pub use mgpi::{InverseMgpi, InverseMgpiState, Mgpi, MgpiParameters, MgpiState};
+pub use hysteresis::{Hysteresis, InverseHysteresis, Invertible};
+pub use mgpi::{InverseMgpi, Mgpi, MgpiParameters, PiecewiseMgpi};
+pub use play::PlayState;
 pub use range::Range;
 pub use real::Real;
 pub use tracking::{Mode, Tracking, TrackingParameters, TrackingState};

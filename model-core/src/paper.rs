@@ -7,7 +7,7 @@
 use heapless::Vec;
 
 use crate::dead_zone::DeadZoneParameters;
-use crate::envelope::{TanhEnvelope, TanhParameters};
+use crate::envelope::{Envelope, TanhEnvelope, TanhParameters};
 use crate::error::ParameterError;
 use crate::mgpi::MgpiParameters;
 use crate::play::{PlayBank, PlayParameters};
@@ -36,7 +36,7 @@ pub fn mgpi() -> Result<MgpiParameters<f64, SIZE, SIZE>, ParameterError> {
     let envelope = TanhEnvelope::try_new(ENVELOPE)?;
     let bank = PlayBank::try_new(&plays)?;
     let mut state = bank.rest_state(envelope.value(0.0));
-    let u_max = bank.step(&mut state, envelope.value(PRESSURE_MAX_BAR));
+    let u_max = bank.advance(&mut state, envelope.value(PRESSURE_MAX_BAR));
     let thresholds: Vec<f64, SIZE> = (0..SIZE).map(|j| j as f64 / SIZE as f64 * u_max).collect();
     let weights: Vec<f64, SIZE> = WEIGHTS.iter().map(|w| w * MUSCLE_LENGTH_MM).collect();
     Ok(MgpiParameters {

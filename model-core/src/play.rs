@@ -17,7 +17,8 @@
 
 use heapless::Vec;
 
-use crate::error::{Check, ParameterError, Requirement};
+use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
+use crate::range::Range;
 use crate::real::Real;
 
 /// Raw parameters of a bank of at most `N` plays.
@@ -58,21 +59,28 @@ impl<T: Real, const N: usize> PlayParameters<T, N> {
 struct Play<T> {
     threshold: T,
     weight: T,
-    /// q + Σ of the weights up to and with this one.
-    partial_sum: T,
+    /// q + Σ of the weights up to and with this one: the slope of u over v when the plays up to here are driven.
+    slope: T,
+    reciprocal_slope: T,
+    /// Σ of weight times threshold up to and with this one.
+    moment: T,
 }
 
 /// A validated bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayBank<T, const N: usize> {
     q: T,
+    reciprocal_q: T,
     plays: Vec<Play<T>, N>,
 }
 
-/// The outputs z of a bank's plays: all that it remembers. Unit: that of the bank's input.
+/// What a bank of plays remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayState<T, const N: usize> {
+    /// The outputs z of the plays. Unit: that of the bank's input.
     outputs: Vec<T, N>,
+    /// The last input.
+    input: T,
 }
 
 impl<T: Real, const N: usize> PlayState<T, N> {
@@ -80,6 +88,13 @@ impl<T: Real, const N: usize> PlayState<T, N> {
     pub fn outputs(&self) -> &[T] {
         &self.outputs
     }
+}
+
+/// Where a bank stands after a move: the first `driven` plays follow the input, the others stand still.
+struct Cut<T> {
+    driven: usize,
+    /// The part of u of the plays that stand still.
+    still: T,
 }
 
 impl<T: Real, const N: usize> PlayBank<T, N> {
@@ -92,16 +107,20 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             let requirement = Requirement::Exactly(thresholds.len() as f64);
             return Err(Check::new("number of play weights", "").length(weights.len(), requirement));
         }
-        let mut bank = Self { q: Check::new("q", "").above(*q, T::ZERO)?, plays: Vec::new() };
-        let mut last = T::ZERO;
-        let mut partial_sum = *q;
+        let q = Check::new("q", "").above(*q, T::ZERO)?;
+        let reciprocal_q = Check::new("1/q", "").finite(T::ONE / q)?;
+        let mut bank = Self { q, reciprocal_q, plays: Vec::new() };
+        let (mut last, mut slope, mut moment) = (T::ZERO, q, T::ZERO);
         for (i, (&threshold, &weight)) in thresholds.iter().zip(weights).enumerate() {
             last = Check::at("play thresholds", i, "").above(threshold, last)?;
             Check::at("play weights", i, "").finite(weight)?;
-            partial_sum = Check::at("partial sums of q and play weights", i, "")
-                .above(partial_sum + weight, T::ZERO)?;
+            let check = Check::at("partial sums of q and play weights", i, "");
+            slope = check.above(slope + weight, T::ZERO)?;
+            let reciprocal_slope =
+                check.named("reciprocal partial sums of play weights").finite(T::ONE / slope)?;
+            moment += weight * threshold;
             // A play more than the capacity cannot come out of a list of that capacity.
-            let _ = bank.plays.push(Play { threshold, weight, partial_sum });
+            let _ = bank.plays.push(Play { threshold, weight, slope, reciprocal_slope, moment });
         }
         Ok(bank)
     }
@@ -118,19 +137,14 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// The smallest slope of u over v, the distance from being non-invertible. Unit: 1.
     pub fn smallest_slope(&self) -> T {
-        self.plays.iter().fold(
-            self.q,
-            |least, play| {
-                if play.partial_sum < least { play.partial_sum } else { least }
-            },
-        )
+        self.plays.iter().fold(self.q, |least, play| if play.slope < least { play.slope } else { least })
     }
 
     /// The state of a bank that rested at 0 and was then brought to `v`: the paper's initial state,
     /// equation (1) with w = 0.
     pub fn rest_state(&self, v: T) -> PlayState<T, N> {
-        let mut state = PlayState { outputs: self.plays.iter().map(|_| T::ZERO).collect() };
-        self.step(&mut state, v);
+        let mut state = PlayState { outputs: self.plays.iter().map(|_| T::ZERO).collect(), input: T::ZERO };
+        self.advance(&mut state, v);
         state
     }
 
@@ -145,19 +159,107 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             return Err(Check::new("number of play outputs", "").length(outputs.len(), requirement));
         }
         admissible(self.plays.iter().map(|play| play.threshold), outputs, v)?;
-        Ok(PlayState { outputs: outputs.iter().copied().collect() })
+        Ok(PlayState { outputs: outputs.iter().copied().collect(), input: v })
     }
 
     /// One sample: moves the plays to the input `v` and answers u. Equations (6), (7).
     ///
-    /// A NaN moves no play.
-    pub fn step(&self, state: &mut PlayState<T, N>, v: T) -> T {
-        let mut u = self.q * v;
-        for (play, z) in self.plays.iter().zip(&mut state.outputs) {
-            *z = z.limit(v - play.threshold, v + play.threshold);
-            u += play.weight * *z;
+    /// # Errors
+    /// `v` is not finite; the state is then as it was.
+    pub fn step(&self, state: &mut PlayState<T, N>, v: T) -> Result<T, InputError> {
+        Ok(self.advance(state, finite_input(v)?))
+    }
+
+    /// [`step`](Self::step) for an input that is known to be finite.
+    pub(crate) fn advance(&self, state: &mut PlayState<T, N>, v: T) -> T {
+        if v > state.input { self.drive::<true>(state, v, None) } else { self.drive::<false>(state, v, None) }
+    }
+
+    /// As [`advance`](Self::advance), but goes no farther than u stays within the range: the input that
+    /// leads to its end takes the place of one beyond.
+    pub(crate) fn advance_within(&self, state: &mut PlayState<T, N>, v: T, range: &Range<T>) -> T {
+        if v > state.input {
+            self.drive::<true>(state, v, Some(range.max()))
+        } else {
+            self.drive::<false>(state, v, Some(range.min()))
         }
+    }
+
+    /// Moves in one direction, in which only one of a play's two bounds can bind, to `v` or to where u
+    /// reaches `end`.
+    ///
+    /// The driven plays are always those of the smallest thresholds, so that the walk goes down from the
+    /// largest threshold and ends at the first driven play: what follows the input needs no sum of its
+    /// own, and what stands still no store.
+    #[inline(always)]
+    fn drive<const RISING: bool>(&self, state: &mut PlayState<T, N>, v: T, end: Option<T>) -> T {
+        let mut cut = Cut { driven: self.plays.len(), still: T::ZERO };
+        self.shorten(
+            &mut cut,
+            state,
+            |_, play, z| {
+                if RISING { v - play.threshold > z } else { v + play.threshold < z }
+            },
+        );
+        let mut u = self.output::<RISING>(&cut, v);
+        let mut v = v;
+        if let Some(end) = end
+            && if RISING { u > end } else { u < end }
+        {
+            // Only those plays are driven that start to be before the end is reached.
+            self.shorten(&mut cut, state, |cut, play, z| {
+                let start = if RISING { z + play.threshold } else { z - play.threshold };
+                let u = self.output::<RISING>(cut, start);
+                if RISING { u < end } else { u > end }
+            });
+            v = self.input::<RISING>(&cut, end);
+            u = end;
+        }
+        for (play, z) in self.plays.iter().zip(&mut state.outputs).take(cut.driven) {
+            *z = if RISING { v - play.threshold } else { v + play.threshold };
+        }
+        state.input = v;
         u
+    }
+
+    /// Takes plays out of a cut, from the largest threshold on, up to the first one that is driven.
+    #[inline(always)]
+    fn shorten(
+        &self,
+        cut: &mut Cut<T>,
+        state: &PlayState<T, N>,
+        is_driven: impl Fn(&Cut<T>, &Play<T>, T) -> bool,
+    ) {
+        for (play, &z) in self.plays.iter().zip(&state.outputs).take(cut.driven).rev() {
+            if is_driven(cut, play, z) {
+                break;
+            }
+            cut.still += play.weight * z;
+            cut.driven -= 1;
+        }
+    }
+
+    /// The last play that a cut drives: slope, its reciprocal and moment; those of the direct term without one.
+    #[inline(always)]
+    fn front(&self, cut: &Cut<T>) -> (T, T, T) {
+        match self.plays.get(cut.driven.wrapping_sub(1)) {
+            Some(play) => (play.slope, play.reciprocal_slope, play.moment),
+            None => (self.q, self.reciprocal_q, T::ZERO),
+        }
+    }
+
+    /// u at the input `v`.
+    #[inline(always)]
+    fn output<const RISING: bool>(&self, cut: &Cut<T>, v: T) -> T {
+        let (slope, _, moment) = self.front(cut);
+        slope * v + if RISING { cut.still - moment } else { cut.still + moment }
+    }
+
+    /// The input at the output `u`.
+    #[inline(always)]
+    fn input<const RISING: bool>(&self, cut: &Cut<T>, u: T) -> T {
+        let (_, reciprocal_slope, moment) = self.front(cut);
+        (u - if RISING { cut.still - moment } else { cut.still + moment }) * reciprocal_slope
     }
 
     /// The inverse bank, from u to v. Equation (21).
@@ -174,8 +276,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             last = play.threshold;
             // As many as plays: both pushes fit.
             let _ = parameters.thresholds.push(image);
-            let _ = parameters.weights.push(-play.weight / (play.partial_sum * slope));
-            slope = play.partial_sum;
+            let _ = parameters.weights.push(-play.weight * play.reciprocal_slope / slope);
+            slope = play.slope;
         }
         Self::try_new(&parameters)
     }
@@ -187,10 +289,10 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         let mut tail = T::ZERO;
         for (play, z) in self.plays.iter().zip(&mut outputs).rev() {
             let output = *z;
-            *z = play.partial_sum * output + tail;
+            *z = play.slope * output + tail;
             tail += play.weight * output;
         }
-        PlayState { outputs }
+        PlayState { outputs, input: self.q * state.input + tail }
     }
 }
 

@@ -16,7 +16,7 @@
 
 use heapless::Vec;
 
-use crate::error::{Check, ParameterError, Requirement};
+use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
 use crate::play::{PlayBank, PlayParameters, admissible};
 use crate::real::Real;
 
@@ -78,7 +78,7 @@ impl<T: Real, const N: usize> StaircaseBank<T, N> {
         if !self.steps.is_empty() {
             state.push(Segment { v: T::ZERO, side: T::ZERO, end: self.steps.len(), tail: T::ZERO });
         }
-        self.step(&mut state, v);
+        self.advance(&mut state, v);
         state
     }
 
@@ -119,8 +119,13 @@ impl<T: Real, const N: usize> StaircaseBank<T, N> {
 
     /// One sample: moves the plays to the input `v` and answers u. Equations (6), (7).
     ///
-    /// A NaN moves no play.
-    pub fn step(&self, state: &mut StaircaseState<T, N>, v: T) -> T {
+    /// # Errors
+    /// `v` is not finite; the state is then as it was.
+    pub fn step(&self, state: &mut StaircaseState<T, N>, v: T) -> Result<T, InputError> {
+        Ok(self.advance(state, finite_input(v)?))
+    }
+
+    fn advance(&self, state: &mut StaircaseState<T, N>, v: T) -> T {
         let side = if v > state.v { T::ONE } else { -T::ONE };
         // Driven: the output is behind v by more than the threshold, seen in the direction of travel.
         let driven = |segment: &Segment<T>, step: &Step<T>| {

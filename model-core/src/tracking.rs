@@ -16,8 +16,10 @@
 //! feedback is a correction of the plant's deviation from the model.
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
-use crate::mgpi::{InverseMgpi, InverseMgpiState, Mgpi, MgpiParameters};
+use crate::hysteresis::{InverseHysteresis, Invertible};
+use crate::mgpi::{InverseMgpi, Mgpi, MgpiParameters};
 use crate::pid::{Pid, PidParameters, PidState};
+use crate::play::PlayState;
 use crate::range::Range;
 use crate::real::Real;
 
@@ -73,7 +75,7 @@ pub struct Tracking<T, const N: usize, const M: usize> {
 /// What the controller remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackingState<T, const N: usize> {
-    inverse: InverseMgpiState<T, N>,
+    inverse: PlayState<T, N>,
     pid: PidState<T>,
     mode: Mode,
     /// Unit: bar.

@@ -1,6 +1,6 @@
 //! Tables 1 and 2 of the paper: the loop that they describe, and its round trip.
 
-use model_core::{Mgpi, MgpiParameters, Real, paper};
+use model_core::{Hysteresis, InverseHysteresis, Invertible, Mgpi, MgpiParameters, Real, paper};
 
 type Model<T> = Mgpi<T, { paper::SIZE }, { paper::SIZE }>;
 

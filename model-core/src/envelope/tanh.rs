@@ -7,6 +7,7 @@
 //! The inverse exists inside (c3 - c0, c3 + c0) only. Outside, and closer to the ends than the number type
 //! can resolve, its argument is clamped, so that the answer is always finite.
 
+use crate::envelope::Envelope;
 use crate::error::{Check, ParameterError};
 use crate::real::Real;
 
@@ -47,21 +48,16 @@ impl<T: Real> TanhEnvelope<T> {
         let reciprocal_c1 = Check::new("1/c1", "input unit").finite(T::ONE / c1)?;
         Ok(Self { parameters, reciprocal_c0, reciprocal_c1, largest_argument: T::ONE - T::EPSILON })
     }
+}
 
-    /// The raw parameters.
-    pub fn parameters(&self) -> &TanhParameters<T> {
-        &self.parameters
-    }
-
-    /// γ(x). Input: input unit; result: inner coordinate, unit 1.
-    pub fn value(&self, x: T) -> T {
+impl<T: Real> Envelope<T> for TanhEnvelope<T> {
+    fn value(&self, x: T) -> T {
         let TanhParameters { c0, c1, c2, c3 } = self.parameters;
         c0 * (c1 * x + c2).tanh() + c3
     }
 
-    /// γ⁻¹(v) = (atanh((v - c3)/c0) - c2)/c1. Input: inner coordinate; result: input unit, finite for every
-    /// finite v (see the module's limits).
-    pub fn inverse(&self, v: T) -> T {
+    /// γ⁻¹(v) = (atanh((v - c3)/c0) - c2)/c1.
+    fn inverse(&self, v: T) -> T {
         let argument = ((v - self.parameters.c3) * self.reciprocal_c0)
             .limit(-self.largest_argument, self.largest_argument);
         (argument.atanh() - self.parameters.c2) * self.reciprocal_c1

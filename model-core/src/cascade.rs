@@ -1,0 +1,136 @@
+//! The cascade that most of the family are: envelope, plays, dead zones.
+//!
+//! ```text
+//! forward   x ── γ ──▶ v ── plays ──▶ u ── dead zones ──▶ y
+//! inverse   y ── dead zones⁻¹ ──▶ u ── plays⁻¹ ──▶ v ── γ⁻¹ ──▶ x, limited to the input range
+//! ```
+//!
+//! | model | envelope | dead zones | file |
+//! |---|---|---|---|
+//! | classical (CPI) | none | one, that is a gain | [`crate::classical`] |
+//! | symmetric generalized (SGPI) | tanh | one, that is a gain | [`crate::sgpi`] |
+//! | modified (MPI) | none | on both sides of 0 | [`crate::mpi`] |
+//! | modified generalized (MGPI) | tanh or piecewise linear | from 0 upward | [`crate::mgpi`] |
+//!
+//! # The state of the inverse
+//! The inverse remembers the history that it has commanded. An output that no input of the range reaches
+//! is answered with the end of the range, and the inverse then remembers that end, not the impossible
+//! demand: the next reachable output is inverted as exactly as if nothing had happened.
+
+use crate::dead_zone::DeadZones;
+use crate::envelope::Envelope;
+use crate::error::{InputError, ParameterError, finite_input};
+use crate::hysteresis::{Hysteresis, InverseHysteresis, Invertible};
+use crate::play::{PlayBank, PlayState};
+use crate::range::Range;
+use crate::real::Real;
+
+/// A validated, invertible cascade of an envelope, at most `N` plays and at most `M` dead zones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cascade<T, E, const N: usize, const M: usize> {
+    envelope: E,
+    plays: PlayBank<T, N>,
+    dead_zones: DeadZones<T, M>,
+    input_range: Range<T>,
+}
+
+impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M> {
+    pub(crate) fn new(
+        envelope: E,
+        plays: PlayBank<T, N>,
+        dead_zones: DeadZones<T, M>,
+        input_range: Range<T>,
+    ) -> Self {
+        Self { envelope, plays, dead_zones, input_range }
+    }
+
+    /// The bank of plays.
+    pub fn plays(&self) -> &PlayBank<T, N> {
+        &self.plays
+    }
+
+    /// The dead-zone stage.
+    pub fn dead_zones(&self) -> &DeadZones<T, M> {
+        &self.dead_zones
+    }
+}
+
+impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Hysteresis<T, N> for Cascade<T, E, N, M> {
+    fn input_range(&self) -> &Range<T> {
+        &self.input_range
+    }
+
+    fn rest_state(&self) -> PlayState<T, N> {
+        self.plays.rest_state(self.envelope.value(self.input_range.min()))
+    }
+
+    /// Equation (16).
+    fn step(&self, state: &mut PlayState<T, N>, x: T) -> Result<T, InputError> {
+        let v = self.envelope.value(finite_input(x)?);
+        Ok(self.dead_zones.value(self.plays.advance(state, v)))
+    }
+}
+
+impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible<T, N>
+    for Cascade<T, E, N, M>
+{
+    type Inverse = InverseCascade<T, E, N, M>;
+
+    fn inverse(&self) -> Result<Self::Inverse, ParameterError> {
+        let v = |x| self.envelope.value(x);
+        Ok(InverseCascade {
+            plays: self.plays.inverse()?,
+            inner_range: Range::try_new(
+                v(self.input_range.min()),
+                v(self.input_range.max()),
+                "envelope range",
+                "",
+            )?,
+            forward: self.clone(),
+        })
+    }
+}
+
+/// The inverse of a [`Cascade`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct InverseCascade<T, E, const N: usize, const M: usize> {
+    forward: Cascade<T, E, N, M>,
+    /// The inverse of the forward model's plays.
+    plays: PlayBank<T, N>,
+    /// The image of the input range under the envelope.
+    inner_range: Range<T>,
+}
+
+impl<T, E, const N: usize, const M: usize> InverseCascade<T, E, N, M> {
+    /// The model that this is the inverse of.
+    pub fn forward(&self) -> &Cascade<T, E, N, M> {
+        &self.forward
+    }
+}
+
+impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<T, N>
+    for InverseCascade<T, E, N, M>
+{
+    fn state_of(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
+        self.forward.plays.inverse_state(state)
+    }
+
+    fn rest_state(&self) -> PlayState<T, N> {
+        self.state_of(&self.forward.rest_state())
+    }
+
+    /// Equation (17).
+    fn step(&self, state: &mut PlayState<T, N>, y: T) -> Result<T, InputError> {
+        let u = self.forward.dead_zones.inverse(finite_input(y)?);
+        let v = self.plays.advance_within(state, u, &self.inner_range);
+        let (ends, inner_ends) = (&self.forward.input_range, &self.inner_range);
+        // At an end the answer is that end itself, whatever the envelope's rounding.
+        Ok(if v >= inner_ends.max() {
+            ends.max()
+        } else if v <= inner_ends.min() {
+            ends.min()
+        } else {
+            ends.limit(self.forward.envelope.inverse(v))
+        })
+    }
+}

@@ -1,0 +1,18 @@
+//! No envelope: γ(x) = x. The plays are then linear plays, as in the classical and the modified model.
+
+use crate::envelope::Envelope;
+use crate::real::Real;
+
+/// γ(x) = x.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Identity;
+
+impl<T: Real> Envelope<T> for Identity {
+    fn value(&self, x: T) -> T {
+        x
+    }
+
+    fn inverse(&self, v: T) -> T {
+        v
+    }
+}

@@ -1,0 +1,23 @@
+//! Envelopes: the curve γ that turns the input into the inner coordinate v which drives the plays.
+//!
+//! Strictly increasing and without memory. A file each: [`tanh`] (the paper's), [`piecewise_linear`] (free
+//! knots), [`identity`] (linear plays, for the classical and the modified model).
+
+pub mod identity;
+pub mod piecewise_linear;
+pub mod tanh;
+
+use crate::real::Real;
+
+pub use identity::Identity;
+pub use piecewise_linear::{PiecewiseLinear, PiecewiseLinearParameters};
+pub use tanh::{TanhEnvelope, TanhParameters};
+
+/// A validated, strictly increasing envelope.
+pub trait Envelope<T: Real> {
+    /// γ(x). Input: input unit; result: inner coordinate, unit 1.
+    fn value(&self, x: T) -> T;
+
+    /// γ⁻¹(v). Input: inner coordinate; result: input unit, finite for every finite v.
+    fn inverse(&self, v: T) -> T;
+}

@@ -1,0 +1,60 @@
+//! What every model of the family can do: [`Hysteresis`] forward, [`InverseHysteresis`] backward.
+//!
+//! All models keep the same state, that of their plays: a state can be handed on without knowing the model.
+
+use crate::error::{InputError, ParameterError};
+use crate::play::PlayState;
+use crate::range::Range;
+use crate::real::Real;
+
+/// A validated hysteresis model with at most `N` plays: from input (pressure) to output (contraction).
+pub trait Hysteresis<T: Real, const N: usize> {
+    /// The inputs that the model is valid for. Input unit.
+    fn input_range(&self) -> &Range<T>;
+
+    /// The state of a muscle that came from rest to the lower end of the input range.
+    fn rest_state(&self) -> PlayState<T, N>;
+
+    /// One sample: the output for the input `x`. Input: input unit; result: output unit. Inputs outside the
+    /// input range are extrapolated.
+    ///
+    /// # Errors
+    /// `x` is not finite; the state is then as it was.
+    fn step(&self, state: &mut PlayState<T, N>, x: T) -> Result<T, InputError>;
+
+    /// The outputs at rest and, from there, at the upper end of the input range. Output unit.
+    fn output_range(&self) -> (T, T) {
+        let mut state = self.rest_state();
+        // The ends of a range are finite: no step is refused.
+        let mut output = |x| self.step(&mut state, x).unwrap_or(T::ZERO);
+        (output(self.input_range().min()), output(self.input_range().max()))
+    }
+}
+
+/// A model that has an inverse.
+pub trait Invertible<T: Real, const N: usize>: Hysteresis<T, N> {
+    /// Its inverse.
+    type Inverse: InverseHysteresis<T, N>;
+
+    /// Makes the inverse.
+    ///
+    /// # Errors
+    /// A parameter of the inverse leaves the number type, or the model has no inverse that can be proven.
+    fn inverse(&self) -> Result<Self::Inverse, ParameterError>;
+}
+
+/// The inverse of a model: from a wanted output to the input that brings it about.
+pub trait InverseHysteresis<T: Real, const N: usize> {
+    /// The state of the inverse after the history that led the model to `state`.
+    fn state_of(&self, state: &PlayState<T, N>) -> PlayState<T, N>;
+
+    /// The state of the inverse for a muscle at rest.
+    fn rest_state(&self) -> PlayState<T, N>;
+
+    /// One sample: the input, within the model's input range, that brings the output to `y`, or as near as
+    /// the range allows. Input: output unit; result: input unit.
+    ///
+    /// # Errors
+    /// `y` is not finite; the state is then as it was.
+    fn step(&self, state: &mut PlayState<T, N>, y: T) -> Result<T, InputError>;
+}

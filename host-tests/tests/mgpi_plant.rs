@@ -3,7 +3,7 @@
 //! `cargo test -p host-tests --test mgpi_plant -- --nocapture` prints the figures.
 
 use host_tests::{FunctionPlant, HostBoard, PERIOD_S, configuration, figures, raised_cosines, run};
-use model_core::{Mgpi, MgpiParameters, Mode, paper};
+use model_core::{Hysteresis, Mgpi, MgpiParameters, Mode, paper};
 use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
 
 const SIZE: usize = paper::SIZE;

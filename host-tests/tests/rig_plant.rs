@@ -3,7 +3,7 @@
 //! `cargo test -p host-tests --test rig_plant -- --nocapture` prints the figures.
 
 use host_tests::{HostBoard, configuration, figures, raised_cosines, rig, run};
-use model_core::Mode;
+use model_core::{Hysteresis, Mode};
 use workbench::identification::{Fit, Options, Problem, identify};
 
 /// The model of the project's own recording, as `mgpi identify` finds it.

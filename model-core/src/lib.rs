@@ -32,6 +32,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod atanh;
 pub mod cascade;
 pub mod curve;
 pub mod dead_zone;

@@ -1,7 +1,8 @@
 //! The floating-point numbers that the models are generic over.
 //!
 //! Elementary functions are `libm`'s for both types and on every machine: the platform's own differ in the
-//! last bit, and the host could then not repeat a run of the board bit for bit.
+//! last bit, and the host could then not repeat a run of the board bit for bit. The one exception, ours on every
+//! machine, is [`crate::atanh`] in `f32`.
 
 use core::fmt::{Debug, Display};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -38,7 +39,7 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// Hyperbolic tangent.
     fn tanh(self) -> Self;
-    /// Inverse hyperbolic tangent; infinite at ±1, NaN beyond.
+    /// Inverse hyperbolic tangent inside -1 to 1.
     fn atanh(self) -> Self;
     /// Exponential function.
     fn exp(self) -> Self;
@@ -91,5 +92,5 @@ macro_rules! real {
     };
 }
 
-real!(f32, libm::tanhf, libm::atanhf, libm::expf);
+real!(f32, libm::tanhf, crate::atanh::atanh, libm::expf);
 real!(f64, libm::tanh, libm::atanh, libm::exp);

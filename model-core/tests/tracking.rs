@@ -1,9 +1,7 @@
 //! PID and tracking controller: each property that their documentation promises.
 
 use model_core::pid::{Pid, PidParameters, PidState};
-use model_core::{
-    Hysteresis, InputError, InverseHysteresis, Invertible, Mgpi, Mode, Tracking, TrackingParameters, paper,
-};
+use model_core::{Hysteresis, InputError, Mgpi, Mode, Tracking, TrackingParameters, paper};
 
 const SIZE: usize = paper::SIZE;
 const PERIOD_S: f64 = 1e-3;

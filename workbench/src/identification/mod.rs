@@ -35,7 +35,7 @@ use std::fmt;
 use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::play::PlayParameters;
-use model_core::{Mgpi, MgpiParameters, ParameterError};
+use model_core::{Hysteresis, Invertible, Mgpi, MgpiParameters, ParameterError};
 use rayon::prelude::*;
 
 use coordinates::{Bounds, COUNT};

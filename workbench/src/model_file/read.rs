@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use model_core::Invertible;
 use model_core::ParameterError;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::TanhParameters;

@@ -143,7 +143,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The state of a bank that rested at 0 and was then brought to `v`: the paper's initial state,
     /// equation (1) with w = 0.
     pub fn rest_state(&self, v: T) -> PlayState<T, N> {
-        let mut state = PlayState { outputs: self.plays.iter().map(|_| T::ZERO).collect(), input: T::ZERO };
+        let mut state = PlayState { outputs: list(self.plays.iter().map(|_| T::ZERO)), input: T::ZERO };
         self.advance(&mut state, v);
         state
     }
@@ -159,7 +159,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             return Err(Check::new("number of play outputs", "").length(outputs.len(), requirement));
         }
         admissible(self.plays.iter().map(|play| play.threshold), outputs, v)?;
-        Ok(PlayState { outputs: outputs.iter().copied().collect(), input: v })
+        Ok(PlayState { outputs: list(outputs.iter().copied()), input: v })
     }
 
     /// One sample: moves the plays to the input `v` and answers u. Equations (6), (7).
@@ -318,4 +318,13 @@ pub(crate) fn admissible<T: Real>(
         before = (output, threshold);
     }
     Ok(())
+}
+
+/// The values as a list, as many as fit. `collect` would panic on one too many, also where there is none.
+fn list<T, const N: usize>(values: impl Iterator<Item = T>) -> Vec<T, N> {
+    let mut list = Vec::new();
+    for value in values.take(N) {
+        let _ = list.push(value);
+    }
+    list
 }

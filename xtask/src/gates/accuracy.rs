@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use firmware::law::inverse_step;
 use firmware::order::BoardTracking;
-use model_core::{Mgpi, paper};
+use model_core::{Hysteresis, InverseHysteresis, Invertible, Mgpi, paper};
 
 use super::drive::Parameters;
 use super::inputs::Sample;

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 use firmware::law::{controller_step, inverse_step};
 use firmware::order::{BoardTracking, prepare};
 use firmware::{Control, LockStepBoard, scaling};
-use model_core::{Mode, TrackingParameters};
+use model_core::{InverseHysteresis, Mode, TrackingParameters};
 use wire::{
     Configuration, DEAD_ZONES, FRAME_BYTES, PLAYS, Receiver, Request, Response, TickRequest, VERSION,
 };

@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use firmware::law::paper_parameters;
-use model_core::{Mgpi, paper};
+use model_core::{Hysteresis, Mgpi, paper};
 
 use crate::board_compiler::BoardCompiler;
 use crate::{firmware as images, run};

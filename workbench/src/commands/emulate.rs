@@ -1,7 +1,8 @@
 //! `mgpi emulate`: the firmware in the emulator, by hand.
 
+use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::thread;
 
 use clap::Args;
@@ -27,14 +28,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let elf = image::find(arguments.firmware.as_deref())?;
     let decoder = LogDecoder::of(&elf).map_err(EmulatorError::Log)?;
     let stop = Stop::on_signals();
-    let mut command = qemu(&elf);
-    command.args(["-chardev", "pty,id=link"]).stdin(Stdio::null()).stdout(Stdio::piped());
+    let mut emulator = qemu(&elf);
+    emulator.args(["-chardev", "pty,id=link"]);
+    // QEMU names the port in the first line of its standard output, which it keeps back when that is no terminal.
+    let mut command = Command::new("stdbuf");
+    command.arg("-oL").arg(emulator.get_program()).args(emulator.get_args());
+    command.stdin(Stdio::null()).stdout(Stdio::piped());
     let mut group = ChildGroup::spawn(&mut command).map_err(EmulatorError::NotStarted)?;
-    let (_, log) = group.pipes();
+    let (_, output) = group.pipes();
     thread::scope(|scope| {
-        if let Some(log) = log {
+        if let Some(output) = output {
             // Ends with the emulator; a log that cannot be read is no reason to end it.
-            scope.spawn(|| decoder.follow(log, |entry| say!("{entry}")));
+            scope.spawn(|| {
+                let mut output = BufReader::new(output);
+                let mut line = String::new();
+                if output.read_line(&mut line).is_ok()
+                    && let Some(port) = port(&line)
+                {
+                    say!("serial port {port}; Ctrl-C ends the emulator");
+                }
+                decoder.follow(output, |entry| say!("{entry}"))
+            });
         }
         let ended = wait(&mut group, &stop);
         drop(group);
@@ -42,14 +56,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     })
 }
 
-/// Until the emulator ends, which is an error, or a stop is requested. Says where the port is as soon as QEMU does.
+/// Until the emulator ends, which is an error, or a stop is requested.
 fn wait(group: &mut ChildGroup, stop: &Stop) -> Result<(), Error> {
-    let mut announced = false;
     while !stop.is_requested() {
-        if !announced && let Some(port) = port(&group.messages()) {
-            say!("serial port {port}; Ctrl-C ends the emulator");
-            announced = true;
-        }
         if !group.is_running() {
             return Err(EmulatorError::Ended(group.end()).into());
         }

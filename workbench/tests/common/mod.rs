@@ -1,4 +1,5 @@
 //! Runs the command `mgpi` in a directory of its own.
+#![allow(dead_code, reason = "each test program uses its part")]
 
 use std::path::PathBuf;
 use std::process::{Command, Output};

@@ -272,7 +272,8 @@ fn identify(path: &str) -> State {
     let mut buffer = [0; FRAME_BYTES];
     port.write_all(wire::encode(&Request::Identify, &mut buffer).expect("fits")).expect("sent");
     let mut receiver = Receiver::new();
-    port.bytes()
+    BufReader::new(port)
+        .bytes()
         .find_map(|byte| match receiver.push(byte.expect("received"))? {
             Ok(Response::Hello(hello)) => Some(hello.state),
             other => panic!("{other:?}"),

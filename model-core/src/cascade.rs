@@ -5,12 +5,9 @@
 //! inverse   y ── dead zones⁻¹ ──▶ u ── plays⁻¹ ──▶ v ── γ⁻¹ ──▶ x, limited to the input range
 //! ```
 //!
-//! | model | envelope | dead zones | file |
-//! |---|---|---|---|
-//! | classical (CPI) | none | one, that is a gain | [`crate::classical`] |
-//! | symmetric generalized (SGPI) | tanh | one, that is a gain | [`crate::sgpi`] |
-//! | modified (MPI) | none | on both sides of 0 | [`crate::mpi`] |
-//! | modified generalized (MGPI) | tanh or piecewise linear | from 0 upward | [`crate::mgpi`] |
+//! [`crate::mgpi`] has it with a tanh or a piecewise-linear envelope. Without an envelope and with dead zones on both
+//! sides of 0 it is Kuhnen's modified model, with a single dead zone (a gain) the classical or the symmetric
+//! generalized one.
 //!
 //! # The state of the inverse
 //! The inverse remembers the history that it has commanded. An output that no input of the range reaches

@@ -17,7 +17,7 @@ const PIL: &str =
 #[test]
 fn a_model_in_another_unit_than_the_boards_is_refused() {
     let bench = bench();
-    bench.write("model.toml", PAPER.replace("pressure_bar", "pressure_kpa").replace("per_bar", "per_kpa"));
+    bench.write("model.toml", PAPER.replace("_bar", "_kpa"));
     let message = bench.refuses(PIL);
     assert!(message.contains("model.toml: its input is in kPa; the valve board needs bar"), "{message}");
 }

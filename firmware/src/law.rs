@@ -3,7 +3,7 @@
 use model_core::pid::PidParameters;
 use model_core::tracking::Command;
 use model_core::{
-    InputError, InverseHysteresis, InverseMgpi, Mode, ParameterError, PlayState, TrackingParameters,
+    HysteresisState, InputError, InverseHysteresis, InverseMgpi, Mode, ParameterError, TrackingParameters,
     TrackingState, paper,
 };
 use wire::{DEAD_ZONES, PLAYS};
@@ -36,7 +36,7 @@ pub fn paper_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, 
 #[inline(never)]
 pub fn inverse_step(
     inverse: &BoardInverse,
-    state: &mut PlayState<f32, PLAYS>,
+    state: &mut HysteresisState<f32, PLAYS>,
     reference_mm: f32,
 ) -> Result<f32, InputError> {
     inverse.step(state, reference_mm)

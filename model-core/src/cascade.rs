@@ -17,8 +17,8 @@
 use crate::dead_zone::DeadZones;
 use crate::envelope::Envelope;
 use crate::error::{InputError, ParameterError, finite_input};
-use crate::hysteresis::{Hysteresis, InverseHysteresis, Invertible};
-use crate::play::{PlayBank, PlayState};
+use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
+use crate::play::PlayBank;
 use crate::range::Range;
 use crate::real::Real;
 
@@ -57,14 +57,14 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Hysteresis<T, N> f
         &self.input_range
     }
 
-    fn rest_state(&self) -> PlayState<T, N> {
-        self.plays.rest_state(self.envelope.value(self.input_range.min()))
+    fn rest_state(&self) -> HysteresisState<T, N> {
+        HysteresisState::of_plays(self.plays.rest_state(self.envelope.value(self.input_range.min())))
     }
 
     /// Equation (16).
-    fn step(&self, state: &mut PlayState<T, N>, x: T) -> Result<T, InputError> {
+    fn step(&self, state: &mut HysteresisState<T, N>, x: T) -> Result<T, InputError> {
         let v = self.envelope.value(finite_input(x)?);
-        Ok(self.dead_zones.value(self.plays.advance(state, v)))
+        Ok(self.dead_zones.value(self.plays.advance(&mut state.plays, v)))
     }
 }
 
@@ -108,18 +108,18 @@ impl<T, E, const N: usize, const M: usize> InverseCascade<T, E, N, M> {
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<T, N>
     for InverseCascade<T, E, N, M>
 {
-    fn state_of(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
-        self.forward.plays.inverse_state(state)
+    fn state_of(&self, state: &HysteresisState<T, N>) -> HysteresisState<T, N> {
+        HysteresisState::of_plays(self.forward.plays.inverse_state(&state.plays))
     }
 
-    fn rest_state(&self) -> PlayState<T, N> {
+    fn rest_state(&self) -> HysteresisState<T, N> {
         self.state_of(&self.forward.rest_state())
     }
 
     /// Equation (17).
-    fn step(&self, state: &mut PlayState<T, N>, y: T) -> Result<T, InputError> {
+    fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         let u = self.forward.dead_zones.inverse(finite_input(y)?);
-        let v = self.plays.advance_within(state, u, &self.inner_range);
+        let v = self.plays.advance_within(&mut state.plays, u, &self.inner_range);
         let (ends, inner_ends) = (&self.forward.input_range, &self.inner_range);
         // At an end the answer is that end itself, whatever the envelope's rounding.
         Ok(if v >= inner_ends.max() {

@@ -1,11 +1,43 @@
 //! What every model of the family can do: [`Hysteresis`] forward, [`InverseHysteresis`] backward.
 //!
-//! All models keep the same state, that of their plays: a state can be handed on without knowing the model.
+//! All models keep the same kind of [`HysteresisState`]: it can be handed on without knowing the model.
 
 use crate::error::{InputError, ParameterError};
 use crate::play::PlayState;
 use crate::range::Range;
 use crate::real::Real;
+
+/// What a model or an inverse remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HysteresisState<T, const N: usize> {
+    /// That of the plays.
+    pub(crate) plays: PlayState<T, N>,
+    /// The last sample, which models with two envelopes need. The others leave it as it is at rest.
+    pub(crate) last: Sample<T>,
+}
+
+/// A sample on one of two branches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sample<T> {
+    /// Input, given to a model or answered by an inverse. Input unit.
+    pub(crate) x: T,
+    /// Output, answered by a model or given to an inverse. Output unit.
+    pub(crate) y: T,
+    /// Whether the input rose, or rested after it had risen.
+    pub(crate) rising: bool,
+}
+
+impl<T: Real, const N: usize> HysteresisState<T, N> {
+    /// The state of a model that needs its plays alone.
+    pub(crate) fn of_plays(plays: PlayState<T, N>) -> Self {
+        Self { plays, last: Sample { x: T::ZERO, y: T::ZERO, rising: true } }
+    }
+
+    /// The state of the plays.
+    pub fn plays(&self) -> &PlayState<T, N> {
+        &self.plays
+    }
+}
 
 /// A validated hysteresis model with at most `N` plays: from input (pressure) to output (contraction).
 pub trait Hysteresis<T: Real, const N: usize> {
@@ -13,14 +45,14 @@ pub trait Hysteresis<T: Real, const N: usize> {
     fn input_range(&self) -> &Range<T>;
 
     /// The state of a muscle that came from rest to the lower end of the input range.
-    fn rest_state(&self) -> PlayState<T, N>;
+    fn rest_state(&self) -> HysteresisState<T, N>;
 
     /// One sample: the output for the input `x`. Input: input unit; result: output unit. Inputs outside the
     /// input range are extrapolated.
     ///
     /// # Errors
     /// `x` is not finite; the state is then as it was.
-    fn step(&self, state: &mut PlayState<T, N>, x: T) -> Result<T, InputError>;
+    fn step(&self, state: &mut HysteresisState<T, N>, x: T) -> Result<T, InputError>;
 
     /// The outputs at rest and, from there, at the upper end of the input range. Output unit.
     fn output_range(&self) -> (T, T) {
@@ -46,15 +78,15 @@ pub trait Invertible<T: Real, const N: usize>: Hysteresis<T, N> {
 /// The inverse of a model: from a wanted output to the input that brings it about.
 pub trait InverseHysteresis<T: Real, const N: usize> {
     /// The state of the inverse after the history that led the model to `state`.
-    fn state_of(&self, state: &PlayState<T, N>) -> PlayState<T, N>;
+    fn state_of(&self, state: &HysteresisState<T, N>) -> HysteresisState<T, N>;
 
     /// The state of the inverse for a muscle at rest.
-    fn rest_state(&self) -> PlayState<T, N>;
+    fn rest_state(&self) -> HysteresisState<T, N>;
 
     /// One sample: the input, within the model's input range, that brings the output to `y`, or as near as
     /// the range allows. Input: output unit; result: input unit.
     ///
     /// # Errors
     /// `y` is not finite; the state is then as it was.
-    fn step(&self, state: &mut PlayState<T, N>, y: T) -> Result<T, InputError>;
+    fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError>;
 }

@@ -49,7 +49,7 @@ pub mod staircase;
 pub mod tracking;
 
 pub use error::{InputError, ParameterError, Requirement};
-pub use hysteresis::{Hysteresis, InverseHysteresis, Invertible};
+pub use hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
 pub use mgpi::{InverseMgpi, Mgpi, MgpiParameters, PiecewiseMgpi};
 pub use play::PlayState;
 pub use range::Range;

@@ -172,7 +172,13 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// [`step`](Self::step) for an input that is known to be finite.
     pub(crate) fn advance(&self, state: &mut PlayState<T, N>, v: T) -> T {
-        if v > state.input { self.drive::<true>(state, v, None) } else { self.drive::<false>(state, v, None) }
+        self.advance_toward(state, v, v > state.input)
+    }
+
+    /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps, against the
+    /// direction, at each reversal of the input that it comes from.
+    pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
+        if rising { self.drive::<true>(state, v, None) } else { self.drive::<false>(state, v, None) }
     }
 
     /// As [`advance`](Self::advance), but goes no farther than u stays within the range: the input that

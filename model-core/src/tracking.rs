@@ -16,10 +16,9 @@
 //! feedback is a correction of the plant's deviation from the model.
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
-use crate::hysteresis::{InverseHysteresis, Invertible};
+use crate::hysteresis::{HysteresisState, InverseHysteresis, Invertible};
 use crate::mgpi::{InverseMgpi, Mgpi, MgpiParameters};
 use crate::pid::{Pid, PidParameters, PidState};
-use crate::play::PlayState;
 use crate::range::Range;
 use crate::real::Real;
 
@@ -75,7 +74,7 @@ pub struct Tracking<T, const N: usize, const M: usize> {
 /// What the controller remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackingState<T, const N: usize> {
-    inverse: PlayState<T, N>,
+    inverse: HysteresisState<T, N>,
     pid: PidState<T>,
     mode: Mode,
     /// Unit: bar.

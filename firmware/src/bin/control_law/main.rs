@@ -22,7 +22,7 @@ use core::panic::PanicInfo;
 
 use firmware::law::{BoardInverse, controller_step, inverse_step, paper_parameters};
 use firmware::order::BoardTracking;
-use model_core::{InverseHysteresis, Invertible, Mode, ParameterError, PlayState, TrackingState};
+use model_core::{HysteresisState, InverseHysteresis, Invertible, Mode, ParameterError, TrackingState};
 use wire::PLAYS;
 
 use port::Port;
@@ -33,7 +33,7 @@ const MODES: [Mode; 4] = [Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly,
 /// The law with what it remembers.
 struct Law {
     inverse: BoardInverse,
-    inverse_state: PlayState<f32, PLAYS>,
+    inverse_state: HysteresisState<f32, PLAYS>,
     tracking: BoardTracking,
     state: TrackingState<f32, PLAYS>,
 }

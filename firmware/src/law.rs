@@ -3,15 +3,15 @@
 use model_core::pid::PidParameters;
 use model_core::tracking::Command;
 use model_core::{
-    HysteresisState, InputError, InverseHysteresis, InverseMgpi, Mode, ParameterError, TrackingParameters,
-    TrackingState, paper,
+    HysteresisState, InputError, InverseHysteresis, InverseModel, Mode, ModelParameters, ParameterError,
+    TrackingParameters, TrackingState, paper,
 };
 use wire::{DEAD_ZONES, PLAYS};
 
 use crate::order::BoardTracking;
 
 /// The inverse model in the board's number type and capacity.
-pub type BoardInverse = InverseMgpi<f32, PLAYS, DEAD_ZONES>;
+pub type BoardInverse = InverseModel<f32, PLAYS, DEAD_ZONES>;
 
 /// The paper's model and gains on a proportional valve, at the board's tick: what the law is measured with.
 ///
@@ -22,7 +22,7 @@ pub fn paper_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, 
     Ok(TrackingParameters {
         command_min: model.input_min,
         command_max: model.input_max,
-        model,
+        model: ModelParameters::Cascade(model),
         pid: PidParameters::paper(),
         slew_bar_per_s: 50.0,
         period_s: 1e-3,

@@ -7,7 +7,7 @@
 use firmware::order::prepare;
 use firmware::{Control, LockStepBoard};
 use model_core::pid::PidParameters;
-use model_core::{MgpiParameters, Mode, TrackingParameters};
+use model_core::{Mode, ModelParameters, TrackingParameters};
 use rig::parameters::DEAD_LOAD_N;
 use rig::sensor::Sensors;
 use wire::{Configuration, Request, Response, VERSION};
@@ -57,12 +57,12 @@ pub fn rig(seed: u64) -> FunctionPlant<impl FnMut(f64) -> (f64, f64)> {
 ///
 /// # Panics
 /// The model does not fit the board.
-pub fn configuration<const N: usize, const M: usize>(model: &MgpiParameters<f64, N, M>) -> Configuration {
+pub fn configuration<const N: usize, const M: usize>(model: &ModelParameters<f64, N, M>) -> Configuration {
     Configuration {
         version: VERSION,
         tracking: TrackingParameters {
             command_min: 0.0,
-            command_max: model.input_max as f32,
+            command_max: model.input().1 as f32,
             model: model.convert().expect("the model fits the board"),
             pid: PidParameters::paper(),
             slew_bar_per_s: 100.0,

@@ -5,22 +5,64 @@
 //! inverse   y ── dead zones⁻¹ ──▶ u ── plays⁻¹ ──▶ v ── γ⁻¹ ──▶ x, limited to the input range
 //! ```
 //!
-//! [`crate::mgpi`] has it with a tanh or a piecewise-linear envelope. Without an envelope and with dead zones on both
-//! sides of 0 it is Kuhnen's modified model, with a single dead zone (a gain) the classical or the symmetric
-//! generalized one.
+//! | envelope | dead zones | model | file |
+//! |---|---|---|---|
+//! | none | one, a gain | classical (CPI) | [`crate::cpi`] |
+//! | yes | one, a gain | symmetric generalized (SGPI) | [`crate::sgpi`] |
+//! | none | several, on both sides of 0 | Kuhnen's modified (MPI) | [`crate::mpi`] |
+//! | yes | several, from 0 | modified generalized (MGPI) | [`crate::mgpi`] |
 //!
 //! # The state of the inverse
 //! The inverse remembers the history that it has commanded. An output that no input of the range reaches
 //! is answered with the end of the range, and the inverse then remembers that end, not the impossible
 //! demand: the next reachable output is inverted as exactly as if nothing had happened.
 
-use crate::dead_zone::DeadZones;
-use crate::envelope::Envelope;
+use crate::convert;
+use crate::dead_zone::{DeadZoneParameters, DeadZones};
+use crate::envelope::{AnyEnvelope, Envelope, EnvelopeParameters};
 use crate::error::{InputError, ParameterError, finite_input};
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
-use crate::play::PlayBank;
+use crate::play::{PlayBank, PlayParameters};
 use crate::range::Range;
 use crate::real::Real;
+
+/// Raw parameters of a cascade with at most `N` plays and `M` dead zones.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
+pub struct CascadeParameters<T, const N: usize, const M: usize> {
+    /// The envelope γ.
+    pub envelope: EnvelopeParameters<T>,
+    /// The bank of plays.
+    pub plays: PlayParameters<T, N>,
+    /// The dead-zone stage.
+    pub dead_zones: DeadZoneParameters<T, M>,
+    /// Lower end of the inputs that the model is valid for; the muscle's state of rest. Input unit.
+    pub input_min: T,
+    /// Upper end of the inputs that the model is valid for. Input unit.
+    pub input_max: T,
+}
+
+impl<T: Real, const N: usize, const M: usize> CascadeParameters<T, N, M> {
+    /// The same parameters in another number type or capacity, for instance those of the board.
+    ///
+    /// # Errors
+    /// The other capacity is too small.
+    pub fn convert<U: Real, const N2: usize, const M2: usize>(
+        &self,
+    ) -> Result<CascadeParameters<U, N2, M2>, ParameterError> {
+        Ok(CascadeParameters {
+            envelope: self.envelope.convert()?,
+            plays: self.plays.convert()?,
+            dead_zones: self.dead_zones.convert()?,
+            input_min: convert::number(self.input_min),
+            input_max: convert::number(self.input_max),
+        })
+    }
+}
 
 /// A validated, invertible cascade of an envelope, at most `N` plays and at most `M` dead zones.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,15 +74,6 @@ pub struct Cascade<T, E, const N: usize, const M: usize> {
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M> {
-    pub(crate) fn new(
-        envelope: E,
-        plays: PlayBank<T, N>,
-        dead_zones: DeadZones<T, M>,
-        input_range: Range<T>,
-    ) -> Self {
-        Self { envelope, plays, dead_zones, input_range }
-    }
-
     /// The bank of plays.
     pub fn plays(&self) -> &PlayBank<T, N> {
         &self.plays
@@ -49,6 +82,20 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M
     /// The dead-zone stage.
     pub fn dead_zones(&self) -> &DeadZones<T, M> {
         &self.dead_zones
+    }
+}
+
+impl<T: Real, const N: usize, const M: usize> Cascade<T, AnyEnvelope<T>, N, M> {
+    /// # Errors
+    /// The first parameter that no invertible model can be made of.
+    pub fn try_new(parameters: &CascadeParameters<T, N, M>) -> Result<Self, ParameterError> {
+        let CascadeParameters { envelope, plays, dead_zones, input_min, input_max } = parameters;
+        Ok(Self {
+            envelope: AnyEnvelope::try_new(envelope)?,
+            plays: PlayBank::try_new(plays)?,
+            dead_zones: DeadZones::try_new(dead_zones)?,
+            input_range: Range::try_new(*input_min, *input_max, "input range", "input unit")?,
+        })
     }
 }
 
@@ -119,7 +166,8 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<
     /// Equation (17).
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         let u = self.forward.dead_zones.inverse(finite_input(y)?);
-        let v = self.plays.advance_within(&mut state.plays, u, &self.inner_range);
+        let rising = u > state.plays.input();
+        let v = self.plays.advance_within(&mut state.plays, u, rising, &self.inner_range);
         let (ends, inner_ends) = (&self.forward.input_range, &self.inner_range);
         // At an end the answer is that end itself, whatever the envelope's rounding.
         Ok(if v >= inner_ends.max() {

@@ -17,6 +17,7 @@
 
 use heapless::Vec;
 
+use crate::convert;
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
 use crate::range::Range;
 use crate::real::Real;
@@ -53,6 +54,18 @@ impl<T: Real, const N: usize> PlayParameters<T, N> {
         }
         Ok(parameters)
     }
+
+    /// The same parameters in another number type or capacity.
+    ///
+    /// # Errors
+    /// The other capacity is too small.
+    pub fn convert<U: Real, const N2: usize>(&self) -> Result<PlayParameters<U, N2>, ParameterError> {
+        Ok(PlayParameters {
+            q: convert::number(self.q),
+            thresholds: convert::list("plays", &self.thresholds)?,
+            weights: convert::list("plays", &self.weights)?,
+        })
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +100,11 @@ impl<T: Real, const N: usize> PlayState<T, N> {
     /// The outputs of the plays, by rising threshold.
     pub fn outputs(&self) -> &[T] {
         &self.outputs
+    }
+
+    /// The last input of the bank. Unit: that of its input.
+    pub fn input(&self) -> T {
+        self.input
     }
 }
 
@@ -140,6 +158,11 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         self.plays.iter().fold(self.q, |least, play| if play.slope < least { play.slope } else { least })
     }
 
+    /// The largest slope of u over v. Unit: 1.
+    pub fn largest_slope(&self) -> T {
+        self.plays.iter().fold(self.q, |most, play| if play.slope > most { play.slope } else { most })
+    }
+
     /// The state of a bank that rested at 0 and was then brought to `v`: the paper's initial state,
     /// equation (1) with w = 0.
     pub fn rest_state(&self, v: T) -> PlayState<T, N> {
@@ -181,10 +204,16 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         if rising { self.drive::<true>(state, v, None) } else { self.drive::<false>(state, v, None) }
     }
 
-    /// As [`advance`](Self::advance), but goes no farther than u stays within the range: the input that
-    /// leads to its end takes the place of one beyond.
-    pub(crate) fn advance_within(&self, state: &mut PlayState<T, N>, v: T, range: &Range<T>) -> T {
-        if v > state.input {
+    /// As [`advance_toward`](Self::advance_toward), but goes no farther than u stays within the range: the input
+    /// that leads to its end takes the place of one beyond.
+    pub(crate) fn advance_within(
+        &self,
+        state: &mut PlayState<T, N>,
+        v: T,
+        rising: bool,
+        range: &Range<T>,
+    ) -> T {
+        if rising {
             self.drive::<true>(state, v, Some(range.max()))
         } else {
             self.drive::<false>(state, v, Some(range.min()))

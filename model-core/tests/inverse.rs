@@ -2,7 +2,7 @@
 
 use heapless::Vec as List;
 use model_core::dead_zone::{DeadZoneParameters, DeadZones};
-use model_core::envelope::TanhParameters;
+use model_core::envelope::{EnvelopeParameters, TanhParameters};
 use model_core::play::{PlayBank, PlayParameters};
 use model_core::{Hysteresis, InputError, InverseHysteresis, Invertible, Mgpi, MgpiParameters};
 use proptest::prelude::*;
@@ -46,7 +46,7 @@ fn dead_zones() -> impl Strategy<Value = DeadZoneParameters<f64, M>> {
 fn model() -> impl Strategy<Value = Mgpi<f64, N, M>> {
     let envelope = (0.5..2.0, 0.1..0.5, -1.0..1.0, -0.5..0.5);
     (envelope, plays(), dead_zones()).prop_map(|((c0, c1, c2, c3), plays, dead_zones)| {
-        let envelope = TanhParameters { c0, c1, c2, c3 };
+        let envelope = EnvelopeParameters::Tanh(TanhParameters { c0, c1, c2, c3 });
         let parameters = MgpiParameters { envelope, plays, dead_zones, input_min: 0.0, input_max: 6.0 };
         Mgpi::try_new(&parameters).expect("valid by construction")
     })

@@ -8,6 +8,7 @@ use heapless::Vec;
 use crate::curve::MonotoneCurve;
 use crate::envelope::Envelope;
 use crate::error::{Check, ParameterError, Requirement};
+use crate::range::Range;
 use crate::real::Real;
 
 /// Raw parameters: the knots, at least two, both coordinates strictly increasing.
@@ -73,5 +74,10 @@ impl<T: Real, const K: usize> Envelope<T> for PiecewiseLinear<T, K> {
 
     fn inverse(&self, v: T) -> T {
         self.curve.inverse(v)
+    }
+
+    /// That over all knots, whatever the range.
+    fn least_slope(&self, _: &Range<T>) -> T {
+        self.curve.smallest_slope()
     }
 }

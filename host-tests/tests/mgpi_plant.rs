@@ -4,7 +4,7 @@
 
 use host_tests::{FunctionPlant, HostBoard, PERIOD_S, configuration, figures, raised_cosines, run};
 use model_core::envelope::EnvelopeParameters;
-use model_core::{Hysteresis, Mgpi, MgpiParameters, Mode, Model, ModelParameters, paper};
+use model_core::{Hysteresis, Kind, Mgpi, MgpiParameters, Mode, Model, ModelParameters, paper};
 use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
 
 const SIZE: usize = paper::SIZE;
@@ -117,7 +117,8 @@ fn identified(plays: usize, dead_zones: usize) -> HostParameters {
     let triangle = |height: f64| (0..400).map(move |k| height * (1.0 - (f64::from(k) / 200.0 - 1.0).abs()));
     let input: Vec<f64> = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].into_iter().flat_map(triangle).collect();
     let output = simulate(&plant, &input);
-    let options = Options { plays, dead_zones, starts: 8, seed: 1, threads: 0 };
+    let options =
+        Options { model: Kind::Mgpi, knots: None, plays, dead_zones, starts: 8, seed: 1, threads: 0 };
     let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
     identify(&problem, &options, &|_| ()).expect("identified").parameters
 }

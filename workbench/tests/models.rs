@@ -49,7 +49,7 @@ fn a_key_of_another_type_is_refused() {
     assert_eq!(refusal("count = 10", "count = -1"), "model.toml: [plays] count: -1 is not a count");
     assert_eq!(
         refusal("kind = \"tanh\"", "kind = \"pl\""),
-        "model.toml: [envelope] kind: \"pl\" is not known, must be \"tanh\""
+        "model.toml: [envelope] kind: \"pl\" is not known, must be \"tanh\" or \"piecewise_linear\""
     );
 }
 
@@ -95,7 +95,7 @@ fn the_example_is_the_papers_model_bit_for_bit() {
     let bench = Bench::new();
     bench.write("paper.toml", PAPER);
     let file = ModelFile::read(&bench.path("paper.toml")).expect("valid");
-    let paper: HostParameters = paper::mgpi().and_then(|model| model.convert()).expect("valid");
+    let paper = HostParameters::Cascade(paper::mgpi().and_then(|model| model.convert()).expect("valid"));
     assert_eq!(file.parameters, paper);
 }
 

@@ -110,6 +110,33 @@ fn an_identified_model_reads_back_as_it_was_written() {
 }
 
 #[test]
+fn every_model_of_the_family_is_identified_written_read_and_simulated() {
+    let bench = Bench::new();
+    recording(&bench, "rec.csv");
+    let models = ["cpi", "sgpi", "agpi", "mpi", "egpi", "mgpi", "mgpi --envelope pl", "sgpi --envelope pl"];
+    for model in models {
+        bench.succeeds(&format!("identify rec.csv -o model.toml --model {model} --starts 4 --force"));
+        let file = ModelFile::read(&bench.path("model.toml")).expect(model);
+        assert_eq!(file.to_toml(), bench.read("model.toml"), "{model}");
+        let (name, _) = model.split_once(' ').unwrap_or((model, ""));
+        assert_eq!(file.parameters.kind().name(), name);
+        // What simulate prints are the figures that identify has written.
+        let summary = bench.succeeds("simulate model.toml --input rec.csv -o out.csv --force");
+        let training = file.identification.expect("identified").training;
+        assert!(summary.contains(&format!("RMSE {:.4} mm", training.rmse)), "{model}: {summary}");
+    }
+}
+
+#[test]
+fn a_model_of_another_kind_is_refused() {
+    assert_eq!(
+        refusal("kind = \"mgpi\"", "kind = \"preisach\""),
+        "model.toml: kind: \"preisach\" is not known; known are cpi, sgpi, agpi, mpi, egpi, mgpi"
+    );
+    assert_eq!(refusal("kind = \"mgpi\"", "kind = \"sgpi\""), "model.toml: line: missing");
+}
+
+#[test]
 fn simulation_reproduces_the_papers_loop() {
     let bench = Bench::new();
     let path: Vec<f64> = (0..=6).chain((1..6).rev()).map(f64::from).collect();

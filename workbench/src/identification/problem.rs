@@ -161,7 +161,7 @@ impl<'a, const K: usize> Point<'a, K> {
     fn condense(&self) -> (DVector<f64>, DMatrix<f64>) {
         let Products { mut own, mixed, gradient } = self.products();
         let places: Vec<usize> = (0..self.linear.free.len()).filter(|&j| self.linear.free[j]).collect();
-        let gram = self.columns.gram().select_rows(&places).select_columns(&places);
+        let gram = self.columns.gram.select_rows(&places).select_columns(&places);
         // Segments without a row make ΦᵀΦ singular; the pseudo-inverse leaves them out.
         if let Ok(inverse) = gram.pseudo_inverse(1e-12 * self.residuals.len() as f64) {
             let mixed = mixed.select_rows(&places);

@@ -32,6 +32,8 @@ pub struct Columns<'a> {
     places: Vec<(usize, f64)>,
     /// The added functions: a value a row each.
     added: &'a [Vec<f64>],
+    /// ΦᵀΦ.
+    pub gram: DMatrix<f64>,
 }
 
 /// The linear coefficients.
@@ -54,7 +56,10 @@ impl<'a> Columns<'a> {
             let segment = ((way / grid.width).max(0.0) as usize).min(grid.count - 1);
             (segment, way - segment as f64 * grid.width)
         };
-        Self { grid, places: u.map(place).collect(), added }
+        let gram = DMatrix::zeros(0, 0);
+        let mut columns = Self { grid, places: u.map(place).collect(), added, gram };
+        columns.gram = columns.products();
+        columns
     }
 
     /// Segment of each row, and the way gone in it.
@@ -98,8 +103,7 @@ impl<'a> Columns<'a> {
         moments
     }
 
-    /// ΦᵀΦ.
-    pub fn gram(&self) -> DMatrix<f64> {
+    fn products(&self) -> DMatrix<f64> {
         let Grid { count, width, .. } = self.grid;
         let mut sums = vec![[0.0; 3]; count];
         for &(segment, way) in &self.places {
@@ -130,19 +134,15 @@ impl<'a> Columns<'a> {
 
     /// The best coefficients, no slope below `least_slope`, no factor of an added function below 0.
     pub fn fit(&self, outputs: &[f64], least_slope: f64) -> Linear {
-        let mut gram = self.gram();
-        let ridge = RIDGE * gram.diagonal().amax();
         // Counted from the least slope on, the slopes are non-negative.
         let slopes = 1..=self.grid.count;
         let least =
             DVector::from_fn(self.count(), |j, _| if slopes.contains(&j) { least_slope } else { 0.0 });
-        let moment = self.moments(outputs.iter().map(|&y| [y])).column(0) - &gram * &least;
-        for j in 0..self.count() {
-            gram[(j, j)] += ridge;
-        }
+        let moment = self.moments(outputs.iter().map(|&y| [y])).column(0) - &self.gram * &least;
+        let ridge = DMatrix::identity(self.count(), self.count()) * (RIDGE * self.gram.diagonal().amax());
         let mut bounded = vec![true; self.count()];
         bounded[0] = false;
-        let nnls::Solution { values, free } = nnls::solve(&gram, &moment, &bounded);
+        let nnls::Solution { values, free } = nnls::solve(&(&self.gram + ridge), &moment, &bounded);
         Linear::new((values + least).as_slice(), self.grid.count, free)
     }
 

@@ -55,7 +55,7 @@ fn covariance<const K: usize>(data: &Data, point: &Point<'_, K>, free: &[bool]) 
     let (count, linear) = (own.nrows(), point.linear.free.len());
     let mut information = DMatrix::zeros(count + linear, count + linear);
     information.view_mut((0, 0), (count, count)).copy_from(&own);
-    information.view_mut((count, count), (linear, linear)).copy_from(&point.columns.gram());
+    information.view_mut((count, count), (linear, linear)).copy_from(&point.columns.gram);
     information.view_mut((count, 0), (linear, count)).copy_from(&mixed);
     information.view_mut((0, count), (count, linear)).copy_from(&mixed.transpose());
     let places: Vec<usize> = (0..free.len()).filter(|&j| free[j]).collect();

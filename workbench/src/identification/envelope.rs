@@ -13,8 +13,8 @@
 
 use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters, TanhParameters};
 
-use super::Span;
 use super::coordinates::Coordinate;
+use super::data::Span;
 
 /// The shape of an envelope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,10 +8,10 @@
 //!
 //! `K` is the capacity for coordinates; what is beyond their number stays 0.
 
+use super::data::{Drive, Span};
 use super::envelope::Envelope;
 use super::plays::Plays;
 use super::structure::Structure;
-use super::{Drive, Span};
 
 /// Envelope and plays at a point of the coordinates.
 #[derive(Clone, Debug)]

@@ -3,6 +3,7 @@
 //! # Design
 //! | file | what it does |
 //! |---|---|
+//! | `data` | the recording, checked and normalised |
 //! | `structure` | the parts of a model of the family |
 //! | `coordinates` | the nonlinear coordinates, bounded smoothly |
 //! | `envelope`, `plays` | the parts in normalised form, without the model's two exact scalings |
@@ -26,7 +27,9 @@
 //! validity range.
 
 mod coordinates;
+mod data;
 mod envelope;
+mod error;
 mod inner;
 pub mod named;
 mod nnls;
@@ -38,17 +41,15 @@ mod starts;
 mod structure;
 mod uncertainty;
 
-use std::fmt;
-
 use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
 use model_core::envelope::KNOTS;
-use model_core::memoryless::{Memoryless, MemorylessParameters};
-use model_core::{Hysteresis, Invertible, Kind, Model, ModelParameters, ParameterError, Range};
+use model_core::{Hysteresis, Invertible, Kind, Model, ModelParameters, ParameterError};
 use rayon::prelude::*;
 
+use data::{Data, normalise};
+pub use error::IdentificationError;
 use named::Named;
-use problem::{Data, Point, Problem as Reduced};
-use structure::Structure;
+use problem::{Point, Problem as Reduced};
 
 /// The largest number of plays of a model on the host.
 pub const PLAYS: usize = 128;
@@ -59,9 +60,6 @@ pub type HostParameters = ModelParameters<f64, PLAYS, DEAD_ZONES>;
 /// A model on the host.
 pub type HostModel = Model<f64, PLAYS, DEAD_ZONES>;
 
-/// The smallest slope that the dead-zone stage may get, as a share of the mean slope: how far a model is
-/// kept from being non-invertible.
-const LEAST_SLOPE: f64 = 1e-2;
 /// Evaluations per coordinate that every start gets.
 const SCREENING: usize = 4;
 /// Evaluations per coordinate that the best starts get.
@@ -145,60 +143,6 @@ pub struct Fit {
     pub starts: usize,
 }
 
-/// Why nothing can be identified.
-#[derive(Clone, Debug, PartialEq)]
-pub enum IdentificationError {
-    /// Lists of different length.
-    Lengths,
-    /// A size outside its limits: its name, value, least and largest value.
-    Size(&'static str, usize, [usize; 2]),
-    /// Fewer rows that count than parameters.
-    TooFewRows {
-        /// Rows that count.
-        rows: usize,
-        /// Parameters to find.
-        parameters: usize,
-    },
-    /// A number that is not finite: the list's name and the row, counted from 0.
-    NotFinite(&'static str, usize),
-    /// The input never changes; its value.
-    ConstantInput(f64),
-    /// The output never changes; its value.
-    ConstantOutput(f64),
-    /// The best model found is not valid.
-    Invalid(ParameterError),
-    /// The threads could not be started.
-    Threads(String),
-}
-
-impl fmt::Display for IdentificationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Lengths => write!(f, "input, output and scored rows differ in number"),
-            Self::Size(name, value, [min, max]) => {
-                write!(f, "number of {name} is {value}, must be {min} to {max}")
-            }
-            Self::TooFewRows { rows, parameters } => {
-                write!(
-                    f,
-                    "{rows} rows count, but the model has {parameters} parameters: record more, or use fewer"
-                )
-            }
-            Self::NotFinite(list, row) => write!(f, "{list} of row {row} is not a finite number"),
-            Self::ConstantInput(value) => {
-                write!(f, "the input is constant ({value}): nothing can be identified")
-            }
-            Self::ConstantOutput(value) => {
-                write!(f, "the output is constant ({value}): nothing can be identified")
-            }
-            Self::Invalid(error) => write!(f, "the best model found is not valid: {error}"),
-            Self::Threads(error) => write!(f, "the threads of the search could not be started: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for IdentificationError {}
-
 /// Identifies a model. `progress` is called with the number of searches done, at most [`searches`] times.
 ///
 /// # Errors
@@ -268,98 +212,6 @@ pub fn searches(starts: usize) -> usize {
 
 fn finalists(starts: usize) -> usize {
     starts.div_ceil(4)
-}
-
-/// Lowest input and span of the inputs. Input unit.
-type Span = (f64, f64);
-
-/// The inputs of a recording.
-struct Drive {
-    /// The inputs, 0 … 1 over their span.
-    inputs: Vec<f64>,
-    /// Whether each is on a rising branch; one that rests keeps its branch.
-    rising: Vec<bool>,
-}
-
-impl Drive {
-    fn new(input: &[f64], (low, span): Span) -> Self {
-        let mut state = (low, true);
-        let is_rising = |&x: &f64| {
-            let rising = if x == state.0 { state.1 } else { x > state.0 };
-            state = (x, rising);
-            rising
-        };
-        Self {
-            rising: input.iter().map(is_rising).collect(),
-            inputs: input.iter().map(|x| (x - low) / span).collect(),
-        }
-    }
-}
-
-fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, IdentificationError> {
-    let Problem { input, output, scored } = *problem;
-    if input.len() != output.len() || input.len() != scored.len() {
-        return Err(IdentificationError::Lengths);
-    }
-    for (name, value, limits) in [
-        ("plays", options.plays, [1, PLAYS]),
-        ("dead zones", options.dead_zones, [1, DEAD_ZONES]),
-        ("knots", options.knots.unwrap_or(KNOTS), [3, KNOTS]),
-        ("starts", options.starts, [1, usize::MAX]),
-    ] {
-        if !(limits[0]..=limits[1]).contains(&value) {
-            return Err(IdentificationError::Size(name, value, limits));
-        }
-    }
-    for (name, list) in [("input", input), ("output", output)] {
-        if let Some(row) = list.iter().position(|value| !value.is_finite()) {
-            return Err(IdentificationError::NotFinite(name, row));
-        }
-    }
-    let structure = Structure::new(options);
-    let coordinates = structure.coordinates();
-    let rows: Vec<usize> = (0..scored.len()).filter(|&row| scored[row]).collect();
-    let parameters = coordinates.len() + structure.linear();
-    if rows.len() <= parameters {
-        return Err(IdentificationError::TooFewRows { rows: rows.len(), parameters });
-    }
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
-    };
-    let (low, high) = range(&mut input.iter().copied());
-    if low == high {
-        return Err(IdentificationError::ConstantInput(low));
-    }
-    let (output_low, output_high) = range(&mut rows.iter().map(|&row| output[row]));
-    if output_low == output_high {
-        return Err(IdentificationError::ConstantOutput(output_low));
-    }
-    let span = (low, high - low);
-    Ok(Data {
-        drive: Drive::new(input, span),
-        span,
-        outputs: rows.iter().map(|&row| output[row]).collect(),
-        added: added(&structure, &rows, input, (low, high))?,
-        rows,
-        least_slope: LEAST_SLOPE * (output_high - output_low),
-        structure,
-        coordinates,
-    })
-}
-
-/// The added functions of the input at some rows.
-fn added(
-    structure: &Structure,
-    rows: &[usize],
-    input: &[f64],
-    (low, high): (f64, f64),
-) -> Result<Vec<Vec<f64>>, IdentificationError> {
-    let function = Range::try_new(low, high, "input range", "input unit")
-        .and_then(|range| Memoryless::try_new(&MemorylessParameters { rises: [0.0; 3] }, &range))
-        .map_err(IdentificationError::Invalid)?;
-    let column = |k: usize| rows.iter().map(|&row| function.basis(input[row])[k]).collect();
-    Ok((0..structure.added()).map(column).collect())
 }
 
 fn search<'a, const K: usize>(

@@ -13,35 +13,14 @@
 use levenberg_marquardt::LeastSquaresProblem;
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
-use super::coordinates::{Coordinate, bounded, unbounded};
+use super::coordinates::{bounded, unbounded};
+use super::data::Data;
 use super::inner::{Inner, Sample};
 use super::plays;
 use super::projection::{Columns, Grid, Linear};
-use super::structure::Structure;
-use super::{Drive, Span};
 
 /// The least eigenvalue that JᵀJ of unit diagonal may have: the rounding of its sums.
 const LEAST_EIGENVALUE: f64 = 1e-12;
-
-/// A recording, normalised for the search.
-pub struct Data {
-    /// The inputs.
-    pub drive: Drive,
-    /// Lowest input and span of the inputs. Input unit.
-    pub span: Span,
-    /// The rows that count.
-    pub rows: Vec<usize>,
-    /// The outputs of those rows. Output unit.
-    pub outputs: Vec<f64>,
-    /// Added functions of the input at those rows.
-    pub added: Vec<Vec<f64>>,
-    /// The smallest slope allowed. Output unit per unit of u.
-    pub least_slope: f64,
-    /// What is identified.
-    pub structure: Structure,
-    /// Its coordinates.
-    pub coordinates: Vec<Coordinate>,
-}
 
 /// The problem at a point.
 pub struct Problem<'a, const K: usize> {

@@ -8,10 +8,11 @@ use model_core::memoryless::MemorylessParameters;
 use model_core::play::PlayParameters;
 use model_core::{Kind, ParameterError, cpi, mgpi::MgpiParameters, mpi, sgpi};
 
+use super::data::Span;
 use super::inner::Inner;
 use super::projection::{Grid, Linear};
 use super::structure::Structure;
-use super::{DEAD_ZONES, Density, HostParameters, PLAYS, Span};
+use super::{DEAD_ZONES, Density, HostParameters, PLAYS};
 
 /// The raw parameters, and the density that those of the plays come from.
 ///

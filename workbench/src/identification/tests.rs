@@ -1,6 +1,6 @@
 //! What the identification claims, on models whose truth is known.
 
-use super::problem::{Data, Problem as Reduced};
+use super::problem::Problem as Reduced;
 use super::*;
 use levenberg_marquardt::LeastSquaresProblem;
 use model_core::dead_zone::DeadZoneParameters;

@@ -10,9 +10,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Estimate;
 use super::coordinates::Coordinate;
+use super::data::Data;
 use super::inner::Inner;
 use super::named::{Named, named};
-use super::problem::{Data, Point, Products, grid};
+use super::problem::{Point, Products, grid};
 use super::projection::Linear;
 use super::raw;
 

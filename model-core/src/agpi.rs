@@ -53,6 +53,9 @@ pub struct AgpiParameters<T, const N: usize> {
     pub input_min: T,
     /// Upper end of the inputs that the model is valid for. Input unit.
     pub input_max: T,
+    /// Whether the muscle has been through its whole range before, as most have: it is then at rest as after a
+    /// rise to the upper end of the inputs and a return to the lower one. Else it comes from rest at 0.
+    pub preconditioned: bool,
 }
 
 impl<T: Real, const N: usize> AgpiParameters<T, N> {
@@ -69,6 +72,7 @@ impl<T: Real, const N: usize> AgpiParameters<T, N> {
             offset: convert::number(self.offset),
             input_min: convert::number(self.input_min),
             input_max: convert::number(self.input_max),
+            preconditioned: self.preconditioned,
         })
     }
 }
@@ -83,13 +87,15 @@ pub struct Agpi<T, const N: usize> {
     reciprocal_gain: T,
     offset: T,
     input_range: Range<T>,
+    preconditioned: bool,
 }
 
 impl<T: Real, const N: usize> Agpi<T, N> {
     /// # Errors
     /// The first parameter that no invertible model can be made of.
     pub fn try_new(parameters: &AgpiParameters<T, N>) -> Result<Self, ParameterError> {
-        let AgpiParameters { rising, falling, plays, gain, offset, input_min, input_max } = parameters;
+        let AgpiParameters { rising, falling, plays, gain, offset, input_min, input_max, preconditioned } =
+            parameters;
         let gain = Check::new("gain", "output unit").above(*gain, T::ZERO)?;
         let agpi = Self {
             rising: AnyEnvelope::try_new(rising)?,
@@ -99,6 +105,7 @@ impl<T: Real, const N: usize> Agpi<T, N> {
             reciprocal_gain: Check::new("1/gain", "1/output unit").finite(T::ONE / gain)?,
             offset: Check::new("offset", "output unit").finite(*offset)?,
             input_range: Range::try_new(*input_min, *input_max, "input range", "input unit")?,
+            preconditioned: *preconditioned,
         };
         let piece = (*input_max - *input_min) / T::from_f64(f64::from(PIECES));
         for i in 0..=PIECES {
@@ -143,13 +150,18 @@ impl<T: Real, const N: usize> Hysteresis<T, N> for Agpi<T, N> {
         &self.input_range
     }
 
-    /// Equation (1) with w = 0, on the rising branch.
+    /// Equation (1) with w = 0, on the rising branch; or on the falling one, if the muscle has been up.
     fn rest_state(&self) -> HysteresisState<T, N> {
         let x = self.input_range.min();
         let mut plays = self.plays.rest_state(T::ZERO);
         self.plays.advance_toward(&mut plays, self.falling.value(x), false);
         let u = self.plays.advance_toward(&mut plays, self.rising.value(x), true);
-        HysteresisState { plays, last: Sample { x, y: self.output(u), rising: true } }
+        if !self.preconditioned {
+            return HysteresisState { plays, last: Sample { x, y: self.output(u), rising: true } };
+        }
+        self.plays.advance_toward(&mut plays, self.rising.value(self.input_range.max()), true);
+        let u = self.plays.advance_toward(&mut plays, self.falling.value(x), false);
+        HysteresisState { plays, last: Sample { x, y: self.output(u), rising: false } }
     }
 
     fn step(&self, state: &mut HysteresisState<T, N>, x: T) -> Result<T, InputError> {

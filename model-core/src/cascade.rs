@@ -44,6 +44,9 @@ pub struct CascadeParameters<T, const N: usize, const M: usize> {
     pub input_min: T,
     /// Upper end of the inputs that the model is valid for. Input unit.
     pub input_max: T,
+    /// Whether the muscle has been through its whole range before, as most have: it is then at rest as after a
+    /// rise to the upper end of the inputs and a return to the lower one. Else it comes from rest at 0.
+    pub preconditioned: bool,
 }
 
 impl<T: Real, const N: usize, const M: usize> CascadeParameters<T, N, M> {
@@ -60,6 +63,7 @@ impl<T: Real, const N: usize, const M: usize> CascadeParameters<T, N, M> {
             dead_zones: self.dead_zones.convert()?,
             input_min: convert::number(self.input_min),
             input_max: convert::number(self.input_max),
+            preconditioned: self.preconditioned,
         })
     }
 }
@@ -71,6 +75,7 @@ pub struct Cascade<T, E, const N: usize, const M: usize> {
     plays: PlayBank<T, N>,
     dead_zones: DeadZones<T, M>,
     input_range: Range<T>,
+    preconditioned: bool,
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M> {
@@ -89,12 +94,14 @@ impl<T: Real, const N: usize, const M: usize> Cascade<T, AnyEnvelope<T>, N, M> {
     /// # Errors
     /// The first parameter that no invertible model can be made of.
     pub fn try_new(parameters: &CascadeParameters<T, N, M>) -> Result<Self, ParameterError> {
-        let CascadeParameters { envelope, plays, dead_zones, input_min, input_max } = parameters;
+        let CascadeParameters { envelope, plays, dead_zones, input_min, input_max, preconditioned } =
+            parameters;
         Ok(Self {
             envelope: AnyEnvelope::try_new(envelope)?,
             plays: PlayBank::try_new(plays)?,
             dead_zones: DeadZones::try_new(dead_zones)?,
             input_range: Range::try_new(*input_min, *input_max, "input range", "input unit")?,
+            preconditioned: *preconditioned,
         })
     }
 }
@@ -105,7 +112,13 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Hysteresis<T, N> f
     }
 
     fn rest_state(&self) -> HysteresisState<T, N> {
-        HysteresisState::of_plays(self.plays.rest_state(self.envelope.value(self.input_range.min())))
+        let lowest = self.envelope.value(self.input_range.min());
+        let mut plays = self.plays.rest_state(lowest);
+        if self.preconditioned {
+            self.plays.advance(&mut plays, self.envelope.value(self.input_range.max()));
+            self.plays.advance(&mut plays, lowest);
+        }
+        HysteresisState::of_plays(plays)
     }
 
     /// Equation (16).

@@ -12,7 +12,7 @@ use crate::play::PlayParameters;
 use crate::real::Real;
 
 /// The parameters of a CPI model. Thresholds of the plays: input unit; gain: output unit per input unit;
-/// offset: output unit; input: lower and upper end of the valid inputs, input unit.
+/// offset: output unit; input: lower and upper end of the valid inputs, input unit. The muscle comes from rest.
 ///
 /// # Errors
 /// The capacity `M` is 0.
@@ -28,5 +28,6 @@ pub fn parameters<T: Real, const N: usize, const M: usize>(
         dead_zones: DeadZoneParameters::line(gain, offset)?,
         input_min: input.0,
         input_max: input.1,
+        preconditioned: false,
     })
 }

@@ -93,6 +93,30 @@ impl<T: Real, const N: usize, const M: usize> ModelParameters<T, N, M> {
         }
     }
 
+    /// Whether the muscle has been through its whole range before.
+    pub fn is_preconditioned(&self) -> bool {
+        match self {
+            Self::Cascade(CascadeParameters { preconditioned, .. })
+            | Self::Agpi(AgpiParameters { preconditioned, .. })
+            | Self::Egpi(EgpiParameters { agpi: AgpiParameters { preconditioned, .. }, .. }) => {
+                *preconditioned
+            }
+        }
+    }
+
+    /// These parameters, with that said of the muscle.
+    #[must_use]
+    pub fn with_preconditioned(mut self, said: bool) -> Self {
+        match &mut self {
+            Self::Cascade(CascadeParameters { preconditioned, .. })
+            | Self::Agpi(AgpiParameters { preconditioned, .. })
+            | Self::Egpi(EgpiParameters { agpi: AgpiParameters { preconditioned, .. }, .. }) => {
+                *preconditioned = said;
+            }
+        }
+        self
+    }
+
     /// The same parameters in another number type or capacity, for instance those of the board.
     ///
     /// # Errors

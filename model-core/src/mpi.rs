@@ -11,12 +11,19 @@ use crate::envelope::EnvelopeParameters;
 use crate::play::PlayParameters;
 
 /// The parameters of an MPI model. Thresholds of plays and dead zones: input unit; weights of the dead zones:
-/// output unit per input unit; input: lower and upper end of the valid inputs, input unit.
+/// output unit per input unit; input: lower and upper end of the valid inputs, input unit. The muscle comes from rest.
 pub fn parameters<T, const N: usize, const M: usize>(
     plays: PlayParameters<T, N>,
     dead_zones: DeadZoneParameters<T, M>,
     input: (T, T),
 ) -> CascadeParameters<T, N, M> {
     let envelope = EnvelopeParameters::Identity;
-    CascadeParameters { envelope, plays, dead_zones, input_min: input.0, input_max: input.1 }
+    CascadeParameters {
+        envelope,
+        plays,
+        dead_zones,
+        input_min: input.0,
+        input_max: input.1,
+        preconditioned: false,
+    }
 }

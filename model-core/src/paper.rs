@@ -45,5 +45,6 @@ pub fn mgpi() -> Result<MgpiParameters<f64, SIZE, SIZE>, ParameterError> {
         dead_zones: DeadZoneParameters { thresholds, weights, offset: 0.0 },
         input_min: 0.0,
         input_max: PRESSURE_MAX_BAR,
+        preconditioned: false,
     })
 }

@@ -12,7 +12,7 @@ use crate::play::PlayParameters;
 use crate::real::Real;
 
 /// The parameters of an SGPI model. Thresholds of the plays: unit 1; gain and offset: output unit; input:
-/// lower and upper end of the valid inputs, input unit.
+/// lower and upper end of the valid inputs, input unit. The muscle comes from rest.
 ///
 /// # Errors
 /// The capacity `M` is 0.
@@ -24,5 +24,12 @@ pub fn parameters<T: Real, const N: usize, const M: usize>(
     input: (T, T),
 ) -> Result<CascadeParameters<T, N, M>, ParameterError> {
     let dead_zones = DeadZoneParameters::line(gain, offset)?;
-    Ok(CascadeParameters { envelope, plays, dead_zones, input_min: input.0, input_max: input.1 })
+    Ok(CascadeParameters {
+        envelope,
+        plays,
+        dead_zones,
+        input_min: input.0,
+        input_max: input.1,
+        preconditioned: false,
+    })
 }

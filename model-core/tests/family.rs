@@ -42,6 +42,7 @@ fn agpi() -> AgpiParameters<f64, SIZE> {
         offset: -2.0,
         input_min: 0.0,
         input_max: 6.0,
+        preconditioned: false,
     }
 }
 
@@ -182,4 +183,25 @@ fn the_memoryless_function_rises_as_its_parameters_say() {
     let (_, high) = model.output_range();
     let (_, plain_high) = plain.output_range();
     assert!((high - plain_high - list.iter().sum::<f64>()).abs() < 1e-12);
+}
+
+#[test]
+fn a_preconditioned_muscle_rests_as_after_a_full_cycle() {
+    for parameters in family() {
+        let fresh = Model::try_new(&parameters).expect("valid");
+        let cycled = Model::try_new(&parameters.clone().with_preconditioned(true)).expect("valid");
+        let (mut one, mut other) = (fresh.rest_state(), cycled.rest_state());
+        let range = fresh.input_range();
+        let cycle = [range.max(), range.min()];
+        let last = cycle.map(|x| fresh.step(&mut one, x).expect("finite"))[1];
+        let same = |y: f64, other: f64| {
+            assert!((y - other).abs() < 1e-10, "{}: {y} and {other}", parameters.kind());
+        };
+        same(cycled.step(&mut other, range.min()).expect("finite"), last);
+        for k in 0..100 {
+            let x = range.min() + (range.max() - range.min()) * (0.5 - 0.5 * (f64::from(k) * 0.4).cos());
+            let y = fresh.step(&mut one, x).expect("finite");
+            same(cycled.step(&mut other, x).expect("finite"), y);
+        }
+    }
 }

@@ -47,7 +47,14 @@ fn model() -> impl Strategy<Value = Mgpi<f64, N, M>> {
     let envelope = (0.5..2.0, 0.1..0.5, -1.0..1.0, -0.5..0.5);
     (envelope, plays(), dead_zones()).prop_map(|((c0, c1, c2, c3), plays, dead_zones)| {
         let envelope = EnvelopeParameters::Tanh(TanhParameters { c0, c1, c2, c3 });
-        let parameters = MgpiParameters { envelope, plays, dead_zones, input_min: 0.0, input_max: 6.0 };
+        let parameters = MgpiParameters {
+            envelope,
+            plays,
+            dead_zones,
+            input_min: 0.0,
+            input_max: 6.0,
+            preconditioned: false,
+        };
         Mgpi::try_new(&parameters).expect("valid by construction")
     })
 }

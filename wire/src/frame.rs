@@ -138,6 +138,7 @@ mod tests {
             dead_zones: DeadZoneParameters { thresholds: full(), weights: full(), offset: number },
             input_min: number,
             input_max: number,
+            preconditioned: true,
         }))
     }
 
@@ -152,6 +153,7 @@ mod tests {
             offset: number,
             input_min: number,
             input_max: number,
+            preconditioned: true,
         };
         let memoryless = MemorylessParameters { rises: [number; 3] };
         configure(ModelParameters::Egpi(EgpiParameters { agpi, memoryless }))

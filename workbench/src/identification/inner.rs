@@ -44,20 +44,30 @@ impl Inner {
         }
     }
 
-    /// u and its derivatives for every input, from rest.
-    pub fn simulate<const K: usize>(&self, drive: &Drive) -> Vec<Sample<K>> {
+    /// u and its derivatives for every input, from rest, of a muscle that is preconditioned or not.
+    pub fn simulate<const K: usize>(&self, drive: &Drive, preconditioned: bool) -> Vec<Sample<K>> {
         let s = self.plays.s;
         let (by_logit, share) = (s * (1.0 - s), 1.0 / (1.0 - s));
         let mut bank = Bank::<K>::at_rest(self);
-        let sample = |(&t, &rising): (&f64, &bool)| {
-            let mut driven = Driven { v: 0.0, by: [0.0; K], sign: if rising { 1.0 } else { -1.0 } };
-            driven.v = self.envelope.sample(t, rising, &mut driven.by[..self.of_envelope]);
+        if preconditioned {
+            bank.step(&self.driven(1.0, true));
+            bank.step(&self.driven(0.0, false));
+        }
+        let sample = |(row, (&t, &rising)): (usize, (&f64, &bool))| {
+            let driven = self.driven(t, if row < drive.resting { !preconditioned } else { rising });
             let plays = bank.step(&driven);
             let mut by: [f64; K] = std::array::from_fn(|c| s * driven.by[c] + plays.by[c]);
             by[self.of_envelope + 2] = by_logit * (driven.v - share * plays.sum);
             Sample { u: s * driven.v + plays.sum, by }
         };
-        drive.inputs.iter().zip(&drive.rising).map(sample).collect()
+        drive.inputs.iter().zip(&drive.rising).enumerate().map(sample).collect()
+    }
+
+    /// What an input drives the plays with.
+    fn driven<const K: usize>(&self, t: f64, rising: bool) -> Driven<K> {
+        let mut by = [0.0; K];
+        let v = self.envelope.sample(t, rising, &mut by[..self.of_envelope]);
+        Driven { v, by, sign: if rising { 1.0 } else { -1.0 } }
     }
 }
 

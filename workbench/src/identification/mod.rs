@@ -18,9 +18,9 @@
 //! the best quarter goes on to convergence. The answer depends on the seed, not on the number of threads.
 //!
 //! # Contract
-//! Whatever the recording is, the result is a validated, invertible model or a typed error. The muscle is
-//! taken to have come from rest at the lowest input; rows that do not count (`scored` false) still
-//! drive it.
+//! Whatever the recording is, the result is a validated, invertible model or a typed error. Before the recording the
+//! muscle is taken to have come from rest at the lowest input, either fresh or preconditioned by a full cycle,
+//! whichever fits better. Rows that do not count (`scored` false) still drive it.
 //!
 //! # Limits
 //! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the model's
@@ -50,6 +50,7 @@ use data::{Data, normalise};
 pub use error::IdentificationError;
 use named::Named;
 use problem::{Point, Problem as Reduced};
+use starts::Start;
 
 /// The largest number of plays of a model on the host.
 pub const PLAYS: usize = 128;
@@ -173,7 +174,7 @@ fn find<const K: usize>(
         .build()
         .map_err(|error| IdentificationError::Threads(error.to_string()))?;
     let done = std::sync::atomic::AtomicUsize::new(0);
-    let search_all = |starts: &[Vec<f64>], patience: usize| {
+    let search_all = |starts: &[Start], patience: usize| {
         let mut ends: Vec<_> = starts
             .par_iter()
             .map(|start| {
@@ -190,7 +191,7 @@ fn find<const K: usize>(
         let screened =
             search_all(&starts::starts(&data.coordinates, options.starts, options.seed), SCREENING);
         let best = screened.into_iter().take(finalists(options.starts));
-        let best: Vec<Vec<f64>> = best.map(|(point, _)| point.coordinates).collect();
+        let best: Vec<Start> = best.map(|(point, _)| point.at).collect();
         search_all(&best, CONVERGENCE)
     });
     // The best end whose model has an inverse; that of most models is certain, that of the extended one is not.
@@ -216,7 +217,7 @@ fn finalists(starts: usize) -> usize {
 
 fn search<'a, const K: usize>(
     data: &'a Data,
-    start: &[f64],
+    start: &Start,
     patience: usize,
 ) -> (Point<'a, K>, TerminationReason) {
     let kernel =
@@ -234,6 +235,7 @@ fn finish<const K: usize>(
 ) -> Result<Fit, ParameterError> {
     let (parameters, density) =
         raw::parameters(&data.structure, &point.inner, &point.columns.grid, &point.linear, data.span)?;
+    let parameters = parameters.with_preconditioned(point.at.preconditioned);
     let model = HostModel::try_new(&parameters)?;
     model.inverse()?;
     Ok(Fit {

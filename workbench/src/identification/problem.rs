@@ -18,6 +18,7 @@ use super::data::Data;
 use super::inner::{Inner, Sample};
 use super::plays;
 use super::projection::{Columns, Grid, Linear};
+use super::starts::Start;
 
 /// The least eigenvalue that JᵀJ of unit diagonal may have: the rounding of its sums.
 const LEAST_EIGENVALUE: f64 = 1e-12;
@@ -33,8 +34,8 @@ pub struct Problem<'a, const K: usize> {
 
 /// The model and its residuals at a point of the coordinates.
 pub struct Point<'a, const K: usize> {
-    /// The coordinates.
-    pub coordinates: Vec<f64>,
+    /// The coordinates, and whether the muscle is preconditioned.
+    pub at: Start,
     /// Envelope and plays.
     pub inner: Inner,
     /// u at the rows that count, and its derivatives.
@@ -78,16 +79,16 @@ pub fn grid<const K: usize>(inner: &Inner, count: usize, coordinates: usize) -> 
 
 impl<'a, const K: usize> Point<'a, K> {
     /// Evaluates the model, the linear part at its best.
-    pub fn new(data: &'a Data, coordinates: Vec<f64>) -> Self {
-        let inner = Inner::new(&data.structure, &coordinates, data.span);
-        let all = inner.simulate(&data.drive);
+    pub fn new(data: &'a Data, at: Start) -> Self {
+        let inner = Inner::new(&data.structure, &at.coordinates, data.span);
+        let all = inner.simulate(&data.drive, at.preconditioned);
         let samples: Vec<Sample<K>> = data.rows.iter().map(|&row| all[row]).collect();
-        let (grid, grid_by) = grid(&inner, data.structure.segments, coordinates.len());
+        let (grid, grid_by) = grid(&inner, data.structure.segments, at.coordinates.len());
         let columns = Columns::new(samples.iter().map(|sample| sample.u), grid, &data.added);
         let linear = columns.fit(&data.outputs, data.least_slope);
         let model = columns.evaluate(&linear);
         let residuals = model.iter().zip(&data.outputs).map(|(model, measured)| model - measured).collect();
-        Self { coordinates, inner, samples, columns, linear, residuals, grid_by }
+        Self { at, inner, samples, columns, linear, residuals, grid_by }
     }
 
     /// Sum of the squared residuals.
@@ -128,7 +129,7 @@ impl<'a, const K: usize> Point<'a, K> {
                 }
             }
         }
-        let count = self.coordinates.len();
+        let count = self.at.coordinates.len();
         Products {
             own: DMatrix::from_fn(count, count, |i, j| own[i][j]),
             mixed: DMatrix::from_fn(mixed.nrows(), count, |i, j| mixed[(i, j)]),
@@ -164,13 +165,13 @@ impl<'a, const K: usize> Point<'a, K> {
 
 impl<'a, const K: usize> Problem<'a, K> {
     /// The problem at a start.
-    pub fn new(data: &'a Data, start: &[f64]) -> Self {
-        Self::at(data, unbounded(&data.coordinates, start))
+    pub fn new(data: &'a Data, start: &Start) -> Self {
+        Self::at(data, unbounded(&data.coordinates, &start.coordinates), start.preconditioned)
     }
 
-    fn at(data: &'a Data, variables: DVector<f64>) -> Self {
+    fn at(data: &'a Data, variables: DVector<f64>, preconditioned: bool) -> Self {
         let (coordinates, scales) = bounded(&data.coordinates, &variables);
-        let point = Point::new(data, coordinates);
+        let point = Point::new(data, Start { coordinates, preconditioned });
         let (residuals, factor) = point.condense();
         let jacobian = factor * DMatrix::from_diagonal(&DVector::from_vec(scales));
         Self { data, variables, point, residuals, jacobian }
@@ -188,7 +189,7 @@ impl<const K: usize> LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, K> {
     type ParameterStorage = Owned<f64, Dyn>;
 
     fn set_params(&mut self, variables: &DVector<f64>) {
-        *self = Self::at(self.data, variables.clone());
+        *self = Self::at(self.data, variables.clone(), self.point.at.preconditioned);
     }
 
     fn params(&self) -> DVector<f64> {

@@ -44,6 +44,7 @@ pub fn parameters(
             dead_zones: dead_zones(grid, linear, scale),
             input_min: input.0,
             input_max: input.1,
+            preconditioned: false,
         }),
         Kind::Agpi => HostParameters::Agpi(asymmetric((rising, falling), plays, (gain, offset), input)),
         Kind::Egpi => {
@@ -64,7 +65,7 @@ fn asymmetric(
     (gain, offset): (f64, f64),
     (input_min, input_max): (f64, f64),
 ) -> AgpiParameters<f64, PLAYS> {
-    AgpiParameters { rising, falling, plays, gain, offset, input_min, input_max }
+    AgpiParameters { rising, falling, plays, gain, offset, input_min, input_max, preconditioned: false }
 }
 
 /// The segments as dead zones: one of threshold 0, whose weight is the slope there, and one at each knot, whose

@@ -6,17 +6,31 @@ use rand_chacha::ChaCha8Rng;
 
 use super::coordinates::Coordinate;
 
-/// `count` starting points.
-pub fn starts(coordinates: &[Coordinate], count: usize, seed: u64) -> Vec<Vec<f64>> {
+/// Where a search begins.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// The coordinates.
+    pub coordinates: Vec<f64>,
+    /// Whether the muscle has been through its whole range before the recording.
+    pub preconditioned: bool,
+}
+
+/// `count` starts: each point for a fresh muscle and for a preconditioned one, since what was before a recording only the
+/// fit can tell.
+pub fn starts(coordinates: &[Coordinate], count: usize, seed: u64) -> Vec<Start> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let shifts: Vec<f64> = coordinates.iter().map(|_| random.random()).collect();
     let bases: Vec<u32> = primes().take(coordinates.len()).collect();
     let start = |index: usize| {
+        let point = index.div_ceil(2);
         let one = |((coordinate, shift), base): ((&Coordinate, &f64), &u32)| {
             let (low, high) = coordinate.starts;
-            low + (radical_inverse(index, *base) + shift).fract() * (high - low)
+            low + (radical_inverse(point, *base) + shift).fract() * (high - low)
         };
-        coordinates.iter().zip(&shifts).zip(&bases).map(one).collect()
+        Start {
+            coordinates: coordinates.iter().zip(&shifts).zip(&bases).map(one).collect(),
+            preconditioned: index.is_multiple_of(2),
+        }
     };
     (1..=count).map(start).collect()
 }

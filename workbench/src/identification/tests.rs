@@ -49,6 +49,7 @@ fn truth() -> HostModel {
         },
         input_min: 0.0,
         input_max: 6.0,
+        preconditioned: false,
     });
     HostModel::try_new(&parameters).expect("valid")
 }

@@ -22,7 +22,7 @@ use super::raw;
 /// # Errors
 /// The numbers of operators are above the capacity.
 pub fn estimates<const K: usize>(data: &Data, point: &Point<'_, K>) -> Result<Vec<Estimate>, ParameterError> {
-    let coordinates = point.coordinates.iter();
+    let coordinates = point.at.coordinates.iter();
     let at: Vec<f64> = coordinates.clone().copied().chain(point.linear.coefficients()).collect();
     let is_inside = |(coordinate, value): (&Coordinate, &f64)| !coordinate.is_at_bound(*value);
     let mut free: Vec<bool> = data.coordinates.iter().zip(coordinates).map(is_inside).collect();

@@ -33,6 +33,8 @@ use section::KeyError;
 
 /// The format that this version writes and reads.
 pub const FORMAT: usize = 1;
+/// Whether the muscle has been through its whole range before it comes from rest.
+const PRECONDITIONED: &str = "preconditioned";
 
 /// A model with what is known about it.
 #[derive(Clone, Debug)]

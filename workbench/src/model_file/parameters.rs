@@ -80,7 +80,14 @@ fn cascade(
     dead_zones: DeadZoneParameters<f64, DEAD_ZONES>,
     (input_min, input_max): (f64, f64),
 ) -> HostParameters {
-    HostParameters::Cascade(CascadeParameters { envelope, plays, dead_zones, input_min, input_max })
+    HostParameters::Cascade(CascadeParameters {
+        envelope,
+        plays,
+        dead_zones,
+        input_min,
+        input_max,
+        preconditioned: false,
+    })
 }
 
 struct Reader<'a> {
@@ -97,7 +104,19 @@ impl Reader<'_> {
         let (plays, density) = self.plays(&WITH_ENVELOPE)?;
         let (gain, offset) = self.line(&WITH_ENVELOPE)?;
         let (input_min, input_max) = input;
-        Ok((AgpiParameters { rising, falling, plays, gain, offset, input_min, input_max }, density))
+        Ok((
+            AgpiParameters {
+                rising,
+                falling,
+                plays,
+                gain,
+                offset,
+                input_min,
+                input_max,
+                preconditioned: false,
+            },
+            density,
+        ))
     }
 
     fn envelope(&self, mut section: Section) -> Result<EnvelopeParameters<f64>, KeyError> {

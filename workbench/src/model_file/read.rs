@@ -7,7 +7,7 @@ use model_core::{Invertible, Kind, ParameterError};
 
 use super::names::Names;
 use super::section::{KeyError, Section};
-use super::{FORMAT, Identification, ModelFile, Problem, Source, parameters};
+use super::{FORMAT, Identification, ModelFile, PRECONDITIONED, Problem, Source, parameters};
 use crate::figures::Figures;
 use crate::identification::HostModel;
 use crate::identification::named::{Named, named};
@@ -30,8 +30,9 @@ pub fn read(path: &Path) -> Result<ModelFile, Problem> {
     let input = channel(top.section("input")?)?;
     let output = channel(top.section("output")?)?;
     let names = Names { input: input.unit, output: output.unit };
-    let limits = validity(top.section("validity")?, input.unit)?;
+    let (limits, preconditioned) = validity(top.section("validity")?, input.unit)?;
     let (parameters, density) = parameters::read(kind, &mut top, &names, limits)?;
+    let parameters = parameters.with_preconditioned(preconditioned);
     let identification = match top.optional_section("identification")? {
         Some(section) => Some(identification(section, &names, &named(&parameters, &density))?),
         None => None,
@@ -69,13 +70,15 @@ fn channel(mut section: Section) -> Result<Channel, KeyError> {
     Ok(known)
 }
 
-fn validity(mut section: Section, unit: Unit) -> Result<(f64, f64), KeyError> {
+fn validity(mut section: Section, unit: Unit) -> Result<((f64, f64), bool), KeyError> {
     let limits = (
         section.number(&format!("input_min_{}", unit.suffix()))?,
         section.number(&format!("input_max_{}", unit.suffix()))?,
     );
+    // Files of the first days have no such key: their muscles are fresh.
+    let preconditioned = section.has(PRECONDITIONED) && section.truth(PRECONDITIONED)?;
     section.finish()?;
-    Ok(limits)
+    Ok((limits, preconditioned))
 }
 
 fn identification(

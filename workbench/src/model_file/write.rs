@@ -2,7 +2,7 @@
 
 use toml::{Table, Value};
 
-use super::{FORMAT, Identification, ModelFile, Source, parameters};
+use super::{FORMAT, Identification, ModelFile, PRECONDITIONED, Source, parameters};
 use crate::figures::Figures;
 use crate::identification::named::named;
 use crate::unit::Unit;
@@ -17,13 +17,11 @@ pub fn to_toml(file: &ModelFile) -> String {
     top.insert("kind".into(), file.parameters.kind().name().into());
     top.insert("input".into(), table([("column", file.input.name.as_str().into())]));
     top.insert("output".into(), table([("column", file.output.name.as_str().into())]));
-    let validity = [("input_min", lowest), ("input_max", highest)];
-    top.insert(
-        "validity".into(),
-        Value::Table(
-            validity.map(|(name, limit)| (format!("{name}_{input}"), limit.into())).into_iter().collect(),
-        ),
-    );
+    let mut validity = Table::new();
+    validity.insert(format!("input_min_{input}"), lowest.into());
+    validity.insert(format!("input_max_{input}"), highest.into());
+    validity.insert(PRECONDITIONED.into(), file.parameters.is_preconditioned().into());
+    top.insert("validity".into(), Value::Table(validity));
     parameters::write(file, &mut top);
     if let Some(identification) = &file.identification {
         top.insert("identification".into(), identified(file, identification));

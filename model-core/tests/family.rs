@@ -8,7 +8,8 @@ use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters, TanhPa
 use model_core::memoryless::MemorylessParameters;
 use model_core::play::PlayParameters;
 use model_core::{
-    Hysteresis, InverseHysteresis, Invertible, Kind, Model, ModelParameters, cpi, mgpi::Mgpi, mpi, paper, sgpi,
+    Hysteresis, InverseHysteresis, Invertible, Kind, Model, ModelParameters, cpi, mgpi::Mgpi, mpi, paper,
+    sgpi,
 };
 use proptest::prelude::*;
 

@@ -2,10 +2,12 @@
 //!
 //! `cargo test -p host-tests --test mgpi_plant -- --nocapture` prints the figures.
 
-use host_tests::{FunctionPlant, HostBoard, PERIOD_S, configuration, figures, raised_cosines, run};
+use host_tests::{
+    FunctionPlant, HostBoard, PERIOD_S, configuration, figures, identified, raised_cosines, run,
+};
 use model_core::envelope::EnvelopeParameters;
-use model_core::{Hysteresis, Mgpi, MgpiParameters, Mode, Model, ModelParameters, paper};
-use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
+use model_core::{Hysteresis, Kind, Mgpi, MgpiParameters, Mode, ModelParameters, paper};
+use workbench::identification::Options;
 
 const SIZE: usize = paper::SIZE;
 /// Lag of the pressure under feedback. Unit: s.
@@ -103,21 +105,12 @@ fn models_identified_with_other_numbers_of_operators_track_their_plant() {
         (10, 10, [0.06, 0.1], [0.03, 0.05]),
         (20, 14, [0.08, 0.14], [0.03, 0.06]),
     ] {
-        let model = identified(plays, dead_zones);
+        let options =
+            Options { model: Kind::Mgpi, knots: None, plays, dead_zones, starts: 8, seed: 1, threads: 0 };
+        let model = identified(&options);
         let what = format!("identified with {plays} plays, {dead_zones} dead zones");
         let rmse = |mode| rmse_percent(&model, mode);
         assert_between(&format!("{what}, feed-forward only"), rmse(Mode::FeedforwardOnly), alone);
         assert_between(&format!("{what}, both"), rmse(Mode::Both), both);
     }
-}
-
-/// A model identified from the plant's own triangles of falling amplitude.
-fn identified(plays: usize, dead_zones: usize) -> HostParameters {
-    let plant = Model::try_new(&ModelParameters::Cascade(truth().convert().expect("fits"))).expect("valid");
-    let triangle = |height: f64| (0..400).map(move |k| height * (1.0 - (f64::from(k) / 200.0 - 1.0).abs()));
-    let input: Vec<f64> = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].into_iter().flat_map(triangle).collect();
-    let output = simulate(&plant, &input);
-    let options = Options { plays, dead_zones, starts: 8, seed: 1, threads: 0 };
-    let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
-    identify(&problem, &options, &|_| ()).expect("identified").parameters
 }

@@ -4,22 +4,22 @@
 //!
 //! # The inverse, and its proof
 //! There is no closed form. With s = A\[x\] the wanted s is the fixed point of s = y - g(A⁻¹\[s\]), the iteration of
-//! the literature; here it is relaxed,
+//! the literature. Within one direction A⁻¹ is non-decreasing with slopes of at most 1/μ, μ the least slope of A over
+//! the range, so that h = g ∘ A⁻¹ has slopes between a = min(0, min g')/μ and b = max(0, max g')/μ. If 1 + a > 0, the
+//! residual y - s - h(s), which is the error of forward of inverse, falls everywhere with slopes between -(1 + a) and
+//! -(1 + b): there is one fixed point, and every residual says on which side of it s lies.
 //!
-//! s ← s + ω (y - s - g(A⁻¹\[s\])).
-//!
-//! Within one direction A⁻¹ is non-decreasing with slopes of at most 1/μ, μ the least slope of A over the range, so
-//! that g ∘ A⁻¹ has slopes between a = min(0, min g')/μ and b = max(0, max g')/μ. If 1 + a > 0, ω = 2/(2 + a + b)
-//! makes the iteration a contraction by ρ = (b - a)/(2 + a + b) < 1, from any start: the fixed point exists and is
-//! the only one. From a start at a distance of at most D, k steps leave D ρᵏ. A model that needs more than
-//! [`STEPS`] of them for its tolerance, or has 1 + a ≤ 0, is refused when the inverse is made.
+//! The relaxed iteration s ← s + ω (y - s - h(s)) with ω = 2/(2 + a + b) contracts by ρ = (b - a)/(2 + a + b). Where ρ is
+//! at most 1/2, that is the step; where it is not, the step goes to the middle of the bracket of the residuals so far,
+//! which is at most max g - min g wide at first. Either way the distance of the bound is halved in each step, so that
+//! log₂((max g - min g)(1 + b)/tolerance) + 1 steps reach the tolerance. A model that needs more than [`STEPS`], or has
+//! 1 + a ≤ 0, is refused when the inverse is made.
 //!
 //! # Accuracy
-//! Forward of inverse within [`InverseEgpi::tolerance`], and ends earlier where two steps show it to be reached. What
-//! [`crate::agpi`] says of reversals holds here.
+//! Forward of inverse within [`InverseEgpi::tolerance`]. What [`crate::agpi`] says of reversals holds here.
 
 use crate::agpi::{Agpi, AgpiParameters, InverseAgpi, leads_on};
-use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
+use crate::error::{Check, InputError, ParameterError, finite_input};
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible, Sample};
 use crate::memoryless::{Memoryless, MemorylessParameters};
 use crate::play::PlayState;
@@ -27,7 +27,7 @@ use crate::range::Range;
 use crate::real::Real;
 
 /// The most steps that an inverse may need.
-pub const STEPS: u16 = 256;
+pub const STEPS: u16 = 64;
 /// The tolerance of the inverse as a share of the output span, as far as the number type allows.
 const TOLERANCE: f64 = 1e-10;
 
@@ -104,8 +104,6 @@ impl<T: Real, const N: usize> Invertible<T, N> for Egpi<T, N> {
         Check::new("least slope of the output over the input, relative to that of its hysteretic part", "")
             .above(T::ONE + a, T::ZERO)?;
         let two = T::from_f64(2.0);
-        let relaxation = two / (two + a + b);
-        let contraction = (b - a) / (two + a + b);
         let (low, high) = self.output_range();
         let span = (high - low).abs();
         let resolution = 32.0 * T::EPSILON.to_f64();
@@ -113,31 +111,31 @@ impl<T: Real, const N: usize> Invertible<T, N> for Egpi<T, N> {
             span * T::from_f64(if TOLERANCE > resolution { TOLERANCE } else { resolution }),
             T::ZERO,
         )?;
+        let (least, most) = self.memoryless.values();
         let inverse = InverseEgpi {
             agpi: self.agpi.inverse()?,
             memoryless: self.memoryless,
-            relaxation,
-            last_change: tolerance * (T::ONE - contraction) / (contraction + T::EPSILON),
+            relaxation: (b - a <= (two + a + b) / two).then_some(two / (two + a + b)),
+            memoryless_range: (least, most),
             tolerance,
         };
-        steps(contraction.to_f64(), (span / tolerance).to_f64())?;
+        let steps = steps(((most - least) * (T::ONE + b) / tolerance).to_f64());
+        Check::new("steps of the fixed-point inverse", "").at_most(steps, f64::from(STEPS))?;
         Ok(inverse)
     }
 }
 
-/// Refuses a contraction that needs more than [`STEPS`] steps to come down by a ratio.
-fn steps(contraction: f64, ratio: f64) -> Result<(), ParameterError> {
-    // ρᵏ as a product: no logarithm is needed, and the loop is bounded.
-    let mut left = ratio;
+/// How many halving steps bring the residual down by a ratio, and one more; more than [`STEPS`] are not counted.
+fn steps(ratio: f64) -> f64 {
+    let (mut left, mut steps) = (ratio, 1.0);
     for _ in 0..STEPS {
-        left *= contraction;
+        if left <= 1.0 {
+            break;
+        }
+        left /= 2.0;
+        steps += 1.0;
     }
-    if left <= 1.0 {
-        return Ok(());
-    }
-    // k = ln ratio / -ln ρ for the message only.
-    let needed = libm::ceil(libm::log(ratio) / -libm::log(contraction));
-    Err(Check::new("steps of the fixed-point inverse", "").error(needed, Requirement::AtMost(STEPS.into())))
+    steps
 }
 
 /// The inverse of an [`Egpi`].
@@ -145,10 +143,10 @@ fn steps(contraction: f64, ratio: f64) -> Result<(), ParameterError> {
 pub struct InverseEgpi<T, const N: usize> {
     agpi: InverseAgpi<T, N>,
     memoryless: Memoryless<T>,
-    /// ω.
-    relaxation: T,
-    /// The change of s in a step that shows the rest to be within the tolerance. Unit: output unit.
-    last_change: T,
+    /// ω, where the relaxed iteration contracts by a half or better.
+    relaxation: Option<T>,
+    /// Least and largest value of g.
+    memoryless_range: (T, T),
     tolerance: T,
 }
 
@@ -185,14 +183,23 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseEgpi<T, N> {
         if y == last.y || (rising != last.rising && !leads_on(&last, self.end(&state.plays, rising))) {
             return Ok(last.x);
         }
-        let mut s = y - self.memoryless.value(last.x);
+        let (mut low, mut high) = (y - self.memoryless_range.1, y - self.memoryless_range.0);
+        let mut s = (y - self.memoryless.value(last.x)).limit(low, high);
         for _ in 0..STEPS {
             let x = self.agpi.drive(&mut state.plays.clone(), last.x, self.agpi.inner(s), rising);
-            let change = self.relaxation * (y - s - self.memoryless.value(x));
-            s += change;
-            if change.abs() <= self.last_change {
+            let residual = y - s - self.memoryless.value(x);
+            if residual.abs() <= self.tolerance {
                 break;
             }
+            if residual > T::ZERO {
+                low = s;
+            } else {
+                high = s;
+            }
+            s = match self.relaxation {
+                Some(relaxation) => s + relaxation * residual,
+                None => low + (high - low) * T::from_f64(0.5),
+            };
         }
         let u = self.agpi.inner(s);
         let x = self.agpi.drive(&mut state.plays, last.x, u, rising);

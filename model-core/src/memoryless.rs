@@ -68,6 +68,17 @@ impl<T: Real> Memoryless<T> {
         [last + middle + three * t * rest * rest, last + middle, last]
     }
 
+    /// Bounds of the values over the range: the curve lies between its partial sums of rises. Unit: output unit.
+    pub fn values(&self) -> (T, T) {
+        let (mut sum, mut low, mut high) = (T::ZERO, T::ZERO, T::ZERO);
+        for rise in self.rises {
+            sum += rise;
+            low = if sum < low { sum } else { low };
+            high = if sum > high { sum } else { high };
+        }
+        (low, high)
+    }
+
     /// Bounds of the slope. Unit: output unit/input unit.
     pub fn slopes(&self) -> (T, T) {
         let scale = T::from_f64(DEGREE as f64) * self.reciprocal_span;

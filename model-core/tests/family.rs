@@ -126,7 +126,7 @@ proptest! {
         for y in wanted.into_iter().filter(|y| (low + 10.0..high - 10.0).contains(y)) {
             let x = inverse.step(&mut inverse_state, y).unwrap();
             let error = (model.step(&mut state, x).unwrap() - y).abs();
-            prop_assert!(error <= 2.0 * inverse.tolerance(), "{error} at {y}");
+            prop_assert!(error <= 1.01 * inverse.tolerance(), "{error} at {y}");
         }
     }
 }
@@ -168,9 +168,10 @@ fn a_memoryless_function_without_a_proven_inverse_is_refused() {
     };
     let error = inverse([-20.0, 0.0, 0.0]).expect_err("the output would fall");
     assert!(error.parameter.starts_with("least slope of the output"), "{error}");
-    let error = inverse([0.0, 0.0, 4000.0]).expect_err("too slow");
+    let error = inverse([0.0, 0.0, 1e12]).expect_err("too slow");
     assert!(error.parameter.starts_with("steps of the fixed-point inverse"), "{error}");
-    assert!(error.value > 256.0, "{error}");
+    // Far beyond where the iteration alone contracts in time.
+    assert!(inverse([0.0, 0.0, 4000.0]).is_ok());
 }
 
 #[test]

@@ -19,8 +19,8 @@
 //!
 //! # Contract
 //! Whatever the recording is, the result is a validated, invertible model or a typed error. Before the recording the
-//! muscle is taken to have come from rest at the lowest input, either fresh or preconditioned by a full cycle,
-//! whichever fits better. Rows that do not count (`scored` false) still drive it.
+//! muscle is taken to have come from rest at the lowest input, either preconditioned by a full cycle or, if that fits
+//! clearly better, fresh. Rows that do not count (`scored` false) still drive it.
 //!
 //! # Limits
 //! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the model's
@@ -61,6 +61,8 @@ pub type HostParameters = ModelParameters<f64, PLAYS, DEAD_ZONES>;
 /// A model on the host.
 pub type HostModel = Model<f64, PLAYS, DEAD_ZONES>;
 
+/// The share by which the sum of squares of a fresh muscle has to be smaller to be believed.
+const CLEARLY: f64 = 0.02;
 /// Evaluations per coordinate that every start gets.
 const SCREENING: usize = 4;
 /// Evaluations per coordinate that the best starts get.
@@ -190,10 +192,12 @@ fn find<const K: usize>(
     let ends = pool.install(|| {
         let screened =
             search_all(&starts::starts(&data.coordinates, options.starts, options.seed), SCREENING);
-        let best = screened.into_iter().take(finalists(options.starts));
-        let best: Vec<Start> = best.map(|(point, _)| point.at).collect();
-        search_all(&best, CONVERGENCE)
+        let (preconditioned, fresh): (Vec<Start>, Vec<Start>) =
+            screened.into_iter().map(|(point, _)| point.at).partition(|at| at.preconditioned);
+        let best = [preconditioned, fresh].map(|starts| starts.into_iter().take(finalists(options.starts)));
+        search_all(&best.into_iter().flatten().collect::<Vec<_>>(), CONVERGENCE)
     });
+    let ends = prefer_preconditioned(ends);
     // The best end whose model has an inverse; that of most models is certain, that of the extended one is not.
     let mut refusal = IdentificationError::Size("starts", options.starts, [1, usize::MAX]);
     for (point, reason) in ends {
@@ -205,21 +209,33 @@ fn find<const K: usize>(
     Err(refusal)
 }
 
+/// The ends, best first. Muscles that are measured have mostly been moved before: that one is fresh has to show,
+/// where the recording begins, in a clearly smaller error.
+fn prefer_preconditioned<const K: usize>(mut ends: Vec<End<'_, K>>) -> Vec<End<'_, K>> {
+    if let Some(place) = ends.iter().position(|(point, _)| point.at.preconditioned) {
+        let (best, preconditioned) = (ends[0].0.cost(), ends[place].0.cost());
+        if preconditioned * (1.0 - CLEARLY) <= best {
+            ends[..=place].rotate_right(1);
+        }
+    }
+    ends
+}
+
 /// How many searches [`identify`] makes for a number of starts: all of them briefly, the best ones to the
 /// end.
 pub fn searches(starts: usize) -> usize {
-    starts + finalists(starts)
+    starts::number(starts) + 2 * finalists(starts)
 }
 
+/// How many of a fresh and how many of a preconditioned muscle.
 fn finalists(starts: usize) -> usize {
-    starts.div_ceil(4)
+    starts.div_ceil(8)
 }
 
-fn search<'a, const K: usize>(
-    data: &'a Data,
-    start: &Start,
-    patience: usize,
-) -> (Point<'a, K>, TerminationReason) {
+/// Where a search ended, and why.
+type End<'a, const K: usize> = (Point<'a, K>, TerminationReason);
+
+fn search<'a, const K: usize>(data: &'a Data, start: &Start, patience: usize) -> End<'a, K> {
     let kernel =
         LevenbergMarquardt::new().with_ftol(1e-9).with_xtol(1e-9).with_gtol(1e-9).with_patience(patience);
     let (problem, report) = kernel.minimize(Reduced::new(data, start));

@@ -32,7 +32,12 @@ pub fn starts(coordinates: &[Coordinate], count: usize, seed: u64) -> Vec<Start>
             preconditioned: index.is_multiple_of(2),
         }
     };
-    (1..=count).map(start).collect()
+    (1..=number(count)).map(start).collect()
+}
+
+/// How many starts are made where `count` are asked for: at least one of each kind.
+pub fn number(count: usize) -> usize {
+    count.max(2)
 }
 
 /// The primes: the bases of the sequence.

@@ -26,17 +26,18 @@ pub struct Drive {
 }
 
 impl Drive {
-    fn new(input: &[f64], (low, span): Span) -> Self {
-        let mut state = (low, true);
-        let is_rising = |&x: &f64| {
-            let rising = if x == state.0 { state.1 } else { x > state.0 };
-            state = (x, rising);
+    /// Inputs from 0 to 1.
+    pub fn new(inputs: Vec<f64>) -> Self {
+        let mut last = (0.0, true);
+        let is_rising = |&t: &f64| {
+            let rising = if t == last.0 { last.1 } else { t > last.0 };
+            last = (t, rising);
             rising
         };
         Self {
-            rising: input.iter().map(is_rising).collect(),
-            resting: input.iter().take_while(|&&x| x == low).count(),
-            inputs: input.iter().map(|x| (x - low) / span).collect(),
+            rising: inputs.iter().map(is_rising).collect(),
+            resting: inputs.iter().take_while(|&&t| t == 0.0).count(),
+            inputs,
         }
     }
 }
@@ -106,7 +107,7 @@ pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, Ident
     }
     let span = (low, high - low);
     Ok(Data {
-        drive: Drive::new(input, span),
+        drive: Drive::new(input.iter().map(|x| (x - low) / (high - low)).collect()),
         span,
         outputs: rows.iter().map(|&row| output[row]).collect(),
         added: added(&structure, &rows, input, (low, high))?,

@@ -87,7 +87,7 @@ struct Part<const K: usize> {
     by: [f64; K],
 }
 
-/// Sums over the first plays of: p, p r, and the derivatives of both by ln β.
+/// Sums over the first plays of: p, p r, and the derivatives of both by β.
 type Prefix = [f64; 4];
 
 /// Plays whose outputs all stand on one v.
@@ -127,11 +127,11 @@ impl<const K: usize> Part<K> {
 impl<'a, const K: usize> Bank<'a, K> {
     /// Plays that rested at 0 and were then brought to the lowest input.
     fn at_rest(inner: &'a Inner) -> Self {
-        let Plays { thresholds, weights, weights_by_ln_beta, .. } = &inner.plays;
+        let Plays { thresholds, weights, weights_by_beta, .. } = &inner.plays;
         let mut prefixes = vec![[0.0; 4]];
         let mut sums = [0.0; 4];
-        for ((r, p), by_ln_beta) in thresholds.iter().zip(weights).zip(weights_by_ln_beta) {
-            let terms = [*p, p * r, *by_ln_beta, by_ln_beta * r];
+        for ((r, p), by_beta) in thresholds.iter().zip(weights).zip(weights_by_beta) {
+            let terms = [*p, p * r, *by_beta, by_beta * r];
             sums = std::array::from_fn(|i| sums[i] + terms[i]);
             prefixes.push(sums);
         }
@@ -146,11 +146,11 @@ impl<'a, const K: usize> Bank<'a, K> {
     /// What the plays from `begin` to `end`, which stand on one v, add.
     fn part(&self, driven: &Driven<K>, begin: usize, end: usize) -> Part<K> {
         let (from, to) = (&self.prefixes[begin], &self.prefixes[end]);
-        let [p, pr, p_by_ln_beta, pr_by_ln_beta] = std::array::from_fn(|i| to[i] - from[i]);
+        let [p, pr, p_by_beta, pr_by_beta] = std::array::from_fn(|i| to[i] - from[i]);
         let mut by = std::array::from_fn(|c| driven.by[c] * p);
         // Thresholds are proportional to α.
         by[self.of_envelope] = -driven.sign * pr;
-        by[self.of_envelope + 1] = driven.v * p_by_ln_beta - driven.sign * pr_by_ln_beta;
+        by[self.of_envelope + 1] = driven.v * p_by_beta - driven.sign * pr_by_beta;
         Part { sum: driven.v * p - driven.sign * pr, by }
     }
 

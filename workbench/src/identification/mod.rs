@@ -12,10 +12,11 @@
 //! | `problem` | the reduced problem and its Jacobian, for the Levenberg-Marquardt kernel (MINPACK's, crate `levenberg-marquardt`) |
 //! | `starts` | where the searches begin |
 //! | `raw`, [`named`] | the way to the raw parameters, and their names |
+//! | `thinning` | a shorter recording that is enough to screen them |
 //! | `uncertainty` | standard errors of the raw parameters |
 //!
-//! The problem has several minima, so that many starts are tried side by side: each gets a few steps, then
-//! the best quarter goes on to convergence. The answer depends on the seed, not on the number of threads.
+//! The problem has several minima, so that many starts are tried side by side: each gets a few steps on a thinned
+//! recording, then the best quarter goes on to convergence on all of it. The answer depends on the seed, not on the number of threads.
 //!
 //! # Contract
 //! Whatever the recording is, the result is a validated, invertible model or a typed error. Before the recording the
@@ -39,6 +40,7 @@ mod projection;
 mod raw;
 mod starts;
 mod structure;
+mod thinning;
 mod uncertainty;
 
 use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
@@ -176,26 +178,16 @@ fn find<const K: usize>(
         .build()
         .map_err(|error| IdentificationError::Threads(error.to_string()))?;
     let done = std::sync::atomic::AtomicUsize::new(0);
-    let search_all = |starts: &[Start], patience: usize| {
-        let mut ends: Vec<_> = starts
-            .par_iter()
-            .map(|start| {
-                let end = search::<K>(data, start, patience);
-                progress(1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
-                end
-            })
-            .collect();
-        // Stable: of equal ends the first start wins, whichever thread was faster.
-        ends.sort_by(|(one, _), (other, _)| one.cost().total_cmp(&other.cost()));
-        ends
-    };
+    let count = || progress(1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
+    let (thinned, starts) = (data.thinned(), starts::starts(&data.coordinates, options.starts, options.seed));
     let ends = pool.install(|| {
-        let screened =
-            search_all(&starts::starts(&data.coordinates, options.starts, options.seed), SCREENING);
-        let (preconditioned, fresh): (Vec<Start>, Vec<Start>) =
-            screened.into_iter().map(|(point, _)| point.at).partition(|at| at.preconditioned);
-        let best = [preconditioned, fresh].map(|starts| starts.into_iter().take(finalists(options.starts)));
-        search_all(&best.into_iter().flatten().collect::<Vec<_>>(), CONVERGENCE)
+        let screened = search_all::<K>(&thinned, &starts, SCREENING, &count);
+        let mut best: Vec<Start> = screened.into_iter().map(|(point, _)| point.at).collect();
+        let mut others = best.split_off(finalists(options.starts).min(best.len()));
+        // The best of the other kind of muscle, if only one is left.
+        others.retain(|at| best.iter().all(|other| other.preconditioned != at.preconditioned));
+        best.extend(others.into_iter().next());
+        search_all::<K>(data, &best, CONVERGENCE, &count)
     });
     let ends = prefer_preconditioned(ends);
     // The best end whose model has an inverse; that of most models is certain, that of the extended one is not.
@@ -224,12 +216,29 @@ fn prefer_preconditioned<const K: usize>(mut ends: Vec<End<'_, K>>) -> Vec<End<'
 /// How many searches [`identify`] makes for a number of starts: all of them briefly, the best ones to the
 /// end.
 pub fn searches(starts: usize) -> usize {
-    starts::number(starts) + 2 * finalists(starts)
+    2 * starts + finalists(starts) + 1
 }
 
-/// How many of a fresh and how many of a preconditioned muscle.
 fn finalists(starts: usize) -> usize {
-    starts.div_ceil(8)
+    starts.div_ceil(4)
+}
+
+/// Searches from all starts, side by side, and calls `count` at the end of each. The best end comes first.
+fn search_all<'a, const K: usize>(
+    data: &'a Data,
+    starts: &[Start],
+    patience: usize,
+    count: &(dyn Fn() + Sync),
+) -> Vec<End<'a, K>> {
+    let one = |start: &Start| {
+        let end = search(data, start, patience);
+        count();
+        end
+    };
+    let mut ends: Vec<End<'a, K>> = starts.par_iter().map(one).collect();
+    // Stable: of equal ends the first start wins, whichever thread was faster.
+    ends.sort_by(|(one, _), (other, _)| one.cost().total_cmp(&other.cost()));
+    ends
 }
 
 /// Where a search ended, and why.

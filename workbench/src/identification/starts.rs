@@ -15,29 +15,20 @@ pub struct Start {
     pub preconditioned: bool,
 }
 
-/// `count` starts: each point for a fresh muscle and for a preconditioned one, since what was before a recording only the
-/// fit can tell.
+/// The starts at `count` points: each for a fresh muscle and for a preconditioned one, since what was before a recording
+/// only the fit can tell.
 pub fn starts(coordinates: &[Coordinate], count: usize, seed: u64) -> Vec<Start> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let shifts: Vec<f64> = coordinates.iter().map(|_| random.random()).collect();
     let bases: Vec<u32> = primes().take(coordinates.len()).collect();
-    let start = |index: usize| {
-        let point = index.div_ceil(2);
+    let start = |(point, preconditioned): (usize, bool)| {
         let one = |((coordinate, shift), base): ((&Coordinate, &f64), &u32)| {
             let (low, high) = coordinate.starts;
             low + (radical_inverse(point, *base) + shift).fract() * (high - low)
         };
-        Start {
-            coordinates: coordinates.iter().zip(&shifts).zip(&bases).map(one).collect(),
-            preconditioned: index.is_multiple_of(2),
-        }
+        Start { coordinates: coordinates.iter().zip(&shifts).zip(&bases).map(one).collect(), preconditioned }
     };
-    (1..=number(count)).map(start).collect()
-}
-
-/// How many starts are made where `count` are asked for: at least one of each kind.
-pub fn number(count: usize) -> usize {
-    count.max(2)
+    (1..=count).flat_map(|point| [(point, false), (point, true)]).map(start).collect()
 }
 
 /// The primes: the bases of the sequence.

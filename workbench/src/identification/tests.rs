@@ -1,6 +1,9 @@
 //! What the identification claims, on models whose truth is known.
 
 use super::problem::Problem as Reduced;
+use std::f64::consts::TAU;
+
+use super::inner::Inner;
 use super::*;
 use levenberg_marquardt::LeastSquaresProblem;
 use model_core::dead_zone::DeadZoneParameters;
@@ -21,15 +24,20 @@ fn triangles() -> Vec<f64> {
 
 /// A model of the very class that is searched: γ from 0 to 1, knots over all of u.
 fn truth() -> HostModel {
+    truth_with_decay(0.7)
+}
+
+/// The same, the weights of the plays falling from play to play by a factor of exp `beta`.
+fn truth_with_decay(beta: f64) -> HostModel {
     let (a, b): (f64, f64) = (2.2, -0.4);
     let (g0, g1) = (b.tanh(), (a + b).tanh());
     let weights = [0.9, 0.06, 0.03, 0.01];
     let mut plays =
         PlayParameters { q: 0.4, thresholds: heapless::Vec::new(), weights: heapless::Vec::new() };
-    let sum: f64 = (1..=4).map(|i| f64::exp(-0.7 * f64::from(i))).sum();
+    let sum: f64 = (1..=4).map(|i| f64::exp(-beta * f64::from(i))).sum();
     let mut u_max = 0.4;
     for i in 1..=weights.len() {
-        let (r, p) = (0.06 * i as f64, 0.6 * f64::exp(-0.7 * i as f64) / sum);
+        let (r, p) = (0.06 * i as f64, 0.6 * f64::exp(-beta * i as f64) / sum);
         u_max += p * (1.0 - r);
         plays.thresholds.push(r).expect("fits");
         plays.weights.push(p).expect("fits");
@@ -89,6 +97,56 @@ fn a_model_of_the_class_is_recovered_from_its_own_output() {
             "{name} = {}, truth {value}",
             estimate(name)
         );
+    }
+}
+
+#[test]
+fn weights_that_grow_from_play_to_play_are_recovered() {
+    let input = triangles();
+    let output = simulate(&truth_with_decay(-0.4), &input);
+    let fit = fit(&input, &output, &options()).expect("identified");
+    let error = rms(fit.simulated.iter().zip(&output).map(|(model, truth)| model - truth));
+    assert!(error < 1e-4, "RMSE {error} mm");
+    assert!((fit.density.tau + 0.4 / 0.06).abs() < 1e-2, "tau {}", fit.density.tau);
+}
+
+/// Searches and models must see the same muscle: fresh or preconditioned, with one envelope or two.
+#[test]
+fn u_is_that_of_the_model_which_the_search_ends_in() {
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let input: Vec<f64> = (0..2000).map(|_| random.random_range(-1.0..4.0)).collect();
+    let output: Vec<f64> = input.iter().map(|x| 10.0 * x + x * x).collect();
+    for model in Kind::ALL {
+        let options = Options { model, ..options() };
+        let data = data(&input, &output, &options);
+        for start in starts::starts(&data.coordinates, 8, 2) {
+            let (point, reason) = search::<8>(&data, &start, 1);
+            let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
+            let Ok(fit) = finish(&problem, &options, &data, &point, &reason) else { continue };
+            for (row, (y, residual)) in fit.simulated.iter().zip(&point.residuals).enumerate() {
+                let searched = output[row] + residual;
+                assert!((y - searched).abs() < 1e-7, "{model}, row {row}: {y} against {searched}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_thinned_recording_has_the_history_of_the_whole() {
+    // Cycles of 40 rows, their amplitude changing; every output is the number of its row.
+    let input = |row: usize| 0.5 - 0.5 * (row as f64 / 40.0).cos() * (row as f64 * TAU / 40.0).cos();
+    let inputs: Vec<f64> = (0..12_000).map(input).collect();
+    let outputs: Vec<f64> = (0..12_000).map(f64::from).collect();
+    let scored: Vec<bool> = (0..12_000).map(|row| row % 4 != 0).collect();
+    let problem = Problem { input: &inputs, output: &outputs, scored: &scored };
+    let whole = normalise(&problem, &options()).expect("sound data");
+    let thinned = whole.thinned();
+    assert!((1500..4000).contains(&thinned.rows.len()), "{} rows count", thinned.rows.len());
+    let inner = Inner::new(&whole.structure, &[0.8, -0.4, -3.0, 1.2, -0.3], whole.span);
+    let (all, kept) = (inner.simulate::<5>(&whole.drive, true), inner.simulate::<5>(&thinned.drive, true));
+    for (&place, &row) in thinned.rows.iter().zip(&thinned.outputs) {
+        let (thinned, whole) = (kept[place].u, all[row as usize].u);
+        assert!((thinned - whole).abs() < 0.02, "row {row}: {thinned} against {whole}");
     }
 }
 

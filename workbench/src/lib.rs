@@ -18,6 +18,7 @@ pub mod commands;
 pub mod emulator;
 pub mod error;
 pub mod figures;
+pub mod holdout;
 pub mod identification;
 pub mod model_file;
 pub mod output;

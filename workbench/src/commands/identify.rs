@@ -9,12 +9,13 @@ use model_core::Kind;
 use serde_json::{Map, Value, json};
 
 use crate::figures::{Figures, stroke};
+use crate::holdout;
 use crate::identification::named::slope_dimension;
 use crate::identification::{self, Fit, Options, Problem, searches};
 use crate::model_file::names::Names;
-use crate::model_file::{Identification, ModelFile, Source};
+use crate::model_file::{HeldOut, Identification, ModelFile, Source};
 use crate::output::Outputs;
-use crate::recording::{Choice, Recording, Timing};
+use crate::recording::{Choice, Drive, Recording, Timing};
 use crate::report::identified::Identified;
 use crate::{Error, TOOL};
 
@@ -60,9 +61,12 @@ pub struct Arguments {
     /// Range of the input (of the valve, say), in its unit; a value outside is refused
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     input_range: Option<(f64, f64)>,
-    /// Another recording that the model is tried on
+    /// Another recording that the model is tried on [default: hold out the second half of the cycles]
     #[arg(long, value_name = "REC2.csv")]
     validate: Option<PathBuf>,
+    /// Hold nothing out where there is no other recording
+    #[arg(long, conflicts_with = "validate")]
+    no_holdout: bool,
     /// Number of starts of the search
     #[arg(long, default_value_t = 24, value_name = "N")]
     starts: usize,
@@ -141,10 +145,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let heldout = arguments.validate.as_deref().map(|file| Recording::read(file, &choice)).transpose()?;
 
     let begin = Instant::now();
-    let fit = fit(&recording, arguments)?;
+    let fit = fit(&recording, &recording.drive.scored, arguments)?;
     let seconds = begin.elapsed().as_secs_f64();
+    let heldout = match heldout {
+        Some(other) => Some(HeldOut {
+            recording: source(&other),
+            from_s: None,
+            figures: figures(&other, &identification::simulate(&fit.model, &other.drive.input.values)),
+        }),
+        None if arguments.no_holdout => None,
+        None => hold_out(&recording, arguments)?,
+    };
 
-    let identification = identification_of(&recording, &fit, heldout.as_ref());
+    let identification = identification_of(&recording, &fit, heldout);
     let model = ModelFile {
         input: recording.drive.input.channel.clone(),
         output: recording.output.channel.clone(),
@@ -206,12 +219,9 @@ fn range(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
-fn fit(recording: &Recording, arguments: &Arguments) -> Result<Fit, Error> {
-    let problem = Problem {
-        input: &recording.drive.input.values,
-        output: &recording.output.values,
-        scored: &recording.drive.scored,
-    };
+/// A model of the rows with `scored`.
+fn fit(recording: &Recording, scored: &[bool], arguments: &Arguments) -> Result<Fit, Error> {
+    let problem = Problem { input: &recording.drive.input.values, output: &recording.output.values, scored };
     let options = Options {
         model: arguments.model.into(),
         knots: matches!(arguments.envelope, Some(Envelope::Pl)).then_some(arguments.knots),
@@ -233,14 +243,34 @@ fn fit(recording: &Recording, arguments: &Arguments) -> Result<Fit, Error> {
     })
 }
 
-fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<&Recording>) -> Identification {
-    let source = |recording: &Recording| Source {
-        file: recording.drive.file.display().to_string(),
-        sha256: recording.drive.sha256.clone(),
+/// The figures of a model of the first cycles on the later ones; None where there are no two parts.
+fn hold_out(recording: &Recording, arguments: &Arguments) -> Result<Option<HeldOut>, Error> {
+    let Drive { input, scored, time_s, .. } = &recording.drive;
+    let Some(first) = holdout::split(&input.values, scored) else { return Ok(None) };
+    let part = |is_first: bool| -> Vec<bool> {
+        scored.iter().enumerate().map(|(row, &scored)| scored && (row < first) == is_first).collect()
     };
-    let figures = |recording: &Recording, simulated: &[f64]| {
-        Figures::of(&recording.output.values, simulated, &recording.drive.scored)
+    let fit = match fit(recording, &part(true), arguments) {
+        // Half of the rows may be too few where the whole is enough.
+        Err(Error::Identification { .. }) => return Ok(None),
+        fit => fit?,
     };
+    Ok(Some(HeldOut {
+        recording: source(recording),
+        from_s: Some(time_s[first]),
+        figures: Figures::of(&recording.output.values, &fit.simulated, &part(false)),
+    }))
+}
+
+fn source(recording: &Recording) -> Source {
+    Source { file: recording.drive.file.display().to_string(), sha256: recording.drive.sha256.clone() }
+}
+
+fn figures(recording: &Recording, simulated: &[f64]) -> Figures {
+    Figures::of(&recording.output.values, simulated, &recording.drive.scored)
+}
+
+fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>) -> Identification {
     let errors = fit.estimates.iter();
     let errors =
         errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
@@ -250,10 +280,7 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<&Recordin
         scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
         stroke: stroke(&recording.output.values, &recording.drive.scored),
         training: figures(recording, &fit.simulated),
-        heldout: heldout.map(|other| {
-            let simulated = identification::simulate(&fit.model, &other.drive.input.values);
-            (source(other), figures(other, &simulated))
-        }),
+        heldout,
         starts: fit.starts,
         termination: fit.termination.reason.clone(),
         standard_errors: errors.collect(),
@@ -275,7 +302,8 @@ fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, second
     });
     let mut json = json!({
         "training": figures(&identification.training),
-        "heldout": identification.heldout.as_ref().map(|(_, heldout)| figures(heldout)),
+        "heldout": identification.heldout.as_ref().map(|heldout| figures(&heldout.figures)),
+        "heldout_from_s": identification.heldout.as_ref().and_then(|heldout| heldout.from_s),
         "parameters": parameters.collect::<Vec<_>>(),
         // A fit without an exact inverse does not get here: it is an error of the identification.
         "invertible": true,
@@ -301,8 +329,15 @@ fn print_summary(
     say!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
     say!("stroke        {stroke:.3} {unit}");
     say!("training      {}", identification.training.in_words(stroke, unit));
-    if let Some((source, figures)) = &identification.heldout {
-        say!("held out      {} ({})", figures.in_words(stroke, unit), source.file);
+    match &identification.heldout {
+        Some(HeldOut { figures, from_s: Some(from_s), .. }) => say!(
+            "held out      {} (a model of the rows before {from_s:.2} s, on the rows from there on)",
+            figures.in_words(stroke, unit)
+        ),
+        Some(HeldOut { figures, recording, .. }) => {
+            say!("held out      {} ({})", figures.in_words(stroke, unit), recording.file);
+        }
+        None => say!("held out      nothing: no second half of cycles, and no other recording (--validate)"),
     }
     say!("termination   {}", identification.termination);
     say!(

@@ -127,7 +127,7 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<
         } else if v <= inner_ends.min() {
             ends.min()
         } else {
-            ends.limit(self.forward.envelope.inverse(v))
+            ends.limit(self.forward.envelope.inverse_inside(v))
         })
     }
 }

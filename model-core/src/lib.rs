@@ -45,8 +45,8 @@ pub mod pid;
 pub mod play;
 pub mod range;
 pub mod real;
-pub mod staircase;
 pub mod tracking;
+mod turning_points;
 
 pub use error::{InputError, ParameterError, Requirement};
 pub use hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};

@@ -3,13 +3,21 @@
 //! The state of play i follows the inner coordinate v at a distance of at most its threshold:
 //! zᵢ ← max(v - rᵢ, min(v + rᵢ, zᵢ)), equation (7) with one envelope; the sum is equation (6).
 //!
+//! # Design
+//! No play is kept by itself. From a turning point (v₀, u₀) on, play i is driven once v is more than 2 rᵢ away from v₀, so
+//! that u moves along one curve, whatever went before:
+//!
+//! u = u₀ ± C(|v - v₀|), C(Δ) = q Δ + Σ pᵢ max(Δ - 2 rᵢ, 0),
+//!
+//! up to the turning point before, where the two are wiped out and the move goes on from the one before that. So a sample
+//! costs one search among the turning points ([`crate::turning_points`]) and one on the curve ([`crate::curve`]), and its
+//! cost hardly grows with the number of plays. A move that has wiped out all turning points drives all plays:
+//! u = (q + Σ pᵢ) v ∓ Σ pᵢ rᵢ.
+//!
 //! # The inverse
-//! The inverse of such a bank is a bank again, equations (18), (19) and (21): q' = 1/q, thresholds
-//! r'ᵢ = q rᵢ + Σ_{j<i} pⱼ (rᵢ - rⱼ), and weights that make the partial sums of the inverse the reciprocals of
-//! those of the bank. [`PlayBank::inverse`] makes it, and [`PlayBank::inverse_state`] maps a state to the
-//! one that the inverse has after the same history,
-//! z'ᵢ = (q + Σ_{j≤i} pⱼ) zᵢ + Σ_{j>i} pⱼ zⱼ. The paper is silent about that; a zero in its place costs up to
-//! 0.7 bar until it is wiped out.
+//! v and u change places: the inverse curve, and the same turning points with both coordinates exchanged. It is a bank
+//! again, that of equations (18), (19) and (21). The paper is silent about the state of the inverse; a zero in its place
+//! costs up to 0.7 bar until it is wiped out.
 //!
 //! # Validity
 //! q and every partial sum q + p₁ + … + pᵢ positive: then u is strictly increasing in v from every state,
@@ -17,9 +25,13 @@
 
 use heapless::Vec;
 
+use crate::curve::{MonotoneCurve, Segment};
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
 use crate::range::Range;
 use crate::real::Real;
+use crate::turning_points::Turn;
+
+pub use crate::turning_points::PlayState;
 
 /// Raw parameters of a bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,46 +67,11 @@ impl<T: Real, const N: usize> PlayParameters<T, N> {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Play<T> {
-    threshold: T,
-    weight: T,
-    /// q + Σ of the weights up to and with this one: the slope of u over v when the plays up to here are driven.
-    slope: T,
-    reciprocal_slope: T,
-    /// Σ of weight times threshold up to and with this one.
-    moment: T,
-}
-
 /// A validated bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayBank<T, const N: usize> {
-    q: T,
-    reciprocal_q: T,
-    plays: Vec<Play<T>, N>,
-}
-
-/// What a bank of plays remembers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlayState<T, const N: usize> {
-    /// The outputs z of the plays. Unit: that of the bank's input.
-    outputs: Vec<T, N>,
-    /// The last input.
-    input: T,
-}
-
-impl<T: Real, const N: usize> PlayState<T, N> {
-    /// The outputs of the plays, by rising threshold.
-    pub fn outputs(&self) -> &[T] {
-        &self.outputs
-    }
-}
-
-/// Where a bank stands after a move: the first `driven` plays follow the input, the others stand still.
-struct Cut<T> {
-    driven: usize,
-    /// The part of u of the plays that stand still.
-    still: T,
+    /// C: how far u moves when v moves from a turning point. Its i-th bend is at twice the i-th threshold.
+    curve: MonotoneCurve<T, N>,
 }
 
 impl<T: Real, const N: usize> PlayBank<T, N> {
@@ -107,43 +84,43 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             let requirement = Requirement::Exactly(thresholds.len() as f64);
             return Err(Check::new("number of play weights", "").length(weights.len(), requirement));
         }
-        let q = Check::new("q", "").above(*q, T::ZERO)?;
-        let reciprocal_q = Check::new("1/q", "").finite(T::ONE / q)?;
-        let mut bank = Self { q, reciprocal_q, plays: Vec::new() };
-        let (mut last, mut slope, mut moment) = (T::ZERO, q, T::ZERO);
+        let mut curve = MonotoneCurve::line((T::ZERO, T::ZERO), *q, Check::new("q", ""))?;
+        let (mut last, mut slope, mut point) = (T::ZERO, *q, (T::ZERO, T::ZERO));
         for (i, (&threshold, &weight)) in thresholds.iter().zip(weights).enumerate() {
             last = Check::at("play thresholds", i, "").above(threshold, last)?;
             Check::at("play weights", i, "").finite(weight)?;
-            let check = Check::at("partial sums of q and play weights", i, "");
-            slope = check.above(slope + weight, T::ZERO)?;
-            let reciprocal_slope =
-                check.named("reciprocal partial sums of play weights").finite(T::ONE / slope)?;
-            moment += weight * threshold;
-            // A play more than the capacity cannot come out of a list of that capacity.
-            let _ = bank.plays.push(Play { threshold, weight, slope, reciprocal_slope, moment });
+            let bend = threshold + threshold;
+            point = (bend, point.1 + slope * (bend - point.0));
+            slope += weight;
+            curve.bend(point, slope, Check::at("partial sums of q and play weights", i, ""))?;
         }
-        Ok(bank)
+        Ok(Self { curve })
     }
 
     /// Number of plays.
     pub fn len(&self) -> usize {
-        self.plays.len()
+        self.curve.len() - 1
     }
 
     /// Whether the bank is the direct term alone.
     pub fn is_empty(&self) -> bool {
-        self.plays.is_empty()
+        self.len() == 0
     }
 
     /// The smallest slope of u over v, the distance from being non-invertible. Unit: 1.
     pub fn smallest_slope(&self) -> T {
-        self.plays.iter().fold(self.q, |least, play| if play.slope < least { play.slope } else { least })
+        self.curve.smallest_slope()
+    }
+
+    /// The thresholds of the plays.
+    fn thresholds(&self) -> impl Iterator<Item = T> {
+        self.curve.segments().skip(1).map(|segment| half(segment.start().0))
     }
 
     /// The state of a bank that rested at 0 and was then brought to `v`: the paper's initial state,
     /// equation (1) with w = 0.
     pub fn rest_state(&self, v: T) -> PlayState<T, N> {
-        let mut state = PlayState { outputs: list(self.plays.iter().map(|_| T::ZERO)), input: T::ZERO };
+        let mut state = self.state_with(|_| T::ZERO, T::ZERO);
         self.advance(&mut state, v);
         state
     }
@@ -154,12 +131,47 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// # Errors
     /// Names the first output that no history can reach.
     pub fn try_state(&self, outputs: &[T], v: T) -> Result<PlayState<T, N>, ParameterError> {
-        if outputs.len() != self.plays.len() {
-            let requirement = Requirement::Exactly(self.plays.len() as f64);
+        if outputs.len() != self.len() {
+            let requirement = Requirement::Exactly(self.len() as f64);
             return Err(Check::new("number of play outputs", "").length(outputs.len(), requirement));
         }
-        admissible(self.plays.iter().map(|play| play.threshold), outputs, v)?;
-        Ok(PlayState { outputs: list(outputs.iter().copied()), input: v })
+        admissible(self.thresholds(), outputs, v)?;
+        Ok(self.state_with(|play| outputs.get(play).copied().unwrap_or(T::ZERO), v))
+    }
+
+    /// The state at the input `v` with these outputs of the plays: a history of one turning point for each, from the
+    /// largest threshold on.
+    fn state_with(&self, output: impl Fn(usize) -> T, v: T) -> PlayState<T, N> {
+        let mut state = PlayState::new(Turn { v, u: T::ZERO, driven: 0 }, false);
+        // What the plays of the larger thresholds add to u.
+        let mut still = T::ZERO;
+        for play in (0..self.len()).rev() {
+            let (segment, z) = (self.curve.segment_of(play + 1), output(play));
+            let threshold = half(segment.start().0);
+            state.rising = !state.rising;
+            let turn = if state.rising { z - threshold } else { z + threshold };
+            let moment = half(segment.slope() * segment.start().0 - segment.start().1);
+            let u = segment.slope() * turn + still + if state.rising { moment } else { -moment };
+            // As many as plays: it fits.
+            let _ = state.push(Turn { v: turn, u, driven: play + 1 });
+            still += (segment.slope() - self.curve.segment_of(play).slope()) * z;
+        }
+        state.last.u = self.curve.segment_of(0).slope() * v + still;
+        state
+    }
+
+    /// The outputs of the plays, by rising threshold.
+    pub fn outputs(&self, state: &PlayState<T, N>) -> Vec<T, N> {
+        let mut outputs: Vec<T, N> = Vec::new();
+        for threshold in self.thresholds() {
+            let _ = outputs.push(state.last.v - if state.rising { threshold } else { -threshold });
+        }
+        for (turn, is_high) in state.outermost_first().chain([(state.last, state.rising)]) {
+            for (z, threshold) in outputs.iter_mut().zip(self.thresholds()).take(turn.driven) {
+                *z = turn.v - if is_high { threshold } else { -threshold };
+            }
+        }
+        outputs
     }
 
     /// One sample: moves the plays to the input `v` and answers u. Equations (6), (7).
@@ -172,7 +184,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// [`step`](Self::step) for an input that is known to be finite.
     pub(crate) fn advance(&self, state: &mut PlayState<T, N>, v: T) -> T {
-        self.advance_toward(state, v, v > state.input)
+        let rising = state.goes_up_to(v);
+        self.advance_toward(state, v, rising)
     }
 
     /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps, against the
@@ -183,123 +196,125 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// As [`advance`](Self::advance), but goes no farther than u stays within the range: the input that
     /// leads to its end takes the place of one beyond.
+    #[inline(always)]
     pub(crate) fn advance_within(&self, state: &mut PlayState<T, N>, v: T, range: &Range<T>) -> T {
-        if v > state.input {
+        if state.goes_up_to(v) {
             self.drive::<true>(state, v, Some(range.max()))
         } else {
             self.drive::<false>(state, v, Some(range.min()))
         }
     }
 
-    /// Moves in one direction, in which only one of a play's two bounds can bind, to `v` or to where u
-    /// reaches `end`.
-    ///
-    /// The driven plays are always those of the smallest thresholds, so that the walk goes down from the
-    /// largest threshold and ends at the first driven play: what follows the input needs no sum of its
-    /// own, and what stands still no store.
+    /// Moves in one direction, to `v` or to where u reaches `end`.
     #[inline(always)]
     fn drive<const RISING: bool>(&self, state: &mut PlayState<T, N>, v: T, end: Option<T>) -> T {
-        let mut cut = Cut { driven: self.plays.len(), still: T::ZERO };
-        self.shorten(
-            &mut cut,
-            state,
-            |_, play, z| {
-                if RISING { v - play.threshold > z } else { v + play.threshold < z }
-            },
-        );
-        let mut u = self.output::<RISING>(&cut, v);
-        let mut v = v;
+        if state.rising != RISING {
+            self.turn::<RISING>(state);
+        }
+        let mut passed = state.passed::<RISING>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
+        let (mut v, mut origin) = (v, state.origin::<RISING>(passed));
+        let from = origin.unwrap_or_else(|| self.origin_of_all::<RISING>());
+        let way = if RISING { v - from.v } else { from.v - v };
+        let mut segment = if origin.is_some() { self.curve.segment_at(way) } else { self.last_segment() };
+        let rise = segment.value(way);
+        let mut u = if RISING { from.u + rise } else { from.u - rise };
         if let Some(end) = end
-            && if RISING { u > end } else { u < end }
+            && if RISING { u >= end } else { u <= end }
         {
-            // Only those plays are driven that start to be before the end is reached.
-            self.shorten(&mut cut, state, |cut, play, z| {
-                let start = if RISING { z + play.threshold } else { z - play.threshold };
-                let u = self.output::<RISING>(cut, start);
-                if RISING { u < end } else { u > end }
-            });
-            v = self.input::<RISING>(&cut, end);
-            u = end;
+            // A state may know turning points beyond the range, which the move then does not reach.
+            passed = state.passed::<RISING>(|turn| if RISING { turn.u <= end } else { turn.u >= end });
+            origin = state.origin::<RISING>(passed);
+            let from = origin.unwrap_or_else(|| self.origin_of_all::<RISING>());
+            let rise = if RISING { end - from.u } else { from.u - end };
+            segment = if origin.is_some() { self.curve.segment_of_value(rise) } else { self.last_segment() };
+            let way = segment.inverse(rise);
+            (v, u) = (if RISING { from.v + way } else { from.v - way }, end);
         }
-        for (play, z) in self.plays.iter().zip(&mut state.outputs).take(cut.driven) {
-            *z = if RISING { v - play.threshold } else { v + play.threshold };
-        }
-        state.input = v;
+        state.wipe_out::<RISING>(passed);
+        state.last = Turn { v, u, driven: segment.place };
         u
     }
 
-    /// Takes plays out of a cut, from the largest threshold on, up to the first one that is driven.
+    /// The move ends in a turning point, and one in the direction `RISING` begins.
     #[inline(always)]
-    fn shorten(
-        &self,
-        cut: &mut Cut<T>,
-        state: &PlayState<T, N>,
-        is_driven: impl Fn(&Cut<T>, &Play<T>, T) -> bool,
-    ) {
-        for (play, &z) in self.plays.iter().zip(&state.outputs).take(cut.driven).rev() {
-            if is_driven(cut, play, z) {
-                break;
-            }
-            cut.still += play.weight * z;
-            cut.driven -= 1;
+    fn turn<const RISING: bool>(&self, state: &mut PlayState<T, N>) {
+        state.rising = RISING;
+        let last = state.last;
+        // The other way round: these belong to the move that has ended.
+        let (ahead, behind) = state.sides::<RISING>();
+        match behind.last() {
+            Some(origin) if origin.driven != last.driven => {}
+            _ => return self.turn_in_repetition::<RISING>(state),
         }
+        // It fits, see `turning_points`.
+        let _ = ahead.push(last);
     }
 
-    /// The last play that a cut drives: slope, its reciprocal and moment; those of the direct term without one.
-    #[inline(always)]
-    fn front(&self, cut: &Cut<T>) -> (T, T, T) {
-        match self.plays.get(cut.driven.wrapping_sub(1)) {
-            Some(play) => (play.slope, play.reciprocal_slope, play.moment),
-            None => (self.q, self.reciprocal_q, T::ZERO),
-        }
+    /// A turn after a move that drove the same plays as the one before it, or all of them: turning points that nothing
+    /// depends on any more make room. What takes their place is computed from those that stay, lest roundings add up.
+    fn turn_in_repetition<const RISING: bool>(&self, state: &mut PlayState<T, N>) {
+        let mut last = state.last;
+        let all = self.len();
+        let (ahead, behind) = state.sides::<RISING>();
+        let origin = if last.driven == all {
+            ahead.clear();
+            behind.clear();
+            None
+        } else if last.driven == 0 {
+            // No play is where this move or the one before it has left it.
+            behind.pop();
+            return;
+        } else if ahead.last().is_some_and(|turn| turn.driven == last.driven) {
+            ahead.pop();
+            behind.pop();
+            behind.last().copied()
+        } else {
+            let _ = ahead.push(last);
+            return;
+        };
+        // The move that has ended went the other way.
+        let from = origin.unwrap_or_else(|| {
+            if RISING { self.origin_of_all::<false>() } else { self.origin_of_all::<true>() }
+        });
+        let way = if RISING { from.v - last.v } else { last.v - from.v };
+        let rise = self.curve.segment_of(last.driven).value(way);
+        last.u = if RISING { from.u - rise } else { from.u + rise };
+        let _ = ahead.push(last);
     }
 
-    /// u at the input `v`.
+    /// The last segment of the curve, on which all plays are driven.
     #[inline(always)]
-    fn output<const RISING: bool>(&self, cut: &Cut<T>, v: T) -> T {
-        let (slope, _, moment) = self.front(cut);
-        slope * v + if RISING { cut.still - moment } else { cut.still + moment }
+    fn last_segment(&self) -> &Segment<T> {
+        self.curve.segment_of(self.len())
     }
 
-    /// The input at the output `u`.
-    #[inline(always)]
-    fn input<const RISING: bool>(&self, cut: &Cut<T>, u: T) -> T {
-        let (_, reciprocal_slope, moment) = self.front(cut);
-        (u - if RISING { cut.still - moment } else { cut.still + moment }) * reciprocal_slope
+    /// Where a move that drives all plays can be thought to come from: there the last segment's line goes through.
+    fn origin_of_all<const RISING: bool>(&self) -> Turn<T> {
+        let (v, u) = self.last_segment().start();
+        let (v, u) = (half(v), half(u));
+        if RISING { Turn { v: -v, u: -u, driven: 0 } } else { Turn { v, u, driven: 0 } }
     }
 
     /// The inverse bank, from u to v. Equation (21).
     ///
     /// # Errors
-    /// A parameter of the inverse is not finite, or its thresholds coincide, in this number type.
+    /// Thresholds of the inverse coincide, or are not finite, in this number type.
     pub fn inverse(&self) -> Result<Self, ParameterError> {
-        let mut parameters =
-            PlayParameters { q: T::ONE / self.q, thresholds: Vec::new(), weights: Vec::new() };
-        let (mut slope, mut last, mut image) = (self.q, T::ZERO, T::ZERO);
-        for play in &self.plays {
-            // The threshold's image under the bank's initial loading curve; its slope up to here is `slope`.
-            image += slope * (play.threshold - last);
-            last = play.threshold;
-            // As many as plays: both pushes fit.
-            let _ = parameters.thresholds.push(image);
-            let _ = parameters.weights.push(-play.weight * play.reciprocal_slope / slope);
-            slope = play.slope;
+        let mut last = T::ZERO;
+        for (i, segment) in self.curve.segments().skip(1).enumerate() {
+            last = Check::at("play thresholds of the inverse", i, "").above(segment.start().1, last)?;
         }
-        Self::try_new(&parameters)
+        Ok(Self { curve: self.curve.inverted() })
     }
 
     /// The state that the inverse bank has where this bank has `state`.
     pub fn inverse_state(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
-        let mut outputs = state.outputs.clone();
-        // Σ_{j>i} pⱼ zⱼ, gathered from the last play to the first.
-        let mut tail = T::ZERO;
-        for (play, z) in self.plays.iter().zip(&mut outputs).rev() {
-            let output = *z;
-            *z = play.slope * output + tail;
-            tail += play.weight * output;
-        }
-        PlayState { outputs, input: self.q * state.input + tail }
+        state.inverted()
     }
+}
+
+fn half<T: Real>(value: T) -> T {
+    T::from_f64(0.5) * value
 }
 
 /// Refuses outputs of plays that no history can reach at the input `v`: |v - z₁| ≤ r₁ and
@@ -324,13 +339,4 @@ pub(crate) fn admissible<T: Real>(
         before = (output, threshold);
     }
     Ok(())
-}
-
-/// The values as a list, as many as fit. `collect` would panic on one too many, also where there is none.
-fn list<T, const N: usize>(values: impl Iterator<Item = T>) -> Vec<T, N> {
-    let mut list = Vec::new();
-    for value in values.take(N) {
-        let _ = list.push(value);
-    }
-    list
 }

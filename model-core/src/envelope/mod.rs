@@ -20,4 +20,11 @@ pub trait Envelope<T: Real> {
 
     /// γ⁻¹(v). Input: inner coordinate; result: input unit, finite for every finite v.
     fn inverse(&self, v: T) -> T;
+
+    /// [`inverse`](Self::inverse) for v strictly between two values of the envelope, where it needs no care for its
+    /// ends. Elsewhere the answer is meaningless.
+    #[inline(always)]
+    fn inverse_inside(&self, v: T) -> T {
+        self.inverse(v)
+    }
 }

@@ -1,0 +1,113 @@
+//! What a bank of plays remembers: the turning points of its input that have not been wiped out.
+//!
+//! # Design
+//! A play with threshold r follows the input once that has moved by more than 2 r from where it last turned. So of the
+//! history only the turning points count, and of these only nested ones: a smaller swing inside a larger one, high and
+//! low alternating. Moving beyond a turning point wipes it out with its partner. See [`crate::play`] for what follows
+//! between them.
+//!
+//! # Bounded memory
+//! Nested swings that drive the same plays leave the outputs of the plays where the last of them leaves them. So no
+//! more than two turning points are kept for each number of driven plays, one for all plays and one for none: at most N
+//! highs and N lows, and one lookup suffices to keep it so.
+
+use heapless::Vec;
+
+use crate::real::Real;
+
+/// A point that the input has turned at, or where it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Turn<T> {
+    /// Input.
+    pub(crate) v: T,
+    /// Output there.
+    pub(crate) u: T,
+    /// How many plays, those of the smallest thresholds, were driven on the way here.
+    pub(crate) driven: usize,
+}
+
+impl<T> Turn<T> {
+    /// The same place, seen from the inverse bank.
+    fn inverted(self) -> Self {
+        Self { v: self.u, u: self.v, driven: self.driven }
+    }
+}
+
+/// What a bank of at most `N` plays remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlayState<T, const N: usize> {
+    /// By falling input: each within the ones before.
+    pub(crate) highs: Vec<Turn<T>, N>,
+    /// By rising input.
+    pub(crate) lows: Vec<Turn<T>, N>,
+    /// Where the input stands.
+    pub(crate) last: Turn<T>,
+    /// Whether the input rose, or rested after it had risen: the innermost turning point is then a low.
+    pub(crate) rising: bool,
+}
+
+impl<T: Real, const N: usize> PlayState<T, N> {
+    /// Without turning points: all plays were driven.
+    pub(crate) fn new(last: Turn<T>, rising: bool) -> Self {
+        Self { highs: Vec::new(), lows: Vec::new(), last, rising }
+    }
+
+    /// The turning points that the present move comes from and goes towards, if it rises; else the other way round.
+    #[inline(always)]
+    pub(crate) fn sides<const RISING: bool>(&mut self) -> (&mut Vec<Turn<T>, N>, &mut Vec<Turn<T>, N>) {
+        if RISING { (&mut self.lows, &mut self.highs) } else { (&mut self.highs, &mut self.lows) }
+    }
+
+    /// Whether `v` is above where the input stands; where it is neither above nor below, whether the input rose before.
+    #[inline(always)]
+    pub(crate) fn goes_up_to(&self, v: T) -> bool {
+        if self.rising { v >= self.last.v } else { v > self.last.v }
+    }
+
+    /// Adds the innermost turning point: a low where the input rises from it.
+    pub(crate) fn push(&mut self, turn: Turn<T>) -> Result<(), Turn<T>> {
+        if self.rising { self.lows.push(turn) } else { self.highs.push(turn) }
+    }
+
+    /// How many turning points ahead a move passes, the innermost first.
+    #[inline(always)]
+    pub(crate) fn passed<const RISING: bool>(&self, passes: impl Fn(&Turn<T>) -> bool) -> usize {
+        let ahead = if RISING { &self.highs } else { &self.lows };
+        ahead.iter().rev().take_while(|turn| passes(turn)).count()
+    }
+
+    /// Where a move comes from that passes so many turning points; none if it passes all, and so drives all plays.
+    #[inline(always)]
+    pub(crate) fn origin<const RISING: bool>(&self, passed: usize) -> Option<Turn<T>> {
+        let behind = if RISING { &self.lows } else { &self.highs };
+        behind.get(behind.len().wrapping_sub(passed).wrapping_sub(1)).copied()
+    }
+
+    /// Forgets the turning points that a move passes, each with its partner.
+    #[inline(always)]
+    pub(crate) fn wipe_out<const RISING: bool>(&mut self, passed: usize) {
+        let (behind, ahead) = self.sides::<RISING>();
+        ahead.truncate(ahead.len().saturating_sub(passed));
+        behind.truncate(behind.len().saturating_sub(passed));
+    }
+
+    /// All turning points, the outermost first, with whether they are highs.
+    pub(crate) fn outermost_first(&self) -> impl Iterator<Item = (Turn<T>, bool)> {
+        let high_first =
+            self.highs.len() > self.lows.len() || (self.rising && self.highs.len() == self.lows.len());
+        let (first, second) = if high_first { (&self.highs, &self.lows) } else { (&self.lows, &self.highs) };
+        (0..first.len()).flat_map(move |i| {
+            let one = first.get(i).map(|turn| (*turn, high_first));
+            let other = second.get(i).map(|turn| (*turn, !high_first));
+            one.into_iter().chain(other)
+        })
+    }
+
+    /// The same memory, seen from the inverse bank.
+    pub(crate) fn inverted(&self) -> Self {
+        let mut inverted = self.clone();
+        inverted.highs.iter_mut().chain(&mut inverted.lows).for_each(|turn| *turn = turn.inverted());
+        inverted.last = self.last.inverted();
+        inverted
+    }
+}

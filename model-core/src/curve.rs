@@ -3,14 +3,15 @@
 //! The common form of the plays' loading curve, the dead-zone stage and the piecewise-linear envelope.
 //!
 //! # The search
-//! Unused places of the array hold segments that never start, so that its length is a constant. Up to [`FEW`]
-//! segments, as many as ten operators need, it is halved in four steps without a branch; more cost a loop.
+//! Unused places of the array hold segments that never start, so that its length is a constant. Up to 16 segments, which
+//! is more than ten operators need, it is halved in four steps without a branch; more cost a loop. Who evaluates several
+//! curves in a row can decide that once for all of them, by the parameter `FEW` of the searching functions.
 
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
 /// Up to this many segments the search is unrolled. A power of two.
-const FEW: usize = 16;
+const FEW_SEGMENTS: usize = 16;
 
 /// A straight piece of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,16 +72,19 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
         Self { segments: self.segments.map(Segment::inverted), last: self.last.inverted(), len: self.len }
     }
 
+    /// Whether the unrolled search can be used.
+    pub(crate) fn has_few(&self) -> bool {
+        K >= FEW_SEGMENTS && self.len <= FEW_SEGMENTS
+    }
+
     /// y at x.
-    #[inline(always)]
     pub fn value(&self, x: T) -> T {
-        self.segment_at(x).value(x)
+        if self.has_few() { self.segment_at::<true>(x) } else { self.segment_at::<false>(x) }.value(x)
     }
 
     /// x at y.
-    #[inline(always)]
     pub fn inverse(&self, y: T) -> T {
-        self.segment_of_value(y).inverse(y)
+        if self.has_few() { self.segment_of::<true>(y) } else { self.segment_of::<false>(y) }.inverse(y)
     }
 
     /// The smallest slope.
@@ -98,28 +102,28 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
         self.segments.iter().chain([&self.last]).take(self.len)
     }
 
-    /// The segment that x lies on.
-    #[inline(always)]
-    pub(crate) fn segment_at(&self, x: T) -> &Segment<T> {
-        self.segment(|segment| segment.x <= x)
-    }
-
-    /// The segment that y lies on.
-    #[inline(always)]
-    pub(crate) fn segment_of_value(&self, y: T) -> &Segment<T> {
-        self.segment(|segment| segment.y <= y)
-    }
-
     /// The segment at a place; the last one beyond.
     #[inline(always)]
-    pub(crate) fn segment_of(&self, place: usize) -> &Segment<T> {
+    pub(crate) fn segment(&self, place: usize) -> &Segment<T> {
         self.segments.get(place).unwrap_or(&self.last)
+    }
+
+    /// The segment that x lies on. `FEW`: whether the curve [has few](Self::has_few).
+    #[inline(always)]
+    pub(crate) fn segment_at<const FEW: bool>(&self, x: T) -> &Segment<T> {
+        self.search::<FEW>(|segment| segment.x <= x)
+    }
+
+    /// The segment that y lies on. `FEW`: whether the curve [has few](Self::has_few).
+    #[inline(always)]
+    pub(crate) fn segment_of<const FEW: bool>(&self, y: T) -> &Segment<T> {
+        self.search::<FEW>(|segment| segment.y <= y)
     }
 
     /// The last segment that has started; the first where none has.
     #[inline(always)]
-    fn segment(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
-        if let (true, Some(few)) = (self.len <= FEW, self.segments.first_chunk::<FEW>()) {
+    fn search<const FEW: bool>(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
+        if let (true, Some(few)) = (FEW, self.segments.first_chunk::<FEW_SEGMENTS>()) {
             let mut open = few.as_slice();
             while open.len() > 1 {
                 let (low, high) = open.split_at(open.len() / 2);
@@ -131,7 +135,7 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
             return &self.last;
         }
         let started = self.segments.partition_point(started);
-        self.segment_of(started.saturating_sub(1))
+        self.segment(started.saturating_sub(1))
     }
 }
 

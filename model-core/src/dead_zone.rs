@@ -107,14 +107,17 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
     }
 
     /// y(u). Unit: output unit. The outermost segments go on without end.
-    #[inline(always)]
     pub fn value(&self, u: T) -> T {
         self.curve.value(u)
     }
 
     /// u(y): exact inverse of [`value`](Self::value) over all outputs.
-    #[inline(always)]
     pub fn inverse(&self, y: T) -> T {
         self.curve.inverse(y)
+    }
+
+    /// The curve from u to y.
+    pub(crate) fn curve(&self) -> &MonotoneCurve<T, M> {
+        &self.curve
     }
 }

@@ -67,6 +67,27 @@ impl<T: Real, const N: usize> PlayParameters<T, N> {
     }
 }
 
+/// How far a move is to go: to the input `v`, but no farther than to the output `end`.
+struct Target<T> {
+    v: T,
+    end: Option<T>,
+}
+
+/// The output after a move.
+pub(crate) enum Reached<T> {
+    /// Where it was to go.
+    Inside(T),
+    /// The end of the range.
+    End(T),
+}
+
+/// What a move follows: the curve from the point that it comes from.
+struct Branch<'a, T> {
+    from: Turn<T>,
+    /// The one segment of the curve that counts, where all plays are driven.
+    only: Option<&'a Segment<T>>,
+}
+
 /// A validated bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayBank<T, const N: usize> {
@@ -95,6 +116,11 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             curve.bend(point, slope, Check::at("partial sums of q and play weights", i, ""))?;
         }
         Ok(Self { curve })
+    }
+
+    /// Whether the curve [has few](MonotoneCurve::has_few) segments.
+    pub(crate) fn has_few(&self) -> bool {
+        self.curve.has_few()
     }
 
     /// Number of plays.
@@ -146,7 +172,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         // What the plays of the larger thresholds add to u.
         let mut still = T::ZERO;
         for play in (0..self.len()).rev() {
-            let (segment, z) = (self.curve.segment_of(play + 1), output(play));
+            let (segment, z) = (self.curve.segment(play + 1), output(play));
             let threshold = half(segment.start().0);
             state.rising = !state.rising;
             let turn = if state.rising { z - threshold } else { z + threshold };
@@ -154,9 +180,9 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             let u = segment.slope() * turn + still + if state.rising { moment } else { -moment };
             // As many as plays: it fits.
             let _ = state.push(Turn { v: turn, u, driven: play + 1 });
-            still += (segment.slope() - self.curve.segment_of(play).slope()) * z;
+            still += (segment.slope() - self.curve.segment(play).slope()) * z;
         }
-        state.last.u = self.curve.segment_of(0).slope() * v + still;
+        state.last.u = self.curve.segment(0).slope() * v + still;
         state
     }
 
@@ -191,48 +217,104 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps, against the
     /// direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
-        if rising { self.drive::<true>(state, v, None) } else { self.drive::<false>(state, v, None) }
+        let to = Target { v, end: None };
+        let reached = match (rising, self.curve.has_few()) {
+            (true, true) => self.drive::<true, true>(state, to),
+            (true, false) => self.drive::<true, false>(state, to),
+            (false, true) => self.drive::<false, true>(state, to),
+            (false, false) => self.drive::<false, false>(state, to),
+        };
+        match reached {
+            Reached::Inside(u) | Reached::End(u) => u,
+        }
     }
 
     /// As [`advance`](Self::advance), but goes no farther than u stays within the range: the input that
     /// leads to its end takes the place of one beyond.
-    #[inline(always)]
     pub(crate) fn advance_within(&self, state: &mut PlayState<T, N>, v: T, range: &Range<T>) -> T {
-        if state.goes_up_to(v) {
-            self.drive::<true>(state, v, Some(range.max()))
+        let reached = if self.curve.has_few() {
+            self.move_within::<true>(state, v, range)
         } else {
-            self.drive::<false>(state, v, Some(range.min()))
+            self.move_within::<false>(state, v, range)
+        };
+        match reached {
+            Reached::Inside(u) | Reached::End(u) => u,
         }
     }
 
-    /// Moves in one direction, to `v` or to where u reaches `end`.
+    /// [`advance_within`](Self::advance_within), with what has been reached. `FEW`: whether the bank's curve
+    /// [has few](MonotoneCurve::has_few) segments.
     #[inline(always)]
-    fn drive<const RISING: bool>(&self, state: &mut PlayState<T, N>, v: T, end: Option<T>) -> T {
+    pub(crate) fn move_within<const FEW: bool>(
+        &self,
+        state: &mut PlayState<T, N>,
+        v: T,
+        range: &Range<T>,
+    ) -> Reached<T> {
+        if state.goes_up_to(v) {
+            self.drive::<true, FEW>(state, Target { v, end: Some(range.max()) })
+        } else {
+            self.drive::<false, FEW>(state, Target { v, end: Some(range.min()) })
+        }
+    }
+
+    /// Moves in one direction, as far as the target.
+    #[inline(always)]
+    fn drive<const RISING: bool, const FEW: bool>(
+        &self,
+        state: &mut PlayState<T, N>,
+        to: Target<T>,
+    ) -> Reached<T> {
         if state.rising != RISING {
             self.turn::<RISING>(state);
         }
-        let mut passed = state.passed::<RISING>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
-        let (mut v, mut origin) = (v, state.origin::<RISING>(passed));
-        let from = origin.unwrap_or_else(|| self.origin_of_all::<RISING>());
-        let way = if RISING { v - from.v } else { from.v - v };
-        let mut segment = if origin.is_some() { self.curve.segment_at(way) } else { self.last_segment() };
-        let rise = segment.value(way);
-        let mut u = if RISING { from.u + rise } else { from.u - rise };
+        let Target { v, end } = to;
+        let passed = state.passed::<RISING>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
+        let branch = self.branch::<RISING>(state, passed);
+        let way = way::<T, RISING>(branch.from.v, v);
+        let segment = branch.only.unwrap_or_else(|| self.curve.segment_at::<FEW>(way));
+        let u = go::<T, RISING>(branch.from.u, segment.value(way));
         if let Some(end) = end
             && if RISING { u >= end } else { u <= end }
         {
-            // A state may know turning points beyond the range, which the move then does not reach.
-            passed = state.passed::<RISING>(|turn| if RISING { turn.u <= end } else { turn.u >= end });
-            origin = state.origin::<RISING>(passed);
-            let from = origin.unwrap_or_else(|| self.origin_of_all::<RISING>());
-            let rise = if RISING { end - from.u } else { from.u - end };
-            segment = if origin.is_some() { self.curve.segment_of_value(rise) } else { self.last_segment() };
-            let way = segment.inverse(rise);
-            (v, u) = (if RISING { from.v + way } else { from.v - way }, end);
+            self.stop_at::<RISING, FEW>(state, passed, end);
+            return Reached::End(end);
         }
         state.wipe_out::<RISING>(passed);
         state.last = Turn { v, u, driven: segment.place };
-        u
+        Reached::Inside(u)
+    }
+
+    /// Ends a move, which passes at most so many turning points, where u reaches `end`.
+    #[inline(always)]
+    fn stop_at<const RISING: bool, const FEW: bool>(
+        &self,
+        state: &mut PlayState<T, N>,
+        mut passed: usize,
+        end: T,
+    ) {
+        // A state may know turning points beyond the end, which the move then does not reach.
+        while state
+            .outermost::<RISING>(passed)
+            .is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
+        {
+            passed -= 1;
+        }
+        let branch = self.branch::<RISING>(state, passed);
+        let rise = way::<T, RISING>(branch.from.u, end);
+        let segment = branch.only.unwrap_or_else(|| self.curve.segment_of::<FEW>(rise));
+        let v = go::<T, RISING>(branch.from.v, segment.inverse(rise));
+        state.wipe_out::<RISING>(passed);
+        state.last = Turn { v, u: end, driven: segment.place };
+    }
+
+    /// What a move follows once it has passed so many turning points.
+    #[inline(always)]
+    fn branch<const RISING: bool>(&self, state: &PlayState<T, N>, passed: usize) -> Branch<'_, T> {
+        match state.origin::<RISING>(passed) {
+            Some(&from) => Branch { from, only: None },
+            None => Branch { from: self.origin_of_all::<RISING>(), only: Some(self.last_segment()) },
+        }
     }
 
     /// The move ends in a turning point, and one in the direction `RISING` begins.
@@ -277,7 +359,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             if RISING { self.origin_of_all::<false>() } else { self.origin_of_all::<true>() }
         });
         let way = if RISING { from.v - last.v } else { last.v - from.v };
-        let rise = self.curve.segment_of(last.driven).value(way);
+        let rise = self.curve.segment(last.driven).value(way);
         last.u = if RISING { from.u - rise } else { from.u + rise };
         let _ = ahead.push(last);
     }
@@ -285,7 +367,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The last segment of the curve, on which all plays are driven.
     #[inline(always)]
     fn last_segment(&self) -> &Segment<T> {
-        self.curve.segment_of(self.len())
+        self.curve.segment(self.len())
     }
 
     /// Where a move that drives all plays can be thought to come from: there the last segment's line goes through.
@@ -311,6 +393,18 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     pub fn inverse_state(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
         state.inverted()
     }
+}
+
+/// How far it is from one coordinate to another, in the direction of a move.
+#[inline(always)]
+fn way<T: Real, const RISING: bool>(from: T, to: T) -> T {
+    if RISING { to - from } else { from - to }
+}
+
+/// The coordinate that far from another, in the direction of a move.
+#[inline(always)]
+fn go<T: Real, const RISING: bool>(from: T, way: T) -> T {
+    if RISING { from + way } else { from - way }
 }
 
 fn half<T: Real>(value: T) -> T {

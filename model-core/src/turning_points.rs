@@ -76,19 +76,26 @@ impl<T: Real, const N: usize> PlayState<T, N> {
         ahead.iter().rev().take_while(|turn| passes(turn)).count()
     }
 
+    /// The outermost of the turning points that a move passes.
+    #[inline(always)]
+    pub(crate) fn outermost<const RISING: bool>(&self, passed: usize) -> Option<&Turn<T>> {
+        let ahead = if RISING { &self.highs } else { &self.lows };
+        ahead.get(ahead.len().wrapping_sub(passed))
+    }
+
     /// Where a move comes from that passes so many turning points; none if it passes all, and so drives all plays.
     #[inline(always)]
-    pub(crate) fn origin<const RISING: bool>(&self, passed: usize) -> Option<Turn<T>> {
+    pub(crate) fn origin<const RISING: bool>(&self, passed: usize) -> Option<&Turn<T>> {
         let behind = if RISING { &self.lows } else { &self.highs };
-        behind.get(behind.len().wrapping_sub(passed).wrapping_sub(1)).copied()
+        behind.get(behind.len().wrapping_sub(passed).wrapping_sub(1))
     }
 
     /// Forgets the turning points that a move passes, each with its partner.
     #[inline(always)]
     pub(crate) fn wipe_out<const RISING: bool>(&mut self, passed: usize) {
         let (behind, ahead) = self.sides::<RISING>();
-        ahead.truncate(ahead.len().saturating_sub(passed));
-        behind.truncate(behind.len().saturating_sub(passed));
+        ahead.truncate(ahead.len().wrapping_sub(passed));
+        behind.truncate(behind.len().wrapping_sub(passed));
     }
 
     /// All turning points, the outermost first, with whether they are highs.

@@ -81,11 +81,12 @@ pub(crate) enum Reached<T> {
     End(T),
 }
 
-/// What a move follows: the curve from the point that it comes from.
+/// What a move follows: the curve from the point that it comes from, and there a segment.
 struct Branch<'a, T> {
     from: Turn<T>,
-    /// The one segment of the curve that counts, where all plays are driven.
-    only: Option<&'a Segment<T>>,
+    segment: &'a Segment<T>,
+    /// How many turning points the move wipes out, each with its partner.
+    passed: usize,
 }
 
 /// A validated bank of at most `N` plays.
@@ -270,18 +271,16 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
         let Target { v, end } = to;
         let passed = state.passed::<RISING>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
-        let branch = self.branch::<RISING>(state, passed);
-        let way = way::<T, RISING>(branch.from.v, v);
-        let segment = branch.only.unwrap_or_else(|| self.curve.segment_at::<FEW>(way));
-        let u = go::<T, RISING>(branch.from.u, segment.value(way));
+        let branch = self.branch::<RISING>(state, passed, |from| self.curve.segment_at::<FEW>(way::<T, RISING>(from.v, v)));
+        let u = go::<T, RISING>(branch.from.u, branch.segment.value(way::<T, RISING>(branch.from.v, v)));
         if let Some(end) = end
             && if RISING { u >= end } else { u <= end }
         {
             self.stop_at::<RISING, FEW>(state, passed, end);
             return Reached::End(end);
         }
-        state.wipe_out::<RISING>(passed);
-        state.last = Turn { v, u, driven: segment.place };
+        state.wipe_out::<RISING>(branch.passed);
+        state.last = Turn { v, u, driven: branch.segment.place };
         Reached::Inside(u)
     }
 
@@ -294,27 +293,46 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         end: T,
     ) {
         // A state may know turning points beyond the end, which the move then does not reach.
-        while state
-            .outermost::<RISING>(passed)
-            .is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
-        {
+        while state.ahead::<RISING>(passed).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end }) {
             passed -= 1;
         }
-        let branch = self.branch::<RISING>(state, passed);
-        let rise = way::<T, RISING>(branch.from.u, end);
-        let segment = branch.only.unwrap_or_else(|| self.curve.segment_of::<FEW>(rise));
-        let v = go::<T, RISING>(branch.from.v, segment.inverse(rise));
-        state.wipe_out::<RISING>(passed);
-        state.last = Turn { v, u: end, driven: segment.place };
+        let branch =
+            self.branch::<RISING>(state, passed, |from| self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end)));
+        let v = go::<T, RISING>(branch.from.v, branch.segment.inverse(way::<T, RISING>(branch.from.u, end)));
+        state.wipe_out::<RISING>(branch.passed);
+        state.last = Turn { v, u: end, driven: branch.segment.place };
     }
 
-    /// What a move follows once it has passed so many turning points.
+    /// What a move follows that passes so many turning points, and on which segment of the curve it ends.
     #[inline(always)]
-    fn branch<const RISING: bool>(&self, state: &PlayState<T, N>, passed: usize) -> Branch<'_, T> {
-        match state.origin::<RISING>(passed) {
-            Some(&from) => Branch { from, only: None },
-            None => Branch { from: self.origin_of_all::<RISING>(), only: Some(self.last_segment()) },
+    fn branch<'a, const RISING: bool>(
+        &'a self,
+        state: &PlayState<T, N>,
+        passed: usize,
+        segment: impl Fn(&Turn<T>) -> &'a Segment<T>,
+    ) -> Branch<'a, T> {
+        let Some(from) = state.behind::<RISING>(passed) else {
+            return self.branch_of_all::<RISING>(passed);
+        };
+        let segment = segment(from);
+        // Where the last two moves drove the same plays as this one, it is as if they had not been.
+        if segment.place != from.driven
+            || state.ahead::<RISING>(passed + 1).is_some_and(|turn| turn.driven != from.driven)
+        {
+            return Branch { from: *from, segment, passed };
         }
+        match state.behind::<RISING>(passed + 1) {
+            Some(from) => Branch { from: *from, segment, passed: passed + 1 },
+            None => self.branch_of_all::<RISING>(passed + 1),
+        }
+    }
+
+    /// What a move follows that drives all plays: the last segment's line, from a point that it goes through.
+    fn branch_of_all<const RISING: bool>(&self, passed: usize) -> Branch<'_, T> {
+        let segment = self.curve.segment(self.len());
+        let (v, u) = segment.start();
+        let (v, u) = if RISING { (-half(v), -half(u)) } else { (half(v), half(u)) };
+        Branch { from: Turn { v, u, driven: 0 }, segment, passed }
     }
 
     /// The move ends in a turning point, and one in the direction `RISING` begins.
@@ -322,59 +340,11 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     fn turn<const RISING: bool>(&self, state: &mut PlayState<T, N>) {
         state.rising = RISING;
         let last = state.last;
-        // The other way round: these belong to the move that has ended.
-        let (ahead, behind) = state.sides::<RISING>();
-        match behind.last() {
-            Some(origin) if origin.driven != last.driven => {}
-            _ => return self.turn_in_repetition::<RISING>(state),
-        }
-        // It fits, see `turning_points`.
-        let _ = ahead.push(last);
-    }
-
-    /// A turn after a move that drove the same plays as the one before it, or all of them: turning points that nothing
-    /// depends on any more make room. What takes their place is computed from those that stay, lest roundings add up.
-    fn turn_in_repetition<const RISING: bool>(&self, state: &mut PlayState<T, N>) {
-        let mut last = state.last;
-        let all = self.len();
-        let (ahead, behind) = state.sides::<RISING>();
-        let origin = if last.driven == all {
-            ahead.clear();
-            behind.clear();
-            None
-        } else if last.driven == 0 {
-            // No play is where this move or the one before it has left it.
-            behind.pop();
-            return;
-        } else if ahead.last().is_some_and(|turn| turn.driven == last.driven) {
+        let (behind, ahead) = state.sides::<RISING>();
+        if behind.push(last).is_err() {
+            // Only a second turning point that drove no play finds no place, and then neither is needed.
             ahead.pop();
-            behind.pop();
-            behind.last().copied()
-        } else {
-            let _ = ahead.push(last);
-            return;
-        };
-        // The move that has ended went the other way.
-        let from = origin.unwrap_or_else(|| {
-            if RISING { self.origin_of_all::<false>() } else { self.origin_of_all::<true>() }
-        });
-        let way = if RISING { from.v - last.v } else { last.v - from.v };
-        let rise = self.curve.segment(last.driven).value(way);
-        last.u = if RISING { from.u - rise } else { from.u + rise };
-        let _ = ahead.push(last);
-    }
-
-    /// The last segment of the curve, on which all plays are driven.
-    #[inline(always)]
-    fn last_segment(&self) -> &Segment<T> {
-        self.curve.segment(self.len())
-    }
-
-    /// Where a move that drives all plays can be thought to come from: there the last segment's line goes through.
-    fn origin_of_all<const RISING: bool>(&self) -> Turn<T> {
-        let (v, u) = self.last_segment().start();
-        let (v, u) = (half(v), half(u));
-        if RISING { Turn { v: -v, u: -u, driven: 0 } } else { Turn { v, u, driven: 0 } }
+        }
     }
 
     /// The inverse bank, from u to v. Equation (21).

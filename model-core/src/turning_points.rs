@@ -7,9 +7,10 @@
 //! between them.
 //!
 //! # Bounded memory
-//! Nested swings that drive the same plays leave the outputs of the plays where the last of them leaves them. So no
-//! more than two turning points are kept for each number of driven plays, one for all plays and one for none: at most N
-//! highs and N lows, and one lookup suffices to keep it so.
+//! Nested swings that drive the same plays leave the outputs of the plays where the last of them leaves them. So when a
+//! move drives the same plays as the two before it, it is as if they had not been, and their turning points are
+//! forgotten. No more than two are kept for each number of driven plays, one for all plays; with one for none, that is
+//! at most N highs and N lows.
 
 use heapless::Vec;
 
@@ -69,23 +70,30 @@ impl<T: Real, const N: usize> PlayState<T, N> {
         if self.rising { self.lows.push(turn) } else { self.highs.push(turn) }
     }
 
-    /// How many turning points ahead a move passes, the innermost first.
+    /// How many turning points ahead a move passes.
     #[inline(always)]
     pub(crate) fn passed<const RISING: bool>(&self, passes: impl Fn(&Turn<T>) -> bool) -> usize {
-        let ahead = if RISING { &self.highs } else { &self.lows };
-        ahead.iter().rev().take_while(|turn| passes(turn)).count()
+        let mut ahead = if RISING { self.highs.as_slice() } else { self.lows.as_slice() };
+        let mut passed = 0;
+        while let Some((innermost, others)) = ahead.split_last()
+            && passes(innermost)
+        {
+            ahead = others;
+            passed += 1;
+        }
+        passed
     }
 
-    /// The outermost of the turning points that a move passes.
+    /// The turning point ahead with this place from within, the innermost being 1.
     #[inline(always)]
-    pub(crate) fn outermost<const RISING: bool>(&self, passed: usize) -> Option<&Turn<T>> {
+    pub(crate) fn ahead<const RISING: bool>(&self, place: usize) -> Option<&Turn<T>> {
         let ahead = if RISING { &self.highs } else { &self.lows };
-        ahead.get(ahead.len().wrapping_sub(passed))
+        ahead.get(ahead.len().wrapping_sub(place))
     }
 
     /// Where a move comes from that passes so many turning points; none if it passes all, and so drives all plays.
     #[inline(always)]
-    pub(crate) fn origin<const RISING: bool>(&self, passed: usize) -> Option<&Turn<T>> {
+    pub(crate) fn behind<const RISING: bool>(&self, passed: usize) -> Option<&Turn<T>> {
         let behind = if RISING { &self.lows } else { &self.highs };
         behind.get(behind.len().wrapping_sub(passed).wrapping_sub(1))
     }
@@ -94,7 +102,7 @@ impl<T: Real, const N: usize> PlayState<T, N> {
     #[inline(always)]
     pub(crate) fn wipe_out<const RISING: bool>(&mut self, passed: usize) {
         let (behind, ahead) = self.sides::<RISING>();
-        ahead.truncate(ahead.len().wrapping_sub(passed));
+        ahead.truncate(ahead.len().saturating_sub(passed));
         behind.truncate(behind.len().wrapping_sub(passed));
     }
 

@@ -270,7 +270,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             self.turn::<RISING>(state);
         }
         let Target { v, end } = to;
-        let passed = state.passed::<RISING>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
+        let passed = state.passed::<RISING, FEW>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
         let branch = self.branch::<RISING>(state, passed, |from| self.curve.segment_at::<FEW>(way::<T, RISING>(from.v, v)));
         let u = go::<T, RISING>(branch.from.u, branch.segment.value(way::<T, RISING>(branch.from.v, v)));
         if let Some(end) = end
@@ -293,8 +293,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         end: T,
     ) {
         // A state may know turning points beyond the end, which the move then does not reach.
-        while state.ahead::<RISING>(passed).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end }) {
-            passed -= 1;
+        if state.ahead::<RISING>(passed).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end }) {
+            passed = state.passed::<RISING, false>(|turn| if RISING { turn.u <= end } else { turn.u >= end });
         }
         let branch =
             self.branch::<RISING>(state, passed, |from| self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end)));

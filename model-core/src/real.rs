@@ -46,17 +46,21 @@ pub trait Real:
     /// Exponential function.
     fn exp(self) -> Self;
 
+    /// This number, or the limits that it passes. NaN stays NaN.
+    fn limit(self, min: Self, max: Self) -> Self {
+        if self < min { min } else { self.at_most(max) }
+    }
+
     /// This number, or the limit that it passes. NaN stays NaN.
     ///
     /// Compare and select: on a Cortex-M4F `f32::max` and `min` are library calls, this is not.
-    fn limit(self, min: Self, max: Self) -> Self {
-        if self < min {
-            min
-        } else if self > max {
-            max
-        } else {
-            self
-        }
+    fn at_most(self, max: Self) -> Self {
+        if self > max { max } else { self }
+    }
+
+    /// This number, or the limit that it falls below. NaN stays NaN.
+    fn at_least(self, min: Self) -> Self {
+        if self < min { min } else { self }
     }
 
     /// Magnitude.

@@ -76,7 +76,10 @@ pub struct Tracking<T, const N: usize, const M: usize> {
 pub struct TrackingState<T, const N: usize> {
     inverse: HysteresisState<T, N>,
     pid: PidState<T>,
-    mode: Mode,
+    /// That of the last sample; none before the first one.
+    mode: Option<Mode>,
+    /// That of the start.
+    first_mode: Mode,
     /// Unit: bar.
     command: T,
     /// Unit: bar.
@@ -120,8 +123,9 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     pub fn rest_state(&self, mode: Mode) -> TrackingState<T, N> {
         TrackingState {
             inverse: self.inverse.rest_state(),
-            pid: PidState::default(),
-            mode,
+            pid: PidState::starting_at(T::ZERO),
+            mode: None,
+            first_mode: mode,
             command: self.limits.min(),
             transfer: T::ZERO,
         }
@@ -138,19 +142,24 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         reference: T,
         contraction: T,
     ) -> Result<Command<T>, InputError> {
-        let (reference, contraction) = (finite_input(reference)?, finite_input(contraction)?);
-        let changed = mode != state.mode;
-        if changed {
-            state.pid = PidState::default();
-            state.mode = mode;
+        let error = reference - contraction;
+        // Of two finite numbers the difference is finite too, but for those near the largest one.
+        if !error.is_finite() {
+            finite_input(reference)?;
+            finite_input(contraction)?;
         }
         // The inverse follows the reference in every mode, so that its memory is right when it is needed.
-        let inverse = self.inverse.step(&mut state.inverse, reference)?;
+        let inverse = self.inverse.answer(&mut state.inverse, reference);
+        let goes_on = state.mode == Some(mode);
+        if !goes_on {
+            state.pid = PidState::starting_at(contraction);
+        }
         let (feedforward, feedback) = match mode {
-            Mode::Both => (inverse, self.pid.output(&mut state.pid, reference, contraction)),
+            Mode::Both => (inverse, self.pid.output(&mut state.pid, error, contraction)),
             Mode::FeedforwardOnly => (inverse, T::ZERO),
-            Mode::FeedbackOnly => (T::ZERO, self.pid.output(&mut state.pid, reference, contraction)),
+            Mode::FeedbackOnly => (T::ZERO, self.pid.output(&mut state.pid, error, contraction)),
             Mode::Hold => {
+                state.mode = Some(mode);
                 state.transfer = T::ZERO;
                 return Ok(Command {
                     command: state.command,
@@ -161,14 +170,26 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
             }
         };
         let sum = feedforward + feedback;
-        state.transfer = if changed { state.command - sum } else { state.transfer * self.transfer_decay };
+        state.transfer = if goes_on {
+            state.transfer * self.transfer_decay
+        } else if state.mode.unwrap_or(state.first_mode) == mode {
+            T::ZERO
+        } else {
+            state.command - sum
+        };
+        state.mode = Some(mode);
         let asked = sum + state.transfer;
-        let slewed = asked.limit(state.command - self.largest_change, state.command + self.largest_change);
-        let command = self.limits.limit(slewed);
+        // The last command is within the limits: only those in the direction of the change can bind.
+        let command = if asked > state.command {
+            asked.at_most(state.command + self.largest_change).at_most(self.limits.max())
+        } else {
+            asked.at_least(state.command - self.largest_change).at_least(self.limits.min())
+        };
         state.command = command;
+        let excess = command - asked;
         if mode != Mode::FeedforwardOnly {
-            self.pid.settle(&mut state.pid, reference - contraction, command - asked);
+            self.pid.settle(&mut state.pid, error, excess);
         }
-        Ok(Command { command, feedforward, feedback, limited: command != asked })
+        Ok(Command { command, feedforward, feedback, limited: excess != T::ZERO })
     }
 }

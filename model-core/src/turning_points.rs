@@ -70,16 +70,19 @@ impl<T: Real, const N: usize> PlayState<T, N> {
         if self.rising { self.lows.push(turn) } else { self.highs.push(turn) }
     }
 
-    /// How many turning points ahead a move passes.
+    /// How many turning points ahead a move passes: those from the innermost on that it `passes`. `FEW`: whether there are
+    /// fewer than 16, so that four steps find it.
     #[inline(always)]
-    pub(crate) fn passed<const RISING: bool>(&self, passes: impl Fn(&Turn<T>) -> bool) -> usize {
-        let mut ahead = if RISING { self.highs.as_slice() } else { self.lows.as_slice() };
+    pub(crate) fn passed<const RISING: bool, const FEW: bool>(&self, passes: impl Fn(&Turn<T>) -> bool) -> usize {
+        let ahead = if RISING { self.highs.as_slice() } else { self.lows.as_slice() };
+        if !FEW {
+            return ahead.len() - ahead.partition_point(|turn| !passes(turn));
+        }
         let mut passed = 0;
-        while let Some((innermost, others)) = ahead.split_last()
-            && passes(innermost)
-        {
-            ahead = others;
-            passed += 1;
+        for step in [8, 4, 2, 1] {
+            if self.ahead::<RISING>(passed + step).is_some_and(&passes) {
+                passed += step;
+            }
         }
         passed
     }

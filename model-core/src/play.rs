@@ -271,7 +271,9 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
         let Target { v, end } = to;
         let passed = state.passed::<RISING, FEW>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
-        let branch = self.branch::<RISING>(state, passed, |from| self.curve.segment_at::<FEW>(way::<T, RISING>(from.v, v)));
+        let branch = self.branch::<RISING>(state, passed, |from| {
+            self.curve.segment_at::<FEW>(way::<T, RISING>(from.v, v))
+        });
         let u = go::<T, RISING>(branch.from.u, branch.segment.value(way::<T, RISING>(branch.from.v, v)));
         if let Some(end) = end
             && if RISING { u >= end } else { u <= end }
@@ -293,11 +295,13 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         end: T,
     ) {
         // A state may know turning points beyond the end, which the move then does not reach.
-        if state.ahead::<RISING>(passed).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end }) {
+        if state.ahead::<RISING>(passed).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
+        {
             passed = state.passed::<RISING, false>(|turn| if RISING { turn.u <= end } else { turn.u >= end });
         }
-        let branch =
-            self.branch::<RISING>(state, passed, |from| self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end)));
+        let branch = self.branch::<RISING>(state, passed, |from| {
+            self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end))
+        });
         let v = go::<T, RISING>(branch.from.v, branch.segment.inverse(way::<T, RISING>(branch.from.u, end)));
         state.wipe_out::<RISING>(branch.passed);
         state.last = Turn { v, u: end, driven: branch.segment.place };

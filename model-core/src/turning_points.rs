@@ -73,7 +73,10 @@ impl<T: Real, const N: usize> PlayState<T, N> {
     /// How many turning points ahead a move passes: those from the innermost on that it `passes`. `FEW`: whether there are
     /// fewer than 16, so that four steps find it.
     #[inline(always)]
-    pub(crate) fn passed<const RISING: bool, const FEW: bool>(&self, passes: impl Fn(&Turn<T>) -> bool) -> usize {
+    pub(crate) fn passed<const RISING: bool, const FEW: bool>(
+        &self,
+        passes: impl Fn(&Turn<T>) -> bool,
+    ) -> usize {
         let ahead = if RISING { self.highs.as_slice() } else { self.lows.as_slice() };
         if !FEW {
             return ahead.len() - ahead.partition_point(|turn| !passes(turn));

@@ -5,7 +5,7 @@
 
 use heapless::Vec;
 
-use crate::curve::MonotoneCurve;
+use crate::curve::{FEW_SEGMENTS, MonotoneCurve};
 use crate::envelope::Envelope;
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
@@ -73,5 +73,11 @@ impl<T: Real, const K: usize> Envelope<T> for PiecewiseLinear<T, K> {
 
     fn inverse(&self, v: T) -> T {
         self.curve.inverse(v)
+    }
+
+    /// With few knots the unrolled search needs no look at their number.
+    #[inline(always)]
+    fn inverse_inside(&self, v: T) -> T {
+        if K <= FEW_SEGMENTS { self.curve.segment_of::<true>(v).inverse(v) } else { self.inverse(v) }
     }
 }

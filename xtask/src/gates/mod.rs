@@ -11,7 +11,8 @@
 //! | [`accuracy`] | `f32` against `f64` |
 //! | [`bounds`] | what the figures have to be |
 //!
-//! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`.
+//! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`, which has
+//! the one with a piecewise-linear envelope too.
 //!
 //! # Limits
 //! Instructions are not cycles: the emulator has no cycle counter. One run at a time in a target directory: the spoilt
@@ -41,6 +42,7 @@ use inputs::Sample;
 
 /// The library functions whose cost is measured, and the task around them.
 const INVERSE: &str = "firmware::law::inverse_step";
+const PIECEWISE: &str = "firmware::law::piecewise_inverse_step";
 const CONTROLLER: &str = "firmware::law::controller_step";
 const TICK: &str = "TIM2";
 
@@ -90,7 +92,7 @@ fn build_control_law(compiler: &BoardCompiler, features: &str) -> Result<Image> 
     images::build_images(compiler, features)?;
     let image = Image::read(&images::elf("control_law"))?;
     // An image without the law has no panics either.
-    image.function(INVERSE).and(image.function(CONTROLLER))?;
+    image.function(INVERSE).and(image.function(PIECEWISE)).and(image.function(CONTROLLER))?;
     Ok(image)
 }
 
@@ -109,13 +111,18 @@ fn costs(
     samples: &[Sample],
 ) -> Result<Vec<Figure>> {
     let (controller, tick) = (emulated.function(CONTROLLER)?, emulated.function(TICK)?);
-    let of_law = counted::run(law, plugin, &[law.function(INVERSE)?], |link| {
+    let of_law = counted::run(law, plugin, &[law.function(INVERSE)?, law.function(PIECEWISE)?], |link| {
         drive::control_law(link, parameters, samples)
     })?;
     let of_emulated = counted::run(emulated, plugin, &[controller, tick], |link| {
         drive::emulated(link, parameters, samples)
     })?;
-    let titles = ["inverse", "controller (inverse, PID, limits)", "whole tick of the image emulated"];
+    let titles = [
+        "inverse",
+        "inverse, piecewise-linear envelope",
+        "controller (inverse, PID, limits)",
+        "whole tick of the image emulated",
+    ];
     let mut figures = Vec::new();
     for (title, cost) in titles.into_iter().zip(of_law.into_iter().chain(of_emulated)) {
         ensure!(cost.calls == samples.len(), "{title}: {} calls in {} samples", cost.calls, samples.len());

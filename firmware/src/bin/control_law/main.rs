@@ -2,12 +2,13 @@
 //!
 //! * **No panic**: what it is given, the law cannot panic when nothing of the panic machinery is linked. Model, gains,
 //!   mode, reference and contraction are all unknown to the compiler.
-//! * **Cost of the inverse alone**, which the other images contain only as a part of the controller.
+//! * **Cost of the inverse alone**, which the other images contain only as a part of the controller, and of that with a
+//!   piecewise-linear envelope.
 //!
 //! # Protocol
 //! A zero byte on USART2 says that the board is ready. Then, for each sample, the host sends mode (one byte, 0 to 3 as
-//! in [`MODES`]), reference and contraction (mm), and gets back the inverse's answer and the controller's command (bar);
-//! numbers are `f32`, little-endian. A refused sample is answered by NaN.
+//! in [`MODES`]), reference and contraction (mm), and gets back the answers of the two inverses, tanh first, and the
+//! controller's command (bar); numbers are `f32`, little-endian. A refused sample is answered by NaN.
 //!
 //! # Limits
 //! The waits for the port are unbounded: it stands for the host's program and is no part of the law. A model that is
@@ -20,9 +21,12 @@ mod port;
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
-use firmware::law::{BoardInverse, controller_step, inverse_step, paper_parameters};
+use firmware::law::{
+    BoardInverse, PiecewiseInverse, controller_step, inverse_step, paper_parameters, piecewise_inverse,
+    piecewise_inverse_step,
+};
 use firmware::order::BoardTracking;
-use model_core::{HysteresisState, InverseHysteresis, Invertible, Mode, ParameterError, TrackingState};
+use model_core::{HysteresisState, InverseHysteresis, Mode, ParameterError, TrackingState};
 use wire::PLAYS;
 
 use port::Port;
@@ -34,6 +38,8 @@ const MODES: [Mode; 4] = [Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly,
 struct Law {
     inverse: BoardInverse,
     inverse_state: HysteresisState<f32, PLAYS>,
+    piecewise: PiecewiseInverse,
+    piecewise_state: HysteresisState<f32, PLAYS>,
     tracking: BoardTracking,
     state: TrackingState<f32, PLAYS>,
 }
@@ -41,18 +47,23 @@ struct Law {
 impl Law {
     /// The paper's model and gains, at rest.
     fn paper() -> Result<Self, ParameterError> {
-        let tracking = BoardTracking::try_new(&black_box(paper_parameters()?))?;
+        let parameters = black_box(paper_parameters()?);
+        let tracking = BoardTracking::try_new(&parameters)?;
+        let piecewise = piecewise_inverse(&parameters.model)?;
         let inverse = tracking.inverse().clone();
         let (inverse_state, state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));
-        Ok(Self { inverse, inverse_state, tracking, state })
+        let piecewise_state = piecewise.rest_state();
+        Ok(Self { inverse, inverse_state, piecewise, piecewise_state, tracking, state })
     }
 
     fn sample(&mut self, port: &Port) {
         let mode = MODES[usize::from(port.receive_byte() & 3)];
         let (reference_mm, contraction_mm) = (port.receive(), port.receive());
         let inverse = inverse_step(&self.inverse, &mut self.inverse_state, reference_mm);
+        let piecewise = piecewise_inverse_step(&self.piecewise, &mut self.piecewise_state, reference_mm);
         let command = controller_step(&self.tracking, &mut self.state, mode, reference_mm, contraction_mm);
         port.send(inverse.unwrap_or(f32::NAN));
+        port.send(piecewise.unwrap_or(f32::NAN));
         port.send(command.map_or(f32::NAN, |command| command.command));
     }
 }

@@ -94,9 +94,20 @@ struct Branch<'a, T> {
 pub struct PlayBank<T, const N: usize> {
     /// C: how far u moves when v moves from a turning point. Its i-th bend is at twice the i-th threshold.
     curve: MonotoneCurve<T, N>,
+    /// The last segment of the curve, on which all plays are driven.
+    all: Segment<T>,
+    /// Where a falling move that drives all plays can be thought to come from: the last segment's line goes through it.
+    /// A rising one comes from the same point on the other side of 0.
+    origin_of_all: Turn<T>,
 }
 
 impl<T: Real, const N: usize> PlayBank<T, N> {
+    fn new(curve: MonotoneCurve<T, N>) -> Self {
+        let all = *curve.segment(curve.len() - 1);
+        let (v, u) = all.start();
+        Self { curve, all, origin_of_all: Turn { v: half(v), u: half(u), driven: 0 } }
+    }
+
     /// # Errors
     /// Lists of different length; a threshold that is not above the one before (or above 0); q or a
     /// partial sum of the weights that is not above 0; anything not finite.
@@ -116,7 +127,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             slope += weight;
             curve.bend(point, slope, Check::at("partial sums of q and play weights", i, ""))?;
         }
-        Ok(Self { curve })
+        Ok(Self::new(curve))
     }
 
     /// Whether the curve [has few](MonotoneCurve::has_few) segments.
@@ -331,12 +342,12 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// What a move follows that drives all plays: the last segment's line, from a point that it goes through.
+    /// What a move follows that drives all plays.
+    #[inline(always)]
     fn branch_of_all<const RISING: bool>(&self, passed: usize) -> Branch<'_, T> {
-        let segment = self.curve.segment(self.len());
-        let (v, u) = segment.start();
-        let (v, u) = if RISING { (-half(v), -half(u)) } else { (half(v), half(u)) };
-        Branch { from: Turn { v, u, driven: 0 }, segment, passed }
+        let Turn { v, u, driven } = self.origin_of_all;
+        let from = if RISING { Turn { v: -v, u: -u, driven } } else { self.origin_of_all };
+        Branch { from, segment: &self.all, passed }
     }
 
     /// The move ends in a turning point, and one in the direction `RISING` begins.
@@ -360,7 +371,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         for (i, segment) in self.curve.segments().skip(1).enumerate() {
             last = Check::at("play thresholds of the inverse", i, "").above(segment.start().1, last)?;
         }
-        Ok(Self { curve: self.curve.inverted() })
+        Ok(Self::new(self.curve.inverted()))
     }
 
     /// The state that the inverse bank has where this bank has `state`.

@@ -1,25 +1,22 @@
-//! The control law as functions that are never inlined, so that what they cost can be counted in the images.
+//! The control law as two functions that are never inlined, so that what they cost can be counted in the images.
 
-use model_core::envelope::{Envelope, PiecewiseLinearParameters, TanhEnvelope};
+use model_core::cascade::CascadeParameters;
+use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters, PiecewiseLinearParameters};
 use model_core::pid::PidParameters;
 use model_core::tracking::Command;
 use model_core::{
-    HysteresisState, InputError, InverseHysteresis, InverseMgpi, Invertible, MgpiParameters, Mode,
-    ParameterError, PiecewiseMgpi, Range, TrackingParameters, TrackingState, paper,
+    HysteresisState, InputError, InverseHysteresis, InverseModel, Mode, ModelParameters, ParameterError,
+    TrackingParameters, TrackingState, paper,
 };
 use wire::{DEAD_ZONES, PLAYS};
 
 use crate::order::BoardTracking;
 
 /// The inverse model in the board's number type and capacity.
-pub type BoardInverse = InverseMgpi<f32, PLAYS, DEAD_ZONES>;
+pub type BoardInverse = InverseModel<f32, PLAYS, DEAD_ZONES>;
 
 /// Knots of the piecewise-linear envelope that is measured.
-const KNOTS: usize = 16;
-
-type PiecewiseModel = PiecewiseMgpi<f32, PLAYS, DEAD_ZONES, KNOTS>;
-/// The inverse of a model with a piecewise-linear envelope.
-pub type PiecewiseInverse = <PiecewiseModel as Invertible<f32, PLAYS>>::Inverse;
+const MEASURED_KNOTS: u8 = 16;
 
 /// The paper's model and gains on a proportional valve, at the board's tick: what the law is measured with.
 ///
@@ -30,31 +27,32 @@ pub fn paper_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, 
     Ok(TrackingParameters {
         command_min: model.input_min,
         command_max: model.input_max,
-        model,
+        model: ModelParameters::Cascade(model),
         pid: PidParameters::paper(),
         slew_bar_per_s: 50.0,
         period_s: 1e-3,
     })
 }
 
-/// The inverse of a model whose envelope goes through points of the given one's, evenly spaced over its inputs.
+/// The same with a piecewise-linear envelope, through points of the tabled one, evenly spaced over its inputs.
 ///
 /// # Errors
-/// No such inverse.
-pub fn piecewise_inverse(
-    model: &MgpiParameters<f32, PLAYS, DEAD_ZONES>,
-) -> Result<PiecewiseInverse, ParameterError> {
-    let tanh = TanhEnvelope::try_new(model.envelope)?;
-    let input_range = Range::try_new(model.input_min, model.input_max, "input range", "bar")?;
-    let step = (model.input_max - model.input_min) / (KNOTS - 1) as f32;
-    let mut envelope =
-        PiecewiseLinearParameters { inputs: heapless::Vec::new(), values: heapless::Vec::new() };
-    for knot in 0..KNOTS {
-        let input = model.input_min + step * knot as f32;
-        // As many as there is room for.
-        let _ = envelope.inputs.push(input).and_then(|()| envelope.values.push(tanh.value(input)));
+/// None in practice, see [`paper::mgpi`].
+pub fn piecewise_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, ParameterError> {
+    let model = paper::mgpi()?.convert()?;
+    let tabled = AnyEnvelope::try_new(&model.envelope)?;
+    let step = (model.input_max - model.input_min) / f32::from(MEASURED_KNOTS - 1);
+    let mut knots = PiecewiseLinearParameters { inputs: heapless::Vec::new(), values: heapless::Vec::new() };
+    for knot in 0..MEASURED_KNOTS {
+        let input = model.input_min + step * f32::from(knot);
+        // There is room for more.
+        let _ = knots.inputs.push(input).and_then(|()| knots.values.push(tabled.value(input)));
     }
-    PiecewiseModel::try_new(&envelope, &model.plays, &model.dead_zones, input_range)?.inverse()
+    let envelope = EnvelopeParameters::PiecewiseLinear(knots);
+    Ok(TrackingParameters {
+        model: ModelParameters::Cascade(CascadeParameters { envelope, ..model }),
+        ..paper_parameters()?
+    })
 }
 
 /// One sample of the inverse model alone. Reference: mm; result: bar.
@@ -64,19 +62,6 @@ pub fn piecewise_inverse(
 #[inline(never)]
 pub fn inverse_step(
     inverse: &BoardInverse,
-    state: &mut HysteresisState<f32, PLAYS>,
-    reference_mm: f32,
-) -> Result<f32, InputError> {
-    inverse.step(state, reference_mm)
-}
-
-/// [`inverse_step`] with a piecewise-linear envelope.
-///
-/// # Errors
-/// The reference is not finite; the state is then as it was.
-#[inline(never)]
-pub fn piecewise_inverse_step(
-    inverse: &PiecewiseInverse,
     state: &mut HysteresisState<f32, PLAYS>,
     reference_mm: f32,
 ) -> Result<f32, InputError> {

@@ -7,11 +7,12 @@
 use firmware::order::prepare;
 use firmware::{Control, LockStepBoard};
 use model_core::pid::PidParameters;
-use model_core::{MgpiParameters, Mode, TrackingParameters};
+use model_core::{Mode, Model, ModelParameters, TrackingParameters, paper};
 use rig::parameters::DEAD_LOAD_N;
 use rig::sensor::Sensors;
 use wire::{Configuration, Request, Response, VERSION};
 use workbench::figures::Figures;
+use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
 use workbench::pil::PilError;
 use workbench::pil::lock_step::{self, Board, Measurement, Plant, Run};
 
@@ -57,18 +58,32 @@ pub fn rig(seed: u64) -> FunctionPlant<impl FnMut(f64) -> (f64, f64)> {
 ///
 /// # Panics
 /// The model does not fit the board.
-pub fn configuration<const N: usize, const M: usize>(model: &MgpiParameters<f64, N, M>) -> Configuration {
+pub fn configuration<const N: usize, const M: usize>(model: &ModelParameters<f64, N, M>) -> Configuration {
     Configuration {
         version: VERSION,
         tracking: TrackingParameters {
             command_min: 0.0,
-            command_max: model.input_max as f32,
+            command_max: model.input().1 as f32,
             model: model.convert().expect("the model fits the board"),
             pid: PidParameters::paper(),
             slew_bar_per_s: 100.0,
             period_s: PERIOD_S as f32,
         },
     }
+}
+
+/// A model identified from triangles of falling amplitude of the paper's model.
+///
+/// # Panics
+/// None can be identified with these options.
+pub fn identified(options: &Options) -> HostParameters {
+    let truth = paper::mgpi().and_then(|parameters| parameters.convert()).expect("valid");
+    let truth = Model::try_new(&ModelParameters::Cascade(truth)).expect("valid");
+    let triangle = |height: f64| (0..400).map(move |k| height * (1.0 - (f64::from(k) / 200.0 - 1.0).abs()));
+    let input: Vec<f64> = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].into_iter().flat_map(triangle).collect();
+    let output = simulate(&truth, &input);
+    let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
+    identify(&problem, options, &|_| ()).expect("identified").parameters
 }
 
 /// Raised cosines from `floor_mm`, a period of 20 s each, after a smooth approach of 2 s; at the board's tick.

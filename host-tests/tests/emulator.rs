@@ -4,11 +4,13 @@
 
 use std::process::Command;
 
-use host_tests::{HostBoard, configuration, raised_cosines, rig, run};
+use host_tests::{HostBoard, configuration, identified, raised_cosines, rig, run};
 use libtest_mimic::{Arguments, Failed, Trial};
-use model_core::{Mode, paper};
+use model_core::{Kind, Mode, ModelParameters, paper};
+use wire::Configuration;
 use workbench::child::Stop;
 use workbench::emulator::{Emulator, image};
+use workbench::identification::Options;
 use workbench::pil::results::log;
 
 fn main() {
@@ -20,7 +22,8 @@ fn main() {
         Trial::test(name, test).with_ignored_flag(missing.is_some())
     };
     let trials = vec![
-        trial("the_emulated_firmware_logs_the_hosts_run_bit_for_bit_in_every_mode", bit_for_bit),
+        trial("the_emulated_firmware_logs_the_hosts_run_bit_for_bit_in_every_mode", every_mode),
+        trial("the_emulated_firmware_logs_the_hosts_run_bit_for_bit_with_every_model", every_model),
         trial("the_emulated_firmware_repeats_itself_bit_for_bit", repeatable),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
@@ -34,12 +37,10 @@ fn missing() -> Option<String> {
     image::find(None).err().map(|error| error.to_string())
 }
 
-/// The log of a run of the paper's model on the rig: three seconds up and down, in every kind of arithmetic that
-/// the tick has.
-fn emulated_log(mode: Mode, reference_mm: &[f64]) -> Result<String, Failed> {
+/// The log of the emulated firmware's run on the rig.
+fn emulated_log(configuration: &Configuration, mode: Mode, reference_mm: &[f64]) -> Result<String, Failed> {
     let mut board = Emulator::start(&image::find(None)?, &Stop::default())?;
-    let configuration = configuration(&paper::mgpi()?);
-    Ok(log(&run(&mut board, &mut rig(3), &configuration, mode, reference_mm)?))
+    Ok(log(&run(&mut board, &mut rig(3), configuration, mode, reference_mm)?))
 }
 
 /// 8 s that reach both ends of the range and turn in between.
@@ -51,26 +52,56 @@ fn reference_mm() -> Vec<f64> {
         .collect()
 }
 
-fn bit_for_bit() -> Result<(), Failed> {
-    let reference_mm = reference_mm();
-    let configuration = configuration(&paper::mgpi()?);
+/// The controller with the paper's model.
+fn paper() -> Result<Configuration, Failed> {
+    Ok(configuration(&ModelParameters::Cascade(paper::mgpi()?)))
+}
+
+fn every_mode() -> Result<(), Failed> {
+    let (configuration, reference_mm) = (paper()?, reference_mm());
     for mode in [Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly] {
-        let host = run(&mut HostBoard::default(), &mut rig(3), &configuration, mode, &reference_mm)?;
-        let (host, emulated) = (log(&host), emulated_log(mode, &reference_mm)?);
-        if let Some((row, (host, emulated))) =
-            host.lines().zip(emulated.lines()).enumerate().find(|(_, (host, emulated))| host != emulated)
-        {
-            return Err(format!("{mode:?}, row {row}: host {host}, emulated {emulated}").into());
-        }
-        if host.len() != emulated.len() {
-            return Err(format!("{mode:?}: the logs differ in length").into());
-        }
+        assert_alike(&format!("{mode:?}"), &configuration, mode, &reference_mm)?;
     }
     Ok(())
 }
 
+fn every_model() -> Result<(), Failed> {
+    // Every third sample: the tick's arithmetic is what counts here, and an extended model takes many steps.
+    let reference_mm: Vec<f64> = reference_mm().into_iter().step_by(3).collect();
+    let models = Kind::ALL.map(|model| (model, None)).into_iter().chain([(Kind::Mgpi, Some(12))]);
+    for (model, knots) in models {
+        let options = Options { model, knots, plays: 10, dead_zones: 10, starts: 4, seed: 1, threads: 0 };
+        let configuration = configuration(&identified(&options));
+        let name = format!("{model}, knots {knots:?}");
+        assert_alike(&name, &configuration, Mode::FeedforwardOnly, &reference_mm)?;
+    }
+    Ok(())
+}
+
+/// Holds the emulated firmware against the same library on the host.
+fn assert_alike(
+    name: &str,
+    configuration: &Configuration,
+    mode: Mode,
+    reference_mm: &[f64],
+) -> Result<(), Failed> {
+    let host = run(&mut HostBoard::default(), &mut rig(3), configuration, mode, reference_mm)?;
+    let (host, emulated) = (log(&host), emulated_log(configuration, mode, reference_mm)?);
+    if let Some((row, (host, emulated))) =
+        host.lines().zip(emulated.lines()).enumerate().find(|(_, (host, emulated))| host != emulated)
+    {
+        return Err(format!("{name}, row {row}: host {host}, emulated {emulated}").into());
+    }
+    if host.len() == emulated.len() {
+        Ok(())
+    } else {
+        Err(format!("{name}: the logs differ in length").into())
+    }
+}
+
 fn repeatable() -> Result<(), Failed> {
-    let reference_mm = reference_mm();
-    let (one, other) = (emulated_log(Mode::Both, &reference_mm)?, emulated_log(Mode::Both, &reference_mm)?);
+    let (configuration, reference_mm) = (paper()?, reference_mm());
+    let run = || emulated_log(&configuration, Mode::Both, &reference_mm);
+    let (one, other) = (run()?, run()?);
     if one == other { Ok(()) } else { Err("two runs of the emulator differ".into()) }
 }

@@ -2,9 +2,12 @@
 //!
 //! `cargo test -p host-tests --test mgpi_plant -- --nocapture` prints the figures.
 
-use host_tests::{FunctionPlant, HostBoard, PERIOD_S, configuration, figures, raised_cosines, run};
-use model_core::{Hysteresis, Mgpi, MgpiParameters, Mode, paper};
-use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
+use host_tests::{
+    FunctionPlant, HostBoard, PERIOD_S, configuration, figures, identified, raised_cosines, run,
+};
+use model_core::envelope::EnvelopeParameters;
+use model_core::{Hysteresis, Kind, Mgpi, MgpiParameters, Mode, ModelParameters, paper};
+use workbench::identification::Options;
 
 const SIZE: usize = paper::SIZE;
 /// Lag of the pressure under feedback. Unit: s.
@@ -16,7 +19,7 @@ fn truth() -> Parameters {
 }
 
 /// The tracking RMSE of board model against the paper's model as plant, in % of the plant's stroke.
-fn rmse_percent<const N: usize, const M: usize>(model: &MgpiParameters<f64, N, M>, mode: Mode) -> f64 {
+fn rmse_percent<const N: usize, const M: usize>(model: &ModelParameters<f64, N, M>, mode: Mode) -> f64 {
     let plant_model = Mgpi::try_new(&truth()).expect("valid");
     let (_, full) = plant_model.output_range();
     let stroke = full - plant_model.output_range().0;
@@ -43,15 +46,23 @@ fn assert_between(what: &str, value: f64, [low, high]: [f64; 2]) {
 #[test]
 fn a_matched_model_tracks_by_feedforward_alone_to_the_resolution_of_the_converters() {
     // A step of the DAC is 2.4 mbar, about 0.05 mm: the bound below is what it leaves, not 0.
-    assert_between("matched, feed-forward only", rmse_percent(&truth(), Mode::FeedforwardOnly), [0.01, 0.02]);
-    assert_between("matched, both", rmse_percent(&truth(), Mode::Both), [0.01, 0.02]);
+    assert_between(
+        "matched, feed-forward only",
+        rmse_percent(&ModelParameters::Cascade(truth()), Mode::FeedforwardOnly),
+        [0.01, 0.02],
+    );
+    assert_between(
+        "matched, both",
+        rmse_percent(&ModelParameters::Cascade(truth()), Mode::Both),
+        [0.01, 0.02],
+    );
 }
 
 #[test]
 fn feedback_mends_what_a_model_wrong_by_ten_per_cent_leaves() {
     type Spoil = fn(&mut Parameters);
     let cases: [(&str, Spoil, [f64; 2], [f64; 2]); 4] = [
-        ("c1 + 10 %", |p| p.envelope.c1 *= 1.1, [3.8, 4.6], [0.7, 1.0]),
+        ("c1 + 10 %", scale_steepness, [3.8, 4.6], [0.7, 1.0]),
         ("weights of the dead zones - 10 %", scale_output, [4.3, 5.2], [1.7, 2.2]),
         ("thresholds of the plays + 10 %", scale_thresholds, [0.38, 0.48], [0.15, 0.20]),
         ("weights of the plays - 10 %", scale_weights, [2.6, 3.2], [0.9, 1.15]),
@@ -59,11 +70,19 @@ fn feedback_mends_what_a_model_wrong_by_ten_per_cent_leaves() {
     for (what, spoil, alone, both) in cases {
         let mut model = truth();
         spoil(&mut model);
+        let model = ModelParameters::Cascade(model);
         let with_feedback = rmse_percent(&model, Mode::Both);
         let without = rmse_percent(&model, Mode::FeedforwardOnly);
         assert_between(&format!("{what}, feed-forward only"), without, alone);
         assert_between(&format!("{what}, both"), with_feedback, both);
         assert!(with_feedback < 0.5 * without, "{what}: feedback mends too little");
+    }
+}
+
+fn scale_steepness(parameters: &mut Parameters) {
+    match &mut parameters.envelope {
+        EnvelopeParameters::Tanh(envelope) => envelope.c1 *= 1.1,
+        other => panic!("{other:?} has no c1"),
     }
 }
 
@@ -86,21 +105,12 @@ fn models_identified_with_other_numbers_of_operators_track_their_plant() {
         (10, 10, [0.06, 0.1], [0.03, 0.05]),
         (20, 14, [0.08, 0.14], [0.03, 0.06]),
     ] {
-        let model = identified(plays, dead_zones);
+        let options =
+            Options { model: Kind::Mgpi, knots: None, plays, dead_zones, starts: 8, seed: 1, threads: 0 };
+        let model = identified(&options);
         let what = format!("identified with {plays} plays, {dead_zones} dead zones");
         let rmse = |mode| rmse_percent(&model, mode);
         assert_between(&format!("{what}, feed-forward only"), rmse(Mode::FeedforwardOnly), alone);
         assert_between(&format!("{what}, both"), rmse(Mode::Both), both);
     }
-}
-
-/// A model identified from the plant's own triangles of falling amplitude.
-fn identified(plays: usize, dead_zones: usize) -> HostParameters {
-    let plant = Mgpi::try_new(&truth().convert().expect("fits")).expect("valid");
-    let triangle = |height: f64| (0..400).map(move |k| height * (1.0 - (f64::from(k) / 200.0 - 1.0).abs()));
-    let input: Vec<f64> = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].into_iter().flat_map(triangle).collect();
-    let output = simulate(&plant, &input);
-    let options = Options { plays, dead_zones, starts: 8, seed: 1, threads: 0 };
-    let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
-    identify(&problem, &options, &|_| ()).expect("identified").parameters
 }

@@ -3,7 +3,7 @@
 //! `cargo test -p host-tests --test rig_plant -- --nocapture` prints the figures.
 
 use host_tests::{HostBoard, configuration, figures, raised_cosines, rig, run};
-use model_core::{Hysteresis, Mode};
+use model_core::{Hysteresis, Kind, Mode};
 use workbench::identification::{Fit, Options, Problem, identify};
 
 /// The model of the project's own recording, as `mgpi identify` finds it.
@@ -17,7 +17,15 @@ fn identified() -> Fit {
         .collect();
     let (input, output): (Vec<f64>, Vec<f64>) = rows.iter().map(|row| (row[2], row[3])).unzip();
     let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
-    let options = Options { plays: 10, dead_zones: 10, starts: 16, seed: 1, threads: 0 };
+    let options = Options {
+        model: Kind::Mgpi,
+        knots: None,
+        plays: 10,
+        dead_zones: 10,
+        starts: 16,
+        seed: 1,
+        threads: 0,
+    };
     identify(&problem, &options, &|_| ()).expect("identified")
 }
 

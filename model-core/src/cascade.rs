@@ -5,22 +5,68 @@
 //! inverse   y ── dead zones⁻¹ ──▶ u ── plays⁻¹ ──▶ v ── γ⁻¹ ──▶ x, limited to the input range
 //! ```
 //!
-//! [`crate::mgpi`] has it with a tanh or a piecewise-linear envelope. Without an envelope and with dead zones on both
-//! sides of 0 it is Kuhnen's modified model, with a single dead zone (a gain) the classical or the symmetric
-//! generalized one.
+//! | envelope | dead zones | model | file |
+//! |---|---|---|---|
+//! | none | one, a gain | classical (CPI) | [`crate::cpi`] |
+//! | yes | one, a gain | symmetric generalized (SGPI) | [`crate::sgpi`] |
+//! | none | several, on both sides of 0 | Kuhnen's modified (MPI) | [`crate::mpi`] |
+//! | yes | several, from 0 | modified generalized (MGPI) | [`crate::mgpi`] |
 //!
 //! # The state of the inverse
 //! The inverse remembers the history that it has commanded. An output that no input of the range reaches
 //! is answered with the end of the range, and the inverse then remembers that end, not the impossible
 //! demand: the next reachable output is inverted as exactly as if nothing had happened.
 
-use crate::dead_zone::DeadZones;
-use crate::envelope::Envelope;
+use crate::convert;
+use crate::dead_zone::{DeadZoneParameters, DeadZones};
+use crate::envelope::{AnyEnvelope, Envelope, EnvelopeParameters};
 use crate::error::{InputError, ParameterError, finite_input};
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
-use crate::play::{PlayBank, Reached};
+use crate::play::{PlayBank, PlayParameters, Reached};
 use crate::range::Range;
 use crate::real::Real;
+
+/// Raw parameters of a cascade with at most `N` plays and `M` dead zones.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
+pub struct CascadeParameters<T, const N: usize, const M: usize> {
+    /// The envelope γ.
+    pub envelope: EnvelopeParameters<T>,
+    /// The bank of plays.
+    pub plays: PlayParameters<T, N>,
+    /// The dead-zone stage.
+    pub dead_zones: DeadZoneParameters<T, M>,
+    /// Lower end of the inputs that the model is valid for; the muscle's state of rest. Input unit.
+    pub input_min: T,
+    /// Upper end of the inputs that the model is valid for. Input unit.
+    pub input_max: T,
+    /// Whether the muscle has been through its whole range before, as most have: it is then at rest as after a
+    /// rise to the upper end of the inputs and a return to the lower one. Else it comes from rest at 0.
+    pub preconditioned: bool,
+}
+
+impl<T: Real, const N: usize, const M: usize> CascadeParameters<T, N, M> {
+    /// The same parameters in another number type or capacity, for instance those of the board.
+    ///
+    /// # Errors
+    /// The other capacity is too small.
+    pub fn convert<U: Real, const N2: usize, const M2: usize>(
+        &self,
+    ) -> Result<CascadeParameters<U, N2, M2>, ParameterError> {
+        Ok(CascadeParameters {
+            envelope: self.envelope.convert()?,
+            plays: self.plays.convert()?,
+            dead_zones: self.dead_zones.convert()?,
+            input_min: convert::number(self.input_min),
+            input_max: convert::number(self.input_max),
+            preconditioned: self.preconditioned,
+        })
+    }
+}
 
 /// A validated, invertible cascade of an envelope, at most `N` plays and at most `M` dead zones.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,18 +75,10 @@ pub struct Cascade<T, E, const N: usize, const M: usize> {
     plays: PlayBank<T, N>,
     dead_zones: DeadZones<T, M>,
     input_range: Range<T>,
+    preconditioned: bool,
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M> {
-    pub(crate) fn new(
-        envelope: E,
-        plays: PlayBank<T, N>,
-        dead_zones: DeadZones<T, M>,
-        input_range: Range<T>,
-    ) -> Self {
-        Self { envelope, plays, dead_zones, input_range }
-    }
-
     /// The bank of plays.
     pub fn plays(&self) -> &PlayBank<T, N> {
         &self.plays
@@ -52,13 +90,35 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M
     }
 }
 
+impl<T: Real, const N: usize, const M: usize> Cascade<T, AnyEnvelope<T>, N, M> {
+    /// # Errors
+    /// The first parameter that no invertible model can be made of.
+    pub fn try_new(parameters: &CascadeParameters<T, N, M>) -> Result<Self, ParameterError> {
+        let CascadeParameters { envelope, plays, dead_zones, input_min, input_max, preconditioned } =
+            parameters;
+        Ok(Self {
+            envelope: AnyEnvelope::try_new(envelope)?,
+            plays: PlayBank::try_new(plays)?,
+            dead_zones: DeadZones::try_new(dead_zones)?,
+            input_range: Range::try_new(*input_min, *input_max, "input range", "input unit")?,
+            preconditioned: *preconditioned,
+        })
+    }
+}
+
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Hysteresis<T, N> for Cascade<T, E, N, M> {
     fn input_range(&self) -> &Range<T> {
         &self.input_range
     }
 
     fn rest_state(&self) -> HysteresisState<T, N> {
-        HysteresisState::of_plays(self.plays.rest_state(self.envelope.value(self.input_range.min())))
+        let lowest = self.envelope.value(self.input_range.min());
+        let mut plays = self.plays.rest_state(lowest);
+        if self.preconditioned {
+            self.plays.advance(&mut plays, self.envelope.value(self.input_range.max()));
+            self.plays.advance(&mut plays, lowest);
+        }
+        HysteresisState::of_plays(plays)
     }
 
     /// Equation (16).
@@ -123,11 +183,11 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
     #[inline(always)]
     fn answer_with<const FEW: bool>(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
         let u = self.forward.dead_zones.curve().segment_of::<FEW>(y).inverse(y);
-        let ends = &self.forward.input_range;
-        match self.plays.move_within::<FEW>(&mut state.plays, u, &self.inner_range) {
+        let (rising, ends) = (state.plays.goes_up_to(u), &self.forward.input_range);
+        match self.plays.move_within::<FEW>(&mut state.plays, u, rising, &self.inner_range) {
             Reached::Inside(v) => ends.limit(self.forward.envelope.inverse_inside(v)),
             // The end itself, whatever the envelope's rounding.
-            Reached::End(_) if state.plays.rising => ends.max(),
+            Reached::End(_) if rising => ends.max(),
             Reached::End(_) => ends.min(),
         }
     }

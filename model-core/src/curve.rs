@@ -11,7 +11,7 @@ use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
 /// Up to this many segments the search is unrolled. A power of two.
-pub(crate) const FEW_SEGMENTS: usize = 16;
+const FEW_SEGMENTS: usize = 16;
 
 /// A straight piece of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,6 +20,7 @@
 
 use heapless::Vec;
 
+use crate::convert;
 use crate::curve::MonotoneCurve;
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
@@ -38,6 +39,33 @@ pub struct DeadZoneParameters<T, const M: usize> {
     pub weights: Vec<T, M>,
     /// Output at u = 0. Unit: output unit.
     pub offset: T,
+}
+
+impl<T: Real, const M: usize> DeadZoneParameters<T, M> {
+    /// A straight line: a single dead zone, of threshold 0. Gain and offset: output unit.
+    ///
+    /// # Errors
+    /// The capacity `M` is 0.
+    pub fn line(gain: T, offset: T) -> Result<Self, ParameterError> {
+        let list = |value| {
+            let mut list = Vec::new();
+            let too_many = |_| Check::new("dead zones", "").length(1, Requirement::AtMost(M as f64));
+            list.push(value).map_err(too_many).map(|()| list)
+        };
+        Ok(Self { thresholds: list(T::ZERO)?, weights: list(gain)?, offset })
+    }
+
+    /// The same parameters in another number type or capacity.
+    ///
+    /// # Errors
+    /// The other capacity is too small.
+    pub fn convert<U: Real, const M2: usize>(&self) -> Result<DeadZoneParameters<U, M2>, ParameterError> {
+        Ok(DeadZoneParameters {
+            thresholds: convert::list("dead zones", &self.thresholds)?,
+            weights: convert::list("dead zones", &self.weights)?,
+            offset: convert::number(self.offset),
+        })
+    }
 }
 
 /// A validated dead-zone stage of at most `M` dead zones, at least one.

@@ -12,7 +12,11 @@
 //! | [`play`] | bank of weighted plays and its inverse, which is a bank again | (6), (7), (18), (19), (21) |
 //! | [`staircase`] | the same bank for many plays, at a cost that hardly grows | (6), (7) |
 //! | [`dead_zone`] | weighted dead zones and their inverse | (12) to (14), (20) |
-//! | [`mgpi`] | the cascade of the three, and the inverse cascade | (16), (17) |
+//! | [`cascade`] | the cascade of the three, and the inverse cascade | (16), (17) |
+//! | [`cpi`], [`sgpi`], [`mpi`], [`mgpi`] | the cascades that have a name | (6), (16) |
+//! | [`agpi`] | two envelopes | (2) to (8) |
+//! | [`egpi`], [`memoryless`] | two envelopes and a memoryless function | |
+//! | [`model`] | one of them, chosen at run time | |
 //! | [`pid`] | the feedback controller | (24) |
 //! | [`tracking`] | feed-forward plus feedback, limits, slew | Fig. 10 |
 //! | [`paper`] | the paper's Tables 1 and 2 as a model | |
@@ -32,25 +36,34 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod agpi;
 pub mod atanh;
 pub mod cascade;
+mod convert;
+pub mod cpi;
 pub mod curve;
 pub mod dead_zone;
+pub mod egpi;
 pub mod envelope;
 pub mod error;
 pub mod hysteresis;
+pub mod memoryless;
 pub mod mgpi;
+pub mod model;
+pub mod mpi;
 pub mod paper;
 pub mod pid;
 pub mod play;
 pub mod range;
 pub mod real;
+pub mod sgpi;
 pub mod tracking;
 mod turning_points;
 
 pub use error::{InputError, ParameterError, Requirement};
 pub use hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
-pub use mgpi::{InverseMgpi, Mgpi, MgpiParameters, PiecewiseMgpi};
+pub use mgpi::{InverseMgpi, Mgpi, MgpiParameters};
+pub use model::{InverseModel, Kind, Model, ModelParameters};
 pub use play::PlayState;
 pub use range::Range;
 pub use real::Real;

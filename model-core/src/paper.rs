@@ -7,7 +7,7 @@
 use heapless::Vec;
 
 use crate::dead_zone::DeadZoneParameters;
-use crate::envelope::{Envelope, TanhEnvelope, TanhParameters};
+use crate::envelope::{Envelope, EnvelopeParameters, TanhEnvelope, TanhParameters};
 use crate::error::ParameterError;
 use crate::mgpi::MgpiParameters;
 use crate::play::{PlayBank, PlayParameters};
@@ -40,10 +40,11 @@ pub fn mgpi() -> Result<MgpiParameters<f64, SIZE, SIZE>, ParameterError> {
     let thresholds: Vec<f64, SIZE> = (0..SIZE).map(|j| j as f64 / SIZE as f64 * u_max).collect();
     let weights: Vec<f64, SIZE> = WEIGHTS.iter().map(|w| w * MUSCLE_LENGTH_MM).collect();
     Ok(MgpiParameters {
-        envelope: ENVELOPE,
+        envelope: EnvelopeParameters::Tanh(ENVELOPE),
         plays,
         dead_zones: DeadZoneParameters { thresholds, weights, offset: 0.0 },
         input_min: 0.0,
         input_max: PRESSURE_MAX_BAR,
+        preconditioned: false,
     })
 }

@@ -25,6 +25,7 @@
 
 use heapless::Vec;
 
+use crate::convert;
 use crate::curve::{MonotoneCurve, Segment};
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
 use crate::range::Range;
@@ -65,6 +66,18 @@ impl<T: Real, const N: usize> PlayParameters<T, N> {
         }
         Ok(parameters)
     }
+
+    /// The same parameters in another number type or capacity.
+    ///
+    /// # Errors
+    /// The other capacity is too small.
+    pub fn convert<U: Real, const N2: usize>(&self) -> Result<PlayParameters<U, N2>, ParameterError> {
+        Ok(PlayParameters {
+            q: convert::number(self.q),
+            thresholds: convert::list("plays", &self.thresholds)?,
+            weights: convert::list("plays", &self.weights)?,
+        })
+    }
 }
 
 /// How far a move is to go: to the input `v`, but no farther than to the output `end`.
@@ -87,6 +100,8 @@ struct Branch<'a, T> {
     segment: &'a Segment<T>,
     /// How many turning points the move wipes out, each with its partner.
     passed: usize,
+    /// Whether that point takes the place of the turning point that the move came from.
+    is_new: bool,
 }
 
 /// A validated bank of at most `N` plays.
@@ -153,6 +168,11 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The thresholds of the plays.
     fn thresholds(&self) -> impl Iterator<Item = T> {
         self.curve.segments().skip(1).map(|segment| half(segment.start().0))
+    }
+
+    /// The largest slope of u over v. Unit: 1.
+    pub fn largest_slope(&self) -> T {
+        self.curve.segments().fold(T::ZERO, |most, s| if s.slope() > most { s.slope() } else { most })
     }
 
     /// The state of a bank that rested at 0 and was then brought to `v`: the paper's initial state,
@@ -241,13 +261,19 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// As [`advance`](Self::advance), but goes no farther than u stays within the range: the input that
-    /// leads to its end takes the place of one beyond.
-    pub(crate) fn advance_within(&self, state: &mut PlayState<T, N>, v: T, range: &Range<T>) -> T {
+    /// As [`advance_toward`](Self::advance_toward), but goes no farther than u stays within the range: the input
+    /// that leads to its end takes the place of one beyond.
+    pub(crate) fn advance_within(
+        &self,
+        state: &mut PlayState<T, N>,
+        v: T,
+        rising: bool,
+        range: &Range<T>,
+    ) -> T {
         let reached = if self.curve.has_few() {
-            self.move_within::<true>(state, v, range)
+            self.move_within::<true>(state, v, rising, range)
         } else {
-            self.move_within::<false>(state, v, range)
+            self.move_within::<false>(state, v, rising, range)
         };
         match reached {
             Reached::Inside(u) | Reached::End(u) => u,
@@ -261,9 +287,10 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         &self,
         state: &mut PlayState<T, N>,
         v: T,
+        rising: bool,
         range: &Range<T>,
     ) -> Reached<T> {
-        if state.goes_up_to(v) {
+        if rising {
             self.drive::<true, FEW>(state, Target { v, end: Some(range.max()) })
         } else {
             self.drive::<false, FEW>(state, Target { v, end: Some(range.min()) })
@@ -292,7 +319,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             self.stop_at::<RISING, FEW>(state, passed, end);
             return Reached::End(end);
         }
-        state.wipe_out::<RISING>(branch.passed);
+        state.leave::<RISING>(branch.passed, branch.is_new.then_some(branch.from));
         state.last = Turn { v, u, driven: branch.segment.place };
         Reached::Inside(u)
     }
@@ -314,7 +341,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end))
         });
         let v = go::<T, RISING>(branch.from.v, branch.segment.inverse(way::<T, RISING>(branch.from.u, end)));
-        state.wipe_out::<RISING>(branch.passed);
+        state.leave::<RISING>(branch.passed, branch.is_new.then_some(branch.from));
         state.last = Turn { v, u: end, driven: branch.segment.place };
     }
 
@@ -330,15 +357,18 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             return self.branch_of_all::<RISING>(passed);
         };
         let segment = segment(from);
-        // Where the last two moves drove the same plays as this one, it is as if they had not been.
-        if segment.place != from.driven
-            || state.ahead::<RISING>(passed + 1).is_some_and(|turn| turn.driven != from.driven)
-        {
-            return Branch { from: *from, segment, passed };
+        if segment.place != from.driven {
+            return Branch { from: *from, segment, passed, is_new: false };
         }
-        match state.behind::<RISING>(passed + 1) {
-            Some(from) => Branch { from: *from, segment, passed: passed + 1 },
-            None => self.branch_of_all::<RISING>(passed + 1),
+        // The move has driven all that the one before it drove: no play depends any more on where that turned.
+        match (state.ahead::<RISING>(passed + 1), state.behind::<RISING>(passed + 1)) {
+            (Some(ahead), _) if ahead.driven != from.driven => {
+                let (v, u) = self.curve.segment(segment.place + 1).start();
+                let (v, u) = (go::<T, RISING>(ahead.v, -v), go::<T, RISING>(ahead.u, -u));
+                Branch { from: Turn { v, u, driven: segment.place }, segment, passed, is_new: true }
+            }
+            (Some(_), Some(from)) => Branch { from: *from, segment, passed: passed + 1, is_new: false },
+            _ => self.branch_of_all::<RISING>(passed + 1),
         }
     }
 
@@ -347,7 +377,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     fn branch_of_all<const RISING: bool>(&self, passed: usize) -> Branch<'_, T> {
         let Turn { v, u, driven } = self.origin_of_all;
         let from = if RISING { Turn { v: -v, u: -u, driven } } else { self.origin_of_all };
-        Branch { from, segment: &self.all, passed }
+        Branch { from, segment: &self.all, passed, is_new: false }
     }
 
     /// The move ends in a turning point, and one in the direction `RISING` begins.

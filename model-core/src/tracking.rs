@@ -1,7 +1,7 @@
-//! The tracking controller of Fig. 10: inverse MGPI as feed-forward, PID as feedback, one command.
+//! The tracking controller of Fig. 10: inverse model as feed-forward, PID as feedback, one command.
 //!
 //! ```text
-//! reference ─┬─▶ inverse MGPI ──▶ feed-forward ──┐
+//! reference ─┬─▶ inverse model ─▶ feed-forward ──┐
 //!            └─▶ PID (◀─ contraction) ─▶ feedback ┴─▶ + transfer ─▶ slew ─▶ limits ─▶ command
 //! ```
 //!
@@ -17,7 +17,7 @@
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
 use crate::hysteresis::{HysteresisState, InverseHysteresis, Invertible};
-use crate::mgpi::{InverseMgpi, Mgpi, MgpiParameters};
+use crate::model::{InverseModel, Model, ModelParameters};
 use crate::pid::{Pid, PidParameters, PidState};
 use crate::range::Range;
 use crate::real::Real;
@@ -46,7 +46,7 @@ pub enum Mode {
 )]
 pub struct TrackingParameters<T, const N: usize, const M: usize> {
     /// The muscle's model, input in bar, output in mm.
-    pub model: MgpiParameters<T, N, M>,
+    pub model: ModelParameters<T, N, M>,
     /// The feedback.
     pub pid: PidParameters<T>,
     /// Lowest command, also the one at the start. Unit: bar.
@@ -62,7 +62,7 @@ pub struct TrackingParameters<T, const N: usize, const M: usize> {
 /// A validated tracking controller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tracking<T, const N: usize, const M: usize> {
-    inverse: InverseMgpi<T, N, M>,
+    inverse: InverseModel<T, N, M>,
     pid: Pid<T>,
     limits: Range<T>,
     /// Largest change of the command in one period. Unit: bar.
@@ -106,7 +106,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         let period = Check::new("period_s", "s").above(parameters.period_s, T::ZERO)?;
         let slew = Check::new("slew_bar_per_s", "bar/s").above(parameters.slew_bar_per_s, T::ZERO)?;
         Ok(Self {
-            inverse: Mgpi::try_new(&parameters.model)?.inverse()?,
+            inverse: Model::try_new(&parameters.model)?.inverse()?,
             pid: Pid::try_new(&parameters.pid, period)?,
             limits: Range::try_new(parameters.command_min, parameters.command_max, "command range", "bar")?,
             largest_change: slew * period,
@@ -115,7 +115,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     }
 
     /// The model's inverse.
-    pub fn inverse(&self) -> &InverseMgpi<T, N, M> {
+    pub fn inverse(&self) -> &InverseModel<T, N, M> {
         &self.inverse
     }
 
@@ -142,14 +142,10 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         reference: T,
         contraction: T,
     ) -> Result<Command<T>, InputError> {
-        let error = reference - contraction;
-        // Of two finite numbers the difference is finite too, but for those near the largest one.
-        if !error.is_finite() {
-            finite_input(reference)?;
-            finite_input(contraction)?;
-        }
+        let contraction = finite_input(contraction)?;
         // The inverse follows the reference in every mode, so that its memory is right when it is needed.
-        let inverse = self.inverse.answer(&mut state.inverse, reference);
+        let inverse = self.inverse.step(&mut state.inverse, reference)?;
+        let error = reference - contraction;
         let goes_on = state.mode == Some(mode);
         if !goes_on {
             state.pid = PidState::starting_at(contraction);

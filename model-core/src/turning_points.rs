@@ -7,10 +7,11 @@
 //! between them.
 //!
 //! # Bounded memory
-//! Nested swings that drive the same plays leave the outputs of the plays where the last of them leaves them. So when a
-//! move drives the same plays as the two before it, it is as if they had not been, and their turning points are
-//! forgotten. No more than two are kept for each number of driven plays, one for all plays; with one for none, that is
-//! at most N highs and N lows.
+//! Once a move has driven all plays that the move before it drove, none depends any more on where that one turned. What
+//! is kept in its place is the point where a move back would begin to drive the next play: the memory is then the same
+//! whatever swings led there, to the last bit. And where a third move drives just those plays too, the two before it are
+//! forgotten altogether. So no more than two turning points are kept for each number of driven plays, one for all plays;
+//! with one for none, that is at most N highs and N lows.
 
 use heapless::Vec;
 
@@ -48,6 +49,11 @@ pub struct PlayState<T, const N: usize> {
 }
 
 impl<T: Real, const N: usize> PlayState<T, N> {
+    /// The last input of the bank. Unit: that of its input.
+    pub fn input(&self) -> T {
+        self.last.v
+    }
+
     /// Without turning points: all plays were driven.
     pub(crate) fn new(last: Turn<T>, rising: bool) -> Self {
         Self { highs: Vec::new(), lows: Vec::new(), last, rising }
@@ -104,12 +110,16 @@ impl<T: Real, const N: usize> PlayState<T, N> {
         behind.get(behind.len().wrapping_sub(passed).wrapping_sub(1))
     }
 
-    /// Forgets the turning points that a move passes, each with its partner.
+    /// Forgets the turning points that a move passes, each with its partner; and puts another in the place of the one that
+    /// the move comes from, where there is one.
     #[inline(always)]
-    pub(crate) fn wipe_out<const RISING: bool>(&mut self, passed: usize) {
+    pub(crate) fn leave<const RISING: bool>(&mut self, passed: usize, origin: Option<Turn<T>>) {
         let (behind, ahead) = self.sides::<RISING>();
         ahead.truncate(ahead.len().saturating_sub(passed));
         behind.truncate(behind.len().wrapping_sub(passed));
+        if let (Some(place), Some(origin)) = (behind.last_mut(), origin) {
+            *place = origin;
+        }
     }
 
     /// All turning points, the outermost first, with whether they are highs.

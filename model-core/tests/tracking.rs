@@ -1,14 +1,14 @@
 //! PID and tracking controller: each property that their documentation promises.
 
 use model_core::pid::{Pid, PidParameters, PidState};
-use model_core::{Hysteresis, InputError, Mgpi, Mode, Tracking, TrackingParameters, paper};
+use model_core::{Hysteresis, InputError, Mgpi, Mode, ModelParameters, Tracking, TrackingParameters, paper};
 
 const SIZE: usize = paper::SIZE;
 const PERIOD_S: f64 = 1e-3;
 
 fn parameters(pid: PidParameters<f64>) -> TrackingParameters<f64, SIZE, SIZE> {
     TrackingParameters {
-        model: paper::mgpi().expect("valid"),
+        model: ModelParameters::Cascade(paper::mgpi().expect("valid")),
         pid,
         command_min: 0.0,
         command_max: 6.0,

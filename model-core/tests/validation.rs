@@ -1,7 +1,10 @@
 //! Every parameter that no model can be made of is refused by name.
 
+use model_core::envelope::{EnvelopeParameters, TanhParameters};
 use model_core::pid::{Pid, PidParameters};
-use model_core::{Mgpi, MgpiParameters, ParameterError, Requirement, Tracking, TrackingParameters, paper};
+use model_core::{
+    Mgpi, MgpiParameters, ModelParameters, ParameterError, Requirement, Tracking, TrackingParameters, paper,
+};
 
 const SIZE: usize = paper::SIZE;
 type Parameters = MgpiParameters<f64, SIZE, SIZE>;
@@ -12,9 +15,17 @@ fn refusal(spoil: impl Fn(&mut Parameters)) -> ParameterError {
     Mgpi::try_new(&parameters).expect_err("must be refused")
 }
 
+/// The paper's envelope.
+fn tanh(parameters: &mut Parameters) -> &mut TanhParameters<f64> {
+    match &mut parameters.envelope {
+        EnvelopeParameters::Tanh(envelope) => envelope,
+        other => panic!("{other:?} is not the paper's envelope"),
+    }
+}
+
 #[test]
 fn a_refusal_names_parameter_value_limit_and_unit() {
-    let error = refusal(|p| p.envelope.c1 = -0.3385);
+    let error = refusal(|p| tanh(p).c1 = -0.3385);
     assert_eq!(error.to_string(), "c1 is -0.3385 1/input unit, must be above 0 1/input unit");
     let error = refusal(|p| p.dead_zones.weights[5] = -200.0);
     assert!(error.to_string().starts_with("partial sums of dead-zone weights[5] is -54.5"), "{error}");
@@ -25,10 +36,10 @@ fn a_refusal_names_parameter_value_limit_and_unit() {
 fn every_broken_parameter_is_refused() {
     type Spoil = fn(&mut Parameters);
     let cases: [(&str, Spoil); 15] = [
-        ("c0", |p| p.envelope.c0 = 0.0),
-        ("c1", |p| p.envelope.c1 = f64::NAN),
-        ("c2", |p| p.envelope.c2 = f64::INFINITY),
-        ("c3", |p| p.envelope.c3 = f64::NAN),
+        ("c0", |p| tanh(p).c0 = 0.0),
+        ("c1", |p| tanh(p).c1 = f64::NAN),
+        ("c2", |p| tanh(p).c2 = f64::INFINITY),
+        ("c3", |p| tanh(p).c3 = f64::NAN),
         ("q", |p| p.plays.q = 0.0),
         ("play thresholds", |p| p.plays.thresholds[0] = 0.0),
         ("play thresholds", |p| p.plays.thresholds[3] = 0.16),
@@ -70,7 +81,7 @@ fn broken_gains_and_limits_are_refused() {
     assert_eq!(named(gains, 0.0), "period_s");
 
     let sound = TrackingParameters {
-        model: paper::mgpi().expect("valid"),
+        model: ModelParameters::Cascade(paper::mgpi().expect("valid")),
         pid: gains,
         command_min: 0.0,
         command_max: 6.0,

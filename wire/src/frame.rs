@@ -92,11 +92,15 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::{Configuration, DEAD_ZONES, PLAYS, Request, TickRequest, VERSION};
+    use model_core::agpi::AgpiParameters;
+    use model_core::cascade::CascadeParameters;
     use model_core::dead_zone::DeadZoneParameters;
-    use model_core::envelope::TanhParameters;
+    use model_core::egpi::EgpiParameters;
+    use model_core::envelope::{EnvelopeParameters, KNOTS, PiecewiseLinearParameters};
+    use model_core::memoryless::MemorylessParameters;
     use model_core::pid::PidParameters;
     use model_core::play::PlayParameters;
-    use model_core::{MgpiParameters, TrackingParameters};
+    use model_core::{ModelParameters, TrackingParameters};
 
     fn receive(bytes: &[u8]) -> std::vec::Vec<Result<Request, FrameError>> {
         let mut receiver = Receiver::new();
@@ -107,28 +111,60 @@ mod tests {
         Request::Tick(TickRequest { reference_mm: 12.5, pressure_code: 0, contraction_code: 4095 })
     }
 
-    fn largest() -> Request {
-        // Every byte of every number non-zero and every list full: no message is longer.
-        let number = 0.123_456_79_f32;
-        let full = core::iter::repeat(number);
+    /// A number without a zero byte.
+    const NUMBER: f32 = 0.123_456_79;
+
+    /// A full list.
+    fn full<const L: usize>() -> heapless::Vec<f32, L> {
+        core::iter::repeat_n(NUMBER, L).collect()
+    }
+
+    fn plays() -> PlayParameters<f32, PLAYS> {
+        PlayParameters { q: NUMBER, thresholds: full(), weights: full() }
+    }
+
+    fn envelope() -> EnvelopeParameters<f32> {
+        let knots: PiecewiseLinearParameters<f32, KNOTS> =
+            PiecewiseLinearParameters { inputs: full(), values: full() };
+        EnvelopeParameters::PiecewiseLinear(knots)
+    }
+
+    /// The largest cascade: every list full.
+    fn cascade() -> Request {
+        let number = NUMBER;
+        configure(ModelParameters::Cascade(CascadeParameters {
+            envelope: envelope(),
+            plays: plays(),
+            dead_zones: DeadZoneParameters { thresholds: full(), weights: full(), offset: number },
+            input_min: number,
+            input_max: number,
+            preconditioned: true,
+        }))
+    }
+
+    /// The largest model with two envelopes.
+    fn extended() -> Request {
+        let number = NUMBER;
+        let agpi = AgpiParameters {
+            rising: envelope(),
+            falling: envelope(),
+            plays: plays(),
+            gain: number,
+            offset: number,
+            input_min: number,
+            input_max: number,
+            preconditioned: true,
+        };
+        let memoryless = MemorylessParameters { rises: [number; 3] };
+        configure(ModelParameters::Egpi(EgpiParameters { agpi, memoryless }))
+    }
+
+    fn configure(model: ModelParameters<f32, PLAYS, DEAD_ZONES>) -> Request {
+        let number = NUMBER;
         Request::Configure(Configuration {
             version: VERSION,
             tracking: TrackingParameters {
-                model: MgpiParameters {
-                    envelope: TanhParameters { c0: number, c1: number, c2: number, c3: number },
-                    plays: PlayParameters {
-                        q: number,
-                        thresholds: full.clone().take(PLAYS).collect(),
-                        weights: full.clone().take(PLAYS).collect(),
-                    },
-                    dead_zones: DeadZoneParameters {
-                        thresholds: full.clone().take(DEAD_ZONES).collect(),
-                        weights: full.take(DEAD_ZONES).collect(),
-                        offset: number,
-                    },
-                    input_min: number,
-                    input_max: number,
-                },
+                model,
                 pid: PidParameters::paper(),
                 command_min: number,
                 command_max: number,
@@ -140,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_message_survives_its_frame() {
-        for message in [tick(), largest(), Request::Identify] {
+        for message in [tick(), cascade(), extended(), Request::Identify] {
             let mut buffer = [0; FRAME_BYTES];
             let frame = encode(&message, &mut buffer).expect("fits");
             assert_eq!(receive(frame), [Ok(message)]);

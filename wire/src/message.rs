@@ -4,7 +4,7 @@ use model_core::{Mode, TrackingParameters};
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages. Raised with every change that the other side would misread.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// The largest number of plays that a board takes.
 pub const PLAYS: usize = 32;
 /// The largest number of dead zones that a board takes.

@@ -37,6 +37,9 @@ pub enum Error {
     /// A run of the firmware does not come to its end.
     #[error(transparent)]
     Pil(#[from] PilError),
+    /// Options that do not go together.
+    #[error("{0}")]
+    Usage(String),
     /// No model can be made of a recording.
     #[error("{}, {columns}: {source}", file.display())]
     Identification {

@@ -49,7 +49,7 @@ fn a_key_of_another_type_is_refused() {
     assert_eq!(refusal("count = 10", "count = -1"), "model.toml: [plays] count: -1 is not a count");
     assert_eq!(
         refusal("kind = \"tanh\"", "kind = \"pl\""),
-        "model.toml: [envelope] kind: \"pl\" is not known, must be \"tanh\""
+        "model.toml: [envelope] kind: \"pl\" is not known, must be \"tanh\" or \"piecewise_linear\""
     );
 }
 
@@ -95,7 +95,7 @@ fn the_example_is_the_papers_model_bit_for_bit() {
     let bench = Bench::new();
     bench.write("paper.toml", PAPER);
     let file = ModelFile::read(&bench.path("paper.toml")).expect("valid");
-    let paper: HostParameters = paper::mgpi().and_then(|model| model.convert()).expect("valid");
+    let paper = HostParameters::Cascade(paper::mgpi().and_then(|model| model.convert()).expect("valid"));
     assert_eq!(file.parameters, paper);
 }
 
@@ -107,6 +107,33 @@ fn an_identified_model_reads_back_as_it_was_written() {
     let file = ModelFile::read(&bench.path("model.toml")).expect("valid");
     assert_eq!(file.to_toml(), bench.read("model.toml"));
     assert!(file.identification.is_some_and(|identification| identification.heldout.is_some()));
+}
+
+#[test]
+fn every_model_of_the_family_is_identified_written_read_and_simulated() {
+    let bench = Bench::new();
+    recording(&bench, "rec.csv");
+    let models = ["cpi", "sgpi", "agpi", "mpi", "egpi", "mgpi", "mgpi --envelope pl", "sgpi --envelope pl"];
+    for model in models {
+        bench.succeeds(&format!("identify rec.csv -o model.toml --model {model} --starts 4 --force"));
+        let file = ModelFile::read(&bench.path("model.toml")).expect(model);
+        assert_eq!(file.to_toml(), bench.read("model.toml"), "{model}");
+        let (name, _) = model.split_once(' ').unwrap_or((model, ""));
+        assert_eq!(file.parameters.kind().name(), name);
+        // What simulate prints are the figures that identify has written.
+        let summary = bench.succeeds("simulate model.toml --input rec.csv -o out.csv --force");
+        let training = file.identification.expect("identified").training;
+        assert!(summary.contains(&format!("RMSE {:.4} mm", training.rmse)), "{model}: {summary}");
+    }
+}
+
+#[test]
+fn a_model_of_another_kind_is_refused() {
+    assert_eq!(
+        refusal("kind = \"mgpi\"", "kind = \"preisach\""),
+        "model.toml: kind: \"preisach\" is not known; known are cpi, sgpi, agpi, mpi, egpi, mgpi"
+    );
+    assert_eq!(refusal("kind = \"mgpi\"", "kind = \"sgpi\""), "model.toml: line: missing");
 }
 
 #[test]

@@ -160,14 +160,34 @@ fn a_length_needs_the_length_at_rest() {
 }
 
 #[test]
-fn other_kinds_of_model_are_refused_plainly() {
-    let message = refusal_of_usage("--model sgpi");
+fn models_and_envelopes_that_there_are_not_are_refused_plainly() {
+    let message = refusal_of_usage("--model preisach");
     assert!(
-        message.contains("invalid value 'sgpi'") && message.contains("possible values: mgpi"),
+        message.contains("invalid value 'preisach'")
+            && message.contains("possible values: cpi, sgpi, agpi, mpi, egpi, mgpi"),
         "{message}"
     );
-    let message = refusal_of_usage("--envelope pl");
-    assert!(message.contains("invalid value 'pl'") && message.contains("possible values: tanh"), "{message}");
+    let message = refusal_of_usage("--envelope spline");
+    assert!(
+        message.contains("invalid value 'spline'") && message.contains("possible values: tanh, pl"),
+        "{message}"
+    );
+}
+
+#[test]
+fn an_envelope_for_a_model_that_has_none_to_choose_is_refused() {
+    let message = refusal_of_usage("--model agpi --envelope pl");
+    assert!(message.contains("--envelope is for the models mgpi and sgpi; agpi has two tanh"), "{message}");
+    let message = refusal_of_usage("--model cpi --envelope tanh");
+    assert!(message.contains("--envelope is for the models mgpi and sgpi; cpi has none"), "{message}");
+}
+
+#[test]
+fn a_number_of_knots_outside_its_limits_is_refused() {
+    let bench = Bench::new();
+    recording(&bench, "rec.csv");
+    let message = bench.refuses("identify rec.csv -o model.toml --envelope pl --knots 2");
+    assert!(message.contains("number of knots is 2, must be 3 to 32"), "{message}");
 }
 
 fn refusal_of_usage(options: &str) -> String {

@@ -4,6 +4,7 @@
 
 mod board_compiler;
 mod demo;
+mod figures;
 mod firmware;
 mod gates;
 mod host;
@@ -40,6 +41,12 @@ enum Task {
         #[arg(long)]
         bless: bool,
     },
+    /// Redraw the figures of docs/figures.
+    Figures {
+        /// Write nothing; fail where a figure is out of date.
+        #[arg(long)]
+        check: bool,
+    },
 }
 
 fn main() -> ExitCode {
@@ -53,23 +60,26 @@ fn main() -> ExitCode {
 }
 
 fn perform(task: Task) -> anyhow::Result<()> {
-    let compiler = setup::ensure()?;
     match task {
-        Task::Setup => println!("setup: nothing is missing"),
-        Task::Firmware => firmware::build(&compiler)?,
+        Task::Setup => {
+            setup::ensure()?;
+            println!("setup: nothing is missing");
+        }
+        Task::Firmware => firmware::build(&setup::ensure()?)?,
         Task::Demo => {
-            firmware::build(&compiler)?;
+            firmware::build(&setup::ensure()?)?;
             demo::demo()?;
         }
         Task::Test => {
-            firmware::build(&compiler)?;
+            firmware::build(&setup::ensure()?)?;
             host::test()?;
         }
         Task::Emulate => {
-            firmware::build(&compiler)?;
+            firmware::build(&setup::ensure()?)?;
             host::emulate()?;
         }
-        Task::Gates { bless } => gates::gates(&compiler, bless)?,
+        Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
+        Task::Figures { check } => figures::figures(check)?,
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! No envelope: γ(x) = x. The plays are then linear plays, as in the classical and the modified model.
 
 use crate::envelope::Envelope;
+use crate::range::Range;
 use crate::real::Real;
 
 /// γ(x) = x.
@@ -14,5 +15,9 @@ impl<T: Real> Envelope<T> for Identity {
 
     fn inverse(&self, v: T) -> T {
         v
+    }
+
+    fn least_slope(&self, _: &Range<T>) -> T {
+        T::ONE
     }
 }

@@ -1,14 +1,18 @@
 //! Envelopes: the curve γ that turns the input into the inner coordinate v which drives the plays.
 //!
 //! Strictly increasing and without memory. A file each: [`tanh`] (the paper's), [`piecewise_linear`] (free
-//! knots), [`identity`] (linear plays, for the classical and the modified model).
+//! knots), [`identity`] (linear plays, for the classical and the modified model), and [`any`], which is one of the
+//! three.
 
+pub mod any;
 pub mod identity;
 pub mod piecewise_linear;
 pub mod tanh;
 
+use crate::range::Range;
 use crate::real::Real;
 
+pub use any::{AnyEnvelope, EnvelopeParameters, KNOTS};
 pub use identity::Identity;
 pub use piecewise_linear::{PiecewiseLinear, PiecewiseLinearParameters};
 pub use tanh::{TanhEnvelope, TanhParameters};
@@ -27,4 +31,7 @@ pub trait Envelope<T: Real> {
     fn inverse_inside(&self, v: T) -> T {
         self.inverse(v)
     }
+
+    /// A lower bound, above 0, of the slope of γ over a range of inputs. Unit: 1/input unit.
+    fn least_slope(&self, range: &Range<T>) -> T;
 }

@@ -5,9 +5,10 @@
 
 use heapless::Vec;
 
-use crate::curve::{FEW_SEGMENTS, MonotoneCurve};
+use crate::curve::MonotoneCurve;
 use crate::envelope::Envelope;
 use crate::error::{Check, ParameterError, Requirement};
+use crate::range::Range;
 use crate::real::Real;
 
 /// Raw parameters: the knots, at least two, both coordinates strictly increasing.
@@ -75,9 +76,13 @@ impl<T: Real, const K: usize> Envelope<T> for PiecewiseLinear<T, K> {
         self.curve.inverse(v)
     }
 
-    /// With few knots the unrolled search needs no look at their number.
     #[inline(always)]
     fn inverse_inside(&self, v: T) -> T {
-        if K <= FEW_SEGMENTS { self.curve.segment_of::<true>(v).inverse(v) } else { self.inverse(v) }
+        if self.curve.has_few() { self.curve.segment_of::<true>(v).inverse(v) } else { self.inverse(v) }
+    }
+
+    /// That over all knots, whatever the range.
+    fn least_slope(&self, _: &Range<T>) -> T {
+        self.curve.smallest_slope()
     }
 }

@@ -9,6 +9,7 @@
 
 use crate::envelope::Envelope;
 use crate::error::{Check, ParameterError};
+use crate::range::Range;
 use crate::real::Real;
 
 /// Raw parameters of the envelope, equation (11).
@@ -71,5 +72,16 @@ impl<T: Real> Envelope<T> for TanhEnvelope<T> {
     fn inverse_inside(&self, v: T) -> T {
         let TanhParameters { c0, c3, .. } = self.parameters;
         T::atanh_of_ratio((c0 + v) - c3, (c0 - v) + c3) * self.reciprocal_c1 + self.centre
+    }
+
+    /// γ' = c0 c1 (1 - tanh²) has its least value at one of the ends.
+    fn least_slope(&self, range: &Range<T>) -> T {
+        let TanhParameters { c0, c1, c2, .. } = self.parameters;
+        let slope = |x| {
+            let tanh = (c1 * x + c2).tanh();
+            c0 * c1 * (T::ONE - tanh * tanh)
+        };
+        let (low, high) = (slope(range.min()), slope(range.max()));
+        if low < high { low } else { high }
     }
 }

@@ -5,10 +5,13 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use model_core::Kind;
 use serde_json::{Map, Value, json};
 
 use crate::figures::{Figures, stroke};
+use crate::identification::named::slope_dimension;
 use crate::identification::{self, Fit, Options, Problem, searches};
+use crate::model_file::names::Names;
 use crate::model_file::{Identification, ModelFile, Source};
 use crate::output::Outputs;
 use crate::recording::{Choice, Recording, Timing};
@@ -26,16 +29,19 @@ pub struct Arguments {
     model_file: PathBuf,
     /// Kind of model
     #[arg(long, value_enum, default_value = "mgpi")]
-    model: Kind,
+    model: Model,
     /// Number of plays
     #[arg(long, default_value_t = 10, value_name = "N")]
     plays: usize,
-    /// Number of dead zones
+    /// Number of dead zones, for mgpi and mpi
     #[arg(long, default_value_t = 10, value_name = "M")]
     dead_zones: usize,
-    /// Envelope of the plays
-    #[arg(long, value_enum, default_value = "tanh")]
-    envelope: Envelope,
+    /// Envelope of the plays, for mgpi and sgpi [default: tanh; agpi and egpi have two tanh]
+    #[arg(long, value_enum)]
+    envelope: Option<Envelope>,
+    /// Number of knots of a piecewise-linear envelope
+    #[arg(long, default_value_t = 12, value_name = "K")]
+    knots: usize,
     /// Also write a report (one HTML file)
     #[arg(long, value_name = "REPORT.html")]
     report: Option<PathBuf>,
@@ -76,8 +82,18 @@ const POOR_FIT: f64 = 0.1;
 
 /// Kinds of model that can be identified.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Kind {
-    /// Modified generalized Prandtl-Ishlinskii
+enum Model {
+    /// Classical Prandtl-Ishlinskii: plays and a gain
+    Cpi,
+    /// Symmetric generalized: envelope, plays, gain
+    Sgpi,
+    /// Asymmetric generalized: an envelope for each direction, plays, gain
+    Agpi,
+    /// Kuhnen's modified: plays, dead zones
+    Mpi,
+    /// Extended generalized: as agpi, and a function of the input added
+    Egpi,
+    /// Modified generalized: envelope, plays, dead zones
     Mgpi,
 }
 
@@ -86,6 +102,21 @@ enum Kind {
 enum Envelope {
     /// c0 tanh(c1 x + c2) + c3
     Tanh,
+    /// Piecewise-linear through free knots
+    Pl,
+}
+
+impl From<Model> for Kind {
+    fn from(model: Model) -> Self {
+        match model {
+            Model::Cpi => Self::Cpi,
+            Model::Sgpi => Self::Sgpi,
+            Model::Agpi => Self::Agpi,
+            Model::Mpi => Self::Mpi,
+            Model::Egpi => Self::Egpi,
+            Model::Mgpi => Self::Mgpi,
+        }
+    }
 }
 
 /// Identifies.
@@ -94,6 +125,7 @@ enum Envelope {
 /// A recording is not what it should be, no model can be made of it, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { model_file, report, json, .. } = arguments;
+    arguments.check_envelope()?;
     let inputs: Vec<&Path> =
         [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
     let files = [model_file].into_iter().chain(report).chain(json);
@@ -134,12 +166,28 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         outputs.stage(file, text.as_bytes())?;
     }
     outputs.commit()?;
-    print_summary(&recording, &identification, &fit, seconds);
+    print_summary(&recording, &identification, &model.names(), &fit, seconds);
     warn_of_poor_fit(&recording, &identification);
     Ok(())
 }
 
 impl Arguments {
+    /// A choice of envelope for a model that has none, or two, would be ignored.
+    fn check_envelope(&self) -> Result<(), Error> {
+        let has = match self.model {
+            Model::Mgpi | Model::Sgpi => return Ok(()),
+            Model::Cpi | Model::Mpi => "has none",
+            Model::Agpi | Model::Egpi => "has two tanh",
+        };
+        match self.envelope {
+            None => Ok(()),
+            Some(_) => Err(Error::Usage(format!(
+                "--envelope is for the models mgpi and sgpi; {} {has}",
+                Kind::from(self.model)
+            ))),
+        }
+    }
+
     fn choice(&self) -> Choice {
         Choice {
             input: self.input.clone(),
@@ -159,13 +207,14 @@ fn range(text: &str) -> Result<(f64, f64), String> {
 }
 
 fn fit(recording: &Recording, arguments: &Arguments) -> Result<Fit, Error> {
-    let (Kind::Mgpi, Envelope::Tanh) = (arguments.model, arguments.envelope);
     let problem = Problem {
         input: &recording.drive.input.values,
         output: &recording.output.values,
         scored: &recording.drive.scored,
     };
     let options = Options {
+        model: arguments.model.into(),
+        knots: matches!(arguments.envelope, Some(Envelope::Pl)).then_some(arguments.knots),
         plays: arguments.plays,
         dead_zones: arguments.dead_zones,
         starts: arguments.starts,
@@ -193,7 +242,8 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<&Recordin
         Figures::of(&recording.output.values, simulated, &recording.drive.scored)
     };
     let errors = fit.estimates.iter();
-    let errors = errors.filter_map(|estimate| Some((estimate.name.clone(), estimate.standard_error?)));
+    let errors =
+        errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
     Identification {
         tool: TOOL.to_owned(),
         recording: source(recording),
@@ -217,10 +267,10 @@ fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, second
     };
     let parameters = fit.estimates.iter().map(|estimate| {
         json!({
-            "name": estimate.name,
-            "value": estimate.value,
+            "name": estimate.parameter.name,
+            "value": estimate.parameter.value,
             "standard_error": estimate.standard_error,
-            "unit": names.unit(&estimate.name),
+            "unit": names.unit(estimate.parameter.dimension),
         })
     });
     let mut json = json!({
@@ -237,10 +287,16 @@ fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, second
     json
 }
 
-fn print_summary(recording: &Recording, identification: &Identification, fit: &Fit, seconds: f64) {
+fn print_summary(
+    recording: &Recording,
+    identification: &Identification,
+    names: &Names,
+    fit: &Fit,
+    seconds: f64,
+) {
     let Recording { drive, output } = recording;
     let (timing, unit, stroke) = (&drive.timing, output.channel.unit, identification.stroke);
-    say!("model         {}, from {}", recording.columns(), drive.file.display());
+    say!("model         {}: {}, from {}", fit.parameters.kind(), recording.columns(), drive.file.display());
     say!("rows          {}, of which {} are scored", drive.time_s.len(), identification.scored_rows);
     say!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
     say!("stroke        {stroke:.3} {unit}");
@@ -250,9 +306,10 @@ fn print_summary(recording: &Recording, identification: &Identification, fit: &F
     }
     say!("termination   {}", identification.termination);
     say!(
-        "invertible    smallest slope {:.3e} of the plays, {:.3e} {unit} of the dead zones",
-        fit.model.plays().smallest_slope(),
-        fit.model.dead_zones().smallest_slope()
+        "invertible    smallest slope {:.3e} of the plays, {:.3e} {} of what follows",
+        fit.model.smallest_play_slope(),
+        fit.model.smallest_output_slope(),
+        names.unit(slope_dimension(fit.parameters.kind()))
     );
     say!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
 }

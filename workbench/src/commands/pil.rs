@@ -169,8 +169,8 @@ fn rig(text: &str) -> Result<Rig, String> {
 
 /// From the lowest to the highest input that the model is valid for, coming from rest.
 fn stroke_mm(model: &ModelFile) -> f64 {
-    let ends = [model.parameters.input_min, model.parameters.input_max];
-    let contraction_mm = simulate(&model.model, &ends);
+    let (lowest, highest) = model.parameters.input();
+    let contraction_mm = simulate(&model.model, &[lowest, highest]);
     contraction_mm[1] - contraction_mm[0]
 }
 

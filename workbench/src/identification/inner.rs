@@ -1,58 +1,177 @@
 //! The inner output u over a recording, and its sensitivities to the coordinates.
 //!
 //! A play's output is the coordinate v of the moment that last drove it, minus or plus its threshold; so its
-//! derivatives are those of v at that moment, minus or plus that of the threshold. They are carried along
-//! with the play, exactly, with no finite differences.
+//! derivatives are those of v at that moment, minus or plus that of the threshold, exactly, with no finite
+//! differences. The plays that a row drives are always the first ones, and all of them stand on the same v:
+//! the bank is a staircase of a few such corners, and prefix sums over the plays give what a corner
+//! adds. A row costs the same however many plays there are.
+//!
+//! `K` is the capacity for coordinates; what is beyond their number stays 0.
 
-use super::coordinates::{COUNT, Inner};
+use super::data::{Drive, Span};
+use super::envelope::Envelope;
+use super::plays::Plays;
+use super::structure::Structure;
 
-/// u for every normalised input, from rest.
-pub fn simulate(inner: &Inner, inputs: &[f64], u: &mut Vec<f64>) {
-    let mut plays = vec![0.0_f64; inner.thresholds.len()];
-    u.clear();
-    u.extend(inputs.iter().map(|&t| {
-        let v = inner.envelope(t);
-        let mut sum = inner.s * v;
-        for ((z, r), p) in plays.iter_mut().zip(&inner.thresholds).zip(&inner.weights) {
-            // Not f64::clamp: it panics where rounding turns the two limits around.
-            *z = z.max(v - r).min(v + r);
-            sum += p * *z;
-        }
-        sum
-    }));
+/// Envelope and plays at a point of the coordinates.
+#[derive(Clone, Debug)]
+pub struct Inner {
+    /// The normalised envelope.
+    pub envelope: Envelope,
+    /// The normalised plays.
+    pub plays: Plays,
+    /// Number of the envelope's coordinates; those of the plays follow.
+    of_envelope: usize,
 }
 
-/// A play with the derivatives of its output by ln a, b and ln α.
-#[derive(Clone, Copy, Default)]
-struct Play {
-    output: f64,
-    by: [f64; 3],
+/// u at a row, and its derivatives by the coordinates.
+#[derive(Clone, Copy)]
+pub struct Sample<const K: usize> {
+    /// u.
+    pub u: f64,
+    /// Its derivatives.
+    pub by: [f64; K],
 }
 
-/// The derivatives of u by the coordinates for every normalised input, from rest.
-pub fn sensitivities(inner: &Inner, inputs: &[f64]) -> Vec<[f64; COUNT]> {
-    let mut plays = vec![Play::default(); inner.thresholds.len()];
-    let by_logit = inner.s * (1.0 - inner.s);
-    let share = if inner.s < 1.0 { 1.0 / (1.0 - inner.s) } else { 0.0 };
-    let sample = |&t: &f64| {
-        let [v, by_ln_a, by_b] = inner.envelope_derivatives(t);
-        let mut by = [inner.s * by_ln_a, inner.s * by_b, 0.0, 0.0, 0.0];
-        let mut by_s = v;
-        for (i, play) in plays.iter_mut().enumerate() {
-            let (r, p) = (inner.thresholds[i], inner.weights[i]);
-            if v - r > play.output {
-                *play = Play { output: v - r, by: [by_ln_a, by_b, -r] };
-            } else if v + r < play.output {
-                *play = Play { output: v + r, by: [by_ln_a, by_b, r] };
-            }
-            for (sum, derivative) in by.iter_mut().zip(&play.by) {
-                *sum += p * derivative;
-            }
-            by[3] += inner.weights_by_ln_beta[i] * play.output;
-            by_s -= share * p * play.output;
+impl Inner {
+    /// The inner model at a point; as many coordinates as the structure has.
+    pub fn new(structure: &Structure, at: &[f64], span: Span) -> Self {
+        let of_envelope = structure.shape.coordinates().len();
+        Self {
+            envelope: Envelope::new(structure.shape, &at[..of_envelope], span),
+            plays: Plays::new(&at[of_envelope..], structure.plays),
+            of_envelope,
         }
-        by[4] = by_logit * by_s;
-        by
-    };
-    inputs.iter().map(sample).collect()
+    }
+
+    /// u and its derivatives for every input, from rest, of a muscle that is preconditioned or not.
+    pub fn simulate<const K: usize>(&self, drive: &Drive, preconditioned: bool) -> Vec<Sample<K>> {
+        let s = self.plays.s;
+        let (by_logit, share) = (s * (1.0 - s), 1.0 / (1.0 - s));
+        let mut bank = Bank::<K>::at_rest(self);
+        if preconditioned {
+            bank.step(&self.driven(1.0, true));
+            bank.step(&self.driven(0.0, false));
+        }
+        let sample = |(row, (&t, &rising)): (usize, (&f64, &bool))| {
+            let driven = self.driven(t, if row < drive.resting { !preconditioned } else { rising });
+            let plays = bank.step(&driven);
+            let mut by: [f64; K] = std::array::from_fn(|c| s * driven.by[c] + plays.by[c]);
+            by[self.of_envelope + 2] = by_logit * (driven.v - share * plays.sum);
+            Sample { u: s * driven.v + plays.sum, by }
+        };
+        drive.inputs.iter().zip(&drive.rising).enumerate().map(sample).collect()
+    }
+
+    /// What an input drives the plays with.
+    fn driven<const K: usize>(&self, t: f64, rising: bool) -> Driven<K> {
+        let mut by = [0.0; K];
+        let v = self.envelope.sample(t, rising, &mut by[..self.of_envelope]);
+        Driven { v, by, sign: if rising { 1.0 } else { -1.0 } }
+    }
+}
+
+/// What drives the plays: v, its derivatives by the envelope's coordinates, and the direction.
+#[derive(Clone, Copy)]
+struct Driven<const K: usize> {
+    v: f64,
+    by: [f64; K],
+    /// zᵢ = v - sign rᵢ of the plays that it drives: 1 rising, -1 falling, 0 at rest.
+    sign: f64,
+}
+
+/// Σ pᵢ zᵢ over some plays, and its derivatives by the coordinates but the share of the direct term.
+#[derive(Clone, Copy)]
+struct Part<const K: usize> {
+    sum: f64,
+    by: [f64; K],
+}
+
+/// Sums over the first plays of: p, p r, and the derivatives of both by ln β.
+type Prefix = [f64; 4];
+
+/// Plays whose outputs all stand on one v.
+#[derive(Clone, Copy)]
+struct Corner<const K: usize> {
+    driven: Driven<K>,
+    /// One past the last play of the corner; it begins where the corner above it ends.
+    end: usize,
+    /// What the plays from `end` on add.
+    beyond: Part<K>,
+}
+
+/// The plays as a staircase.
+struct Bank<'a, const K: usize> {
+    thresholds: &'a [f64],
+    prefixes: Vec<Prefix>,
+    of_envelope: usize,
+    /// The corner of the largest thresholds first.
+    corners: Vec<Corner<K>>,
+}
+
+impl<const K: usize> Driven<K> {
+    /// Whether a play of threshold `r` that stands on this v is driven by the next.
+    fn yields(&self, r: f64, next: &Self) -> bool {
+        (1.0 - next.sign * self.sign) * r < next.sign * (next.v - self.v)
+    }
+}
+
+impl<const K: usize> Part<K> {
+    const NONE: Self = Self { sum: 0.0, by: [0.0; K] };
+
+    fn plus(&self, other: &Self) -> Self {
+        Self { sum: self.sum + other.sum, by: std::array::from_fn(|c| self.by[c] + other.by[c]) }
+    }
+}
+
+impl<'a, const K: usize> Bank<'a, K> {
+    /// Plays that rested at 0 and were then brought to the lowest input.
+    fn at_rest(inner: &'a Inner) -> Self {
+        let Plays { thresholds, weights, weights_by_ln_beta, .. } = &inner.plays;
+        let mut prefixes = vec![[0.0; 4]];
+        let mut sums = [0.0; 4];
+        for ((r, p), by_ln_beta) in thresholds.iter().zip(weights).zip(weights_by_ln_beta) {
+            let terms = [*p, p * r, *by_ln_beta, by_ln_beta * r];
+            sums = std::array::from_fn(|i| sums[i] + terms[i]);
+            prefixes.push(sums);
+        }
+        let rest = Driven { v: 0.0, by: [0.0; K], sign: 0.0 };
+        let corner = Corner { driven: rest, end: thresholds.len(), beyond: Part::NONE };
+        let mut bank = Self { thresholds, prefixes, of_envelope: inner.of_envelope, corners: vec![corner] };
+        let (lowest, _) = inner.envelope.ends();
+        bank.step(&Driven { v: lowest, sign: lowest.signum(), ..rest });
+        bank
+    }
+
+    /// What the plays from `begin` to `end`, which stand on one v, add.
+    fn part(&self, driven: &Driven<K>, begin: usize, end: usize) -> Part<K> {
+        let (from, to) = (&self.prefixes[begin], &self.prefixes[end]);
+        let [p, pr, p_by_ln_beta, pr_by_ln_beta] = std::array::from_fn(|i| to[i] - from[i]);
+        let mut by = std::array::from_fn(|c| driven.by[c] * p);
+        // Thresholds are proportional to α.
+        by[self.of_envelope] = -driven.sign * pr;
+        by[self.of_envelope + 1] = driven.v * p_by_ln_beta - driven.sign * pr_by_ln_beta;
+        Part { sum: driven.v * p - driven.sign * pr, by }
+    }
+
+    /// Moves the plays; what they add to u.
+    fn step(&mut self, next: &Driven<K>) -> Part<K> {
+        let mut count = 0;
+        let mut beyond = Part::NONE;
+        while let Some(corner) = self.corners.last() {
+            while count < corner.end && corner.driven.yields(self.thresholds[count], next) {
+                count += 1;
+            }
+            if count < corner.end {
+                beyond = self.part(&corner.driven, count, corner.end).plus(&corner.beyond);
+                break;
+            }
+            self.corners.pop();
+        }
+        if count == 0 {
+            return beyond;
+        }
+        self.corners.push(Corner { driven: *next, end: count, beyond });
+        self.part(next, 0, count).plus(&beyond)
+    }
 }

@@ -1,58 +1,68 @@
-//! Identification of the MGPI model by Levenberg-Marquardt with variable projection.
+//! Identification of the models of the family by Levenberg-Marquardt with variable projection.
 //!
 //! # Design
 //! | file | what it does |
 //! |---|---|
-//! | `coordinates` | removes the model's two exact scalings: five nonlinear coordinates, bounded smoothly |
+//! | `data` | the recording, checked and normalised |
+//! | `structure` | the parts of a model of the family |
+//! | `coordinates` | the nonlinear coordinates, bounded smoothly |
+//! | `envelope`, `plays` | the parts in normalised form, without the model's two exact scalings |
 //! | `inner` | u over the recording and its exact sensitivities |
-//! | `projection`, `nnls` | offset and slopes of the dead zones, linear and kept positive |
+//! | `projection`, `nnls` | offset, slopes of the dead zones and added functions, linear and kept positive |
 //! | `problem` | the reduced problem and its Jacobian, for the Levenberg-Marquardt kernel (MINPACK's, crate `levenberg-marquardt`) |
 //! | `starts` | where the searches begin |
+//! | `raw`, [`named`] | the way to the raw parameters, and their names |
 //! | `uncertainty` | standard errors of the raw parameters |
 //!
 //! The problem has several minima, so that many starts are tried side by side: each gets a few steps, then
 //! the best quarter goes on to convergence. The answer depends on the seed, not on the number of threads.
 //!
 //! # Contract
-//! Whatever the recording is, the result is a validated, invertible model or a typed error. The muscle is
-//! taken to have come from rest at the lowest input; rows that do not count (`scored` false) still
-//! drive it.
+//! Whatever the recording is, the result is a validated, invertible model or a typed error. Before the recording the
+//! muscle is taken to have come from rest at the lowest input, either preconditioned by a full cycle or, if that fits
+//! clearly better, fresh. Rows that do not count (`scored` false) still drive it.
 //!
 //! # Limits
 //! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the model's
 //! validity range.
 
 mod coordinates;
+mod data;
+mod envelope;
+mod error;
 mod inner;
+pub mod named;
 mod nnls;
+mod plays;
 mod problem;
 mod projection;
+mod raw;
 mod starts;
+mod structure;
 mod uncertainty;
 
-use std::fmt;
-
 use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
-use model_core::dead_zone::DeadZoneParameters;
-use model_core::play::PlayParameters;
-use model_core::{Hysteresis, Invertible, Mgpi, MgpiParameters, ParameterError};
+use model_core::envelope::KNOTS;
+use model_core::{Hysteresis, Invertible, Kind, Model, ModelParameters, ParameterError};
 use rayon::prelude::*;
 
-use coordinates::{Bounds, COUNT};
-use problem::{Data, Point, Problem as Reduced};
+use data::{Data, normalise};
+pub use error::IdentificationError;
+use named::Named;
+use problem::{Point, Problem as Reduced};
+use starts::Start;
 
 /// The largest number of plays of a model on the host.
 pub const PLAYS: usize = 128;
 /// The largest number of dead zones of a model on the host.
 pub const DEAD_ZONES: usize = 128;
 /// Raw parameters of a model on the host.
-pub type HostParameters = MgpiParameters<f64, PLAYS, DEAD_ZONES>;
+pub type HostParameters = ModelParameters<f64, PLAYS, DEAD_ZONES>;
 /// A model on the host.
-pub type HostModel = Mgpi<f64, PLAYS, DEAD_ZONES>;
+pub type HostModel = Model<f64, PLAYS, DEAD_ZONES>;
 
-/// The smallest slope that the dead-zone stage may get, as a share of the mean slope: how far a model is
-/// kept from being non-invertible.
-const LEAST_SLOPE: f64 = 1e-2;
+/// The share by which the sum of squares of a fresh muscle has to be smaller to be believed.
+const CLEARLY: f64 = 0.02;
 /// Evaluations per coordinate that every start gets.
 const SCREENING: usize = 4;
 /// Evaluations per coordinate that the best starts get.
@@ -72,9 +82,13 @@ pub struct Problem<'a> {
 /// How to identify.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
+    /// Which model.
+    pub model: Kind,
+    /// A piecewise-linear envelope with so many knots, 3 to [`KNOTS`], for models with one envelope; without, tanh.
+    pub knots: Option<usize>,
     /// Number of plays, 1 to [`PLAYS`].
     pub plays: usize,
-    /// Number of dead zones, 1 to [`DEAD_ZONES`].
+    /// Number of dead zones, 1 to [`DEAD_ZONES`], for models that have them.
     pub dead_zones: usize,
     /// Number of starts, at least 1.
     pub starts: usize,
@@ -98,10 +112,8 @@ pub struct Density {
 /// A raw parameter with its standard error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// Name: c0 … c3, q, rho, tau, alpha, w0 …, offset.
-    pub name: String,
-    /// Value, in the raw parameters' units.
-    pub value: f64,
+    /// Name, value and dimension.
+    pub parameter: Named,
     /// Standard error in the same unit, for independent residuals; None where a bound binds.
     pub standard_error: Option<f64>,
 }
@@ -134,60 +146,7 @@ pub struct Fit {
     pub starts: usize,
 }
 
-/// Why nothing can be identified.
-#[derive(Clone, Debug, PartialEq)]
-pub enum IdentificationError {
-    /// Lists of different length.
-    Lengths,
-    /// A size outside its limits: its name, value and largest value.
-    Size(&'static str, usize, usize),
-    /// Fewer rows that count than parameters.
-    TooFewRows {
-        /// Rows that count.
-        rows: usize,
-        /// Parameters to find.
-        parameters: usize,
-    },
-    /// A number that is not finite: the list's name and the row, counted from 0.
-    NotFinite(&'static str, usize),
-    /// The input never changes; its value.
-    ConstantInput(f64),
-    /// The output never changes; its value.
-    ConstantOutput(f64),
-    /// The best model found is not valid.
-    Invalid(ParameterError),
-    /// The threads could not be started.
-    Threads(String),
-}
-
-impl fmt::Display for IdentificationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Lengths => write!(f, "input, output and scored rows differ in number"),
-            Self::Size(name, value, max) => write!(f, "number of {name} is {value}, must be 1 to {max}"),
-            Self::TooFewRows { rows, parameters } => {
-                write!(
-                    f,
-                    "{rows} rows count, but the model has {parameters} parameters: record more, or use fewer"
-                )
-            }
-            Self::NotFinite(list, row) => write!(f, "{list} of row {row} is not a finite number"),
-            Self::ConstantInput(value) => {
-                write!(f, "the input is constant ({value}): nothing can be identified")
-            }
-            Self::ConstantOutput(value) => {
-                write!(f, "the output is constant ({value}): nothing can be identified")
-            }
-            Self::Invalid(error) => write!(f, "the best model found is not valid: {error}"),
-            Self::Threads(error) => write!(f, "the threads of the search could not be started: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for IdentificationError {}
-
-/// Identifies an MGPI model. `progress` is called with the number of searches done, at most
-/// [`searches`] times.
+/// Identifies a model. `progress` is called with the number of searches done, at most [`searches`] times.
 ///
 /// # Errors
 /// See [`IdentificationError`].
@@ -196,18 +155,32 @@ pub fn identify(
     options: &Options,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Result<Fit, IdentificationError> {
-    let (data, span) = normalise(problem, options)?;
-    let bounds = Bounds::new(options.plays);
+    let data = normalise(problem, options)?;
+    // The next larger of a few capacities for coordinates.
+    match data.coordinates.len() {
+        0..=5 => find::<5>(problem, options, &data, progress),
+        6..=8 => find::<8>(problem, options, &data, progress),
+        9..=16 => find::<16>(problem, options, &data, progress),
+        _ => find::<{ KNOTS + 1 }>(problem, options, &data, progress),
+    }
+}
+
+fn find<const K: usize>(
+    problem: &Problem<'_>,
+    options: &Options,
+    data: &Data,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Result<Fit, IdentificationError> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
         .map_err(|error| IdentificationError::Threads(error.to_string()))?;
     let done = std::sync::atomic::AtomicUsize::new(0);
-    let search_all = |starts: &[[f64; COUNT]], patience: usize| {
+    let search_all = |starts: &[Start], patience: usize| {
         let mut ends: Vec<_> = starts
             .par_iter()
             .map(|start| {
-                let end = search(&data, bounds, start, patience);
+                let end = search::<K>(data, start, patience);
                 progress(1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
                 end
             })
@@ -216,116 +189,75 @@ pub fn identify(
         ends.sort_by(|(one, _), (other, _)| one.cost().total_cmp(&other.cost()));
         ends
     };
-    let (point, reason) = pool
-        .install(|| {
-            let screened = search_all(&starts::starts(options), SCREENING);
-            let best: Vec<_> =
-                screened.iter().take(finalists(options.starts)).map(|(point, _)| point.coordinates).collect();
-            drop(screened);
-            search_all(&best, CONVERGENCE).into_iter().next()
-        })
-        .ok_or(IdentificationError::Size("starts", 0, usize::MAX))?;
-    finish(problem, options, &data, &bounds, span, &point, reason)
+    let ends = pool.install(|| {
+        let screened =
+            search_all(&starts::starts(&data.coordinates, options.starts, options.seed), SCREENING);
+        let (preconditioned, fresh): (Vec<Start>, Vec<Start>) =
+            screened.into_iter().map(|(point, _)| point.at).partition(|at| at.preconditioned);
+        let best = [preconditioned, fresh].map(|starts| starts.into_iter().take(finalists(options.starts)));
+        search_all(&best.into_iter().flatten().collect::<Vec<_>>(), CONVERGENCE)
+    });
+    let ends = prefer_preconditioned(ends);
+    // The best end whose model has an inverse; that of most models is certain, that of the extended one is not.
+    let mut refusal = IdentificationError::Size("starts", options.starts, [1, usize::MAX]);
+    for (point, reason) in ends {
+        match finish(problem, options, data, &point, &reason) {
+            Ok(fit) => return Ok(fit),
+            Err(error) => refusal = IdentificationError::Invalid(error),
+        }
+    }
+    Err(refusal)
+}
+
+/// The ends, best first. Muscles that are measured have mostly been moved before: that one is fresh has to show,
+/// where the recording begins, in a clearly smaller error.
+fn prefer_preconditioned<const K: usize>(mut ends: Vec<End<'_, K>>) -> Vec<End<'_, K>> {
+    if let Some(place) = ends.iter().position(|(point, _)| point.at.preconditioned) {
+        let (best, preconditioned) = (ends[0].0.cost(), ends[place].0.cost());
+        if preconditioned * (1.0 - CLEARLY) <= best {
+            ends[..=place].rotate_right(1);
+        }
+    }
+    ends
 }
 
 /// How many searches [`identify`] makes for a number of starts: all of them briefly, the best ones to the
 /// end.
 pub fn searches(starts: usize) -> usize {
-    starts + finalists(starts)
+    starts::number(starts) + 2 * finalists(starts)
 }
 
+/// How many of a fresh and how many of a preconditioned muscle.
 fn finalists(starts: usize) -> usize {
-    starts.div_ceil(4)
+    starts.div_ceil(8)
 }
 
-/// Lowest input and span of the inputs. Input unit.
-type Span = (f64, f64);
+/// Where a search ended, and why.
+type End<'a, const K: usize> = (Point<'a, K>, TerminationReason);
 
-fn normalise(problem: &Problem<'_>, options: &Options) -> Result<(Data, Span), IdentificationError> {
-    let Problem { input, output, scored } = *problem;
-    if input.len() != output.len() || input.len() != scored.len() {
-        return Err(IdentificationError::Lengths);
-    }
-    for (name, value, max) in [
-        ("plays", options.plays, PLAYS),
-        ("dead zones", options.dead_zones, DEAD_ZONES),
-        ("starts", options.starts, usize::MAX),
-    ] {
-        if value == 0 || value > max {
-            return Err(IdentificationError::Size(name, value, max));
-        }
-    }
-    for (name, list) in [("input", input), ("output", output)] {
-        if let Some(row) = list.iter().position(|value| !value.is_finite()) {
-            return Err(IdentificationError::NotFinite(name, row));
-        }
-    }
-    let rows: Vec<usize> = (0..scored.len()).filter(|&row| scored[row]).collect();
-    let parameters = COUNT + 1 + options.dead_zones;
-    if rows.len() <= parameters {
-        return Err(IdentificationError::TooFewRows { rows: rows.len(), parameters });
-    }
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
-    };
-    let (low, high) = range(&mut input.iter().copied());
-    if low == high {
-        return Err(IdentificationError::ConstantInput(low));
-    }
-    let (output_low, output_high) = range(&mut rows.iter().map(|&row| output[row]));
-    if output_low == output_high {
-        return Err(IdentificationError::ConstantOutput(output_low));
-    }
-    let span = (low, high - low);
-    let data = Data {
-        inputs: input.iter().map(|x| (x - low) / span.1).collect(),
-        outputs: rows.iter().map(|&row| output[row]).collect(),
-        rows,
-        least_slope: LEAST_SLOPE * (output_high - output_low),
-        plays: options.plays,
-        dead_zones: options.dead_zones,
-    };
-    Ok((data, span))
-}
-
-fn search(data: &Data, bounds: Bounds, start: &[f64; COUNT], patience: usize) -> (Point, TerminationReason) {
+fn search<'a, const K: usize>(data: &'a Data, start: &Start, patience: usize) -> End<'a, K> {
     let kernel =
         LevenbergMarquardt::new().with_ftol(1e-9).with_xtol(1e-9).with_gtol(1e-9).with_patience(patience);
-    let (problem, report) = kernel.minimize(Reduced::new(data, bounds, start));
+    let (problem, report) = kernel.minimize(Reduced::new(data, start));
     (problem.into_point(), report.termination)
 }
 
-fn finish(
+fn finish<const K: usize>(
     problem: &Problem<'_>,
     options: &Options,
     data: &Data,
-    bounds: &Bounds,
-    (low, span): Span,
-    point: &Point,
-    reason: TerminationReason,
-) -> Result<Fit, IdentificationError> {
-    let (rho, tau) = point.inner.rho_and_tau();
-    let density = Density { rho, tau, alpha: point.inner.alpha };
-    let plays = PlayParameters::exponential(options.plays, point.inner.s, rho, tau, density.alpha);
-    let width = point.segments.width();
-    let parameters = HostParameters {
-        envelope: point.inner.raw_envelope(low, span),
-        plays: plays.map_err(IdentificationError::Invalid)?,
-        dead_zones: DeadZoneParameters {
-            thresholds: (0..options.dead_zones).map(|j| j as f64 * width).collect(),
-            weights: point.linear.weights().into_iter().collect(),
-            offset: point.linear.offset,
-        },
-        input_min: low,
-        input_max: low + span,
-    };
-    let model = HostModel::try_new(&parameters).map_err(IdentificationError::Invalid)?;
-    model.inverse().map_err(IdentificationError::Invalid)?;
+    point: &Point<'_, K>,
+    reason: &TerminationReason,
+) -> Result<Fit, ParameterError> {
+    let (parameters, density) =
+        raw::parameters(&data.structure, &point.inner, &point.columns.grid, &point.linear, data.span)?;
+    let parameters = parameters.with_preconditioned(point.at.preconditioned);
+    let model = HostModel::try_new(&parameters)?;
+    model.inverse()?;
     Ok(Fit {
         simulated: simulate(&model, problem.input),
-        estimates: uncertainty::estimates(data, bounds, (low, span), point),
-        termination: Termination { reason: in_words(&reason), converged: reason.was_successful() },
+        estimates: uncertainty::estimates(data, point)?,
+        termination: Termination { reason: in_words(reason), converged: reason.was_successful() },
         starts: options.starts,
         model,
         parameters,

@@ -1,163 +1,206 @@
-//! The reduced least-squares problem: five nonlinear coordinates, the rest projected out.
+//! The reduced least-squares problem: the nonlinear coordinates, the rest projected out.
 //!
 //! Variable projection (Golub and Pereyra 1973) with Kaufman's Jacobian (1975), whose gradient is exact: the
 //! derivative of the model at fixed linear coefficients, less its part in the span of the free linear
-//! columns. Slopes that stand at their bound do not take part.
+//! columns. Coefficients that stand at their bound do not take part.
+//!
+//! Levenberg-Marquardt needs of residuals r and Jacobian J only |r|, Jᵀr and JᵀJ. So a recording's thousands
+//! of rows are summed up once, and the kernel gets one row more than coordinates, of the same norm and products: a
+//! square root of JᵀJ, and r turned the same way, with all that lies across J in the last row.
+//!
+//! `K` is the capacity for coordinates: a few sizes are compiled, and loops over rows have fixed lengths.
 
 use levenberg_marquardt::LeastSquaresProblem;
-use nalgebra::{DMatrix, DVector, Dyn, OMatrix, OVector, Owned, U5, Vector5};
+use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
-use super::coordinates::{Bounds, COUNT, Inner};
-use super::inner::{sensitivities, simulate};
-use super::projection::{Linear, Segments};
+use super::coordinates::{bounded, unbounded};
+use super::data::Data;
+use super::inner::{Inner, Sample};
+use super::plays;
+use super::projection::{Columns, Grid, Linear};
+use super::starts::Start;
 
-/// A recording, normalised for the search.
-pub struct Data {
-    /// All inputs, 0 … 1 over their span.
-    pub inputs: Vec<f64>,
-    /// The rows that count.
-    pub rows: Vec<usize>,
-    /// The outputs of those rows. Output unit.
-    pub outputs: Vec<f64>,
-    /// The smallest slope allowed. Output unit per unit of u.
-    pub least_slope: f64,
-    /// Number of plays.
-    pub plays: usize,
-    /// Number of dead zones, at least 1.
-    pub dead_zones: usize,
-}
+/// The least eigenvalue that JᵀJ of unit diagonal may have: the rounding of its sums.
+const LEAST_EIGENVALUE: f64 = 1e-12;
 
 /// The problem at a point.
-pub struct Problem<'a> {
+pub struct Problem<'a, const K: usize> {
     data: &'a Data,
-    bounds: Bounds,
-    variables: Vector5<f64>,
-    scales: [f64; COUNT],
-    point: Point,
+    variables: DVector<f64>,
+    point: Point<'a, K>,
+    residuals: DVector<f64>,
+    jacobian: DMatrix<f64>,
 }
 
 /// The model and its residuals at a point of the coordinates.
-pub struct Point {
-    /// The coordinates.
-    pub coordinates: [f64; COUNT],
+pub struct Point<'a, const K: usize> {
+    /// The coordinates, and whether the muscle is preconditioned.
+    pub at: Start,
     /// Envelope and plays.
     pub inner: Inner,
-    /// Where the rows lie.
-    pub segments: Segments,
-    /// Offset and slopes.
+    /// u at the rows that count, and its derivatives.
+    samples: Vec<Sample<K>>,
+    /// The linear columns.
+    pub columns: Columns<'a>,
+    /// Their coefficients.
     pub linear: Linear,
     /// Model less measurement for each row that counts. Output unit.
-    pub residuals: DVector<f64>,
+    pub residuals: Vec<f64>,
+    /// Derivatives of the grid's origin and width by the coordinates.
+    grid_by: [[f64; K]; 2],
 }
 
-impl Point {
+/// Sums over the rows that count, with the derivatives of the model by the coordinates as the columns of J.
+pub struct Products {
+    /// JᵀJ.
+    pub own: DMatrix<f64>,
+    /// ΦᵀJ, a row for each linear column.
+    pub mixed: DMatrix<f64>,
+    /// Jᵀr.
+    gradient: DVector<f64>,
+}
+
+/// The grid of the memoryless stage over all that u reaches on the first loading, and the derivatives of
+/// its origin and width by the coordinates. No knot lies at u = 0 but the origin.
+pub fn grid<const K: usize>(inner: &Inner, count: usize, coordinates: usize) -> (Grid, [[f64; K]; 2]) {
+    let (lowest, highest) = inner.envelope.ends();
+    let ((low, low_by), (high, high_by)) = (inner.plays.loading(lowest), inner.plays.loading(highest));
+    let width = (high - low) / count as f64;
+    // From the lowest u on; where u has both signs, half a segment to each side of 0.
+    let segments_below = (low < 0.0 && high > 0.0).then(|| (-low / width - 0.5).round() + 0.5);
+    let origin = segments_below.map_or(low, |segments| -segments * width);
+    let mut by = [[0.0; K]; 2];
+    for (i, c) in (coordinates - plays::COUNT..coordinates).enumerate() {
+        by[1][c] = (high_by[i] - low_by[i]) / count as f64;
+        by[0][c] = segments_below.map_or(low_by[i], |segments| -segments * by[1][c]);
+    }
+    (Grid { count, origin, width }, by)
+}
+
+impl<'a, const K: usize> Point<'a, K> {
     /// Evaluates the model, the linear part at its best.
-    pub fn new(data: &Data, coordinates: [f64; COUNT]) -> Self {
-        let inner = Inner::new(&coordinates, data.plays);
-        let mut u = Vec::with_capacity(data.inputs.len());
-        simulate(&inner, &data.inputs, &mut u);
-        let segments = Segments::new(data.rows.iter().map(|&row| u[row]), inner.u_max(), data.dead_zones);
-        let linear = segments.fit(&data.outputs, data.least_slope);
-        let model = segments.evaluate(&linear.coefficients()).collect::<Vec<_>>();
-        let residuals = DVector::from_iterator(
-            data.outputs.len(),
-            model.iter().zip(&data.outputs).map(|(model, measured)| model - measured),
-        );
-        Self { coordinates, inner, segments, linear, residuals }
+    pub fn new(data: &'a Data, at: Start) -> Self {
+        let inner = Inner::new(&data.structure, &at.coordinates, data.span);
+        let all = inner.simulate(&data.drive, at.preconditioned);
+        let samples: Vec<Sample<K>> = data.rows.iter().map(|&row| all[row]).collect();
+        let (grid, grid_by) = grid(&inner, data.structure.segments, at.coordinates.len());
+        let columns = Columns::new(samples.iter().map(|sample| sample.u), grid, &data.added);
+        let linear = columns.fit(&data.outputs, data.least_slope);
+        let model = columns.evaluate(&linear);
+        let residuals = model.iter().zip(&data.outputs).map(|(model, measured)| model - measured).collect();
+        Self { at, inner, samples, columns, linear, residuals, grid_by }
     }
 
     /// Sum of the squared residuals.
     pub fn cost(&self) -> f64 {
-        self.residuals.norm_squared()
+        self.residuals.iter().map(|residual| residual * residual).sum()
     }
 
-    /// The derivatives of the model by the coordinates at fixed linear coefficients: a column each.
-    pub fn derivatives(&self, data: &Data) -> OMatrix<f64, Dyn, U5> {
-        let by_u_max = self.inner.u_max_derivatives();
-        let sensitivities = sensitivities(&self.inner, &data.inputs);
-        let weights = self.linear.weights();
-        // The knots dⱼ = j u_max/m move with u_max: each one passed takes wⱼ j/m with it.
+    /// The sums of products of the model's derivatives by the coordinates, at fixed linear coefficients.
+    pub fn products(&self) -> Products {
+        // y = offset + Σ_{j<i} sⱼ width + sᵢ (u - origin - i width) in segment i.
         let mut passed = 0.0;
-        let knots: Vec<f64> = weights
+        let by_width: Vec<f64> = self
+            .linear
+            .slopes
             .iter()
             .enumerate()
-            .map(|(j, weight)| {
-                passed += weight * j as f64 / weights.len() as f64;
-                passed
+            .map(|(i, slope)| {
+                let this = passed - slope * i as f64;
+                passed += slope;
+                this
             })
             .collect();
-        let mut columns = OMatrix::<f64, Dyn, U5>::zeros(data.rows.len());
-        for (i, (&row, &(segment, _))) in data.rows.iter().zip(self.segments.places()).enumerate() {
-            for c in 0..COUNT {
-                columns[(i, c)] =
-                    self.linear.slopes[segment] * sensitivities[row][c] - knots[segment] * by_u_max[c];
+        let [origin_by, width_by] = &self.grid_by;
+        let derivatives = self.samples.iter().zip(self.columns.places()).map(|(sample, &(segment, _))| {
+            let (slope, by_width) = (self.linear.slopes[segment], by_width[segment]);
+            std::array::from_fn::<f64, K, _>(|c| {
+                slope * (sample.by[c] - origin_by[c]) + by_width * width_by[c]
+            })
+        });
+        let mixed = self.columns.moments(derivatives.clone());
+        let mut own = [[0.0; K]; K];
+        let mut gradient = [0.0; K];
+        for (derivatives, residual) in derivatives.zip(&self.residuals) {
+            for (c, derivative) in derivatives.iter().enumerate() {
+                gradient[c] += derivative * residual;
+                for (sum, other) in own[c].iter_mut().zip(&derivatives) {
+                    *sum += derivative * other;
+                }
             }
         }
-        columns
+        let count = self.at.coordinates.len();
+        Products {
+            own: DMatrix::from_fn(count, count, |i, j| own[i][j]),
+            mixed: DMatrix::from_fn(mixed.nrows(), count, |i, j| mixed[(i, j)]),
+            gradient: DVector::from_fn(count, |i, _| gradient[i]),
+        }
     }
 
-    /// Takes out of each column its part in the span of the free linear columns.
-    fn project(&self, columns: &mut OMatrix<f64, Dyn, U5>) {
+    /// The few rows that stand for all: residuals and Jacobian, the free linear columns projected out.
+    fn condense(&self) -> (DVector<f64>, DMatrix<f64>) {
+        let Products { mut own, mixed, gradient } = self.products();
         let places: Vec<usize> = (0..self.linear.free.len()).filter(|&j| self.linear.free[j]).collect();
-        let gram: DMatrix<f64> = self.segments.gram().select_rows(&places).select_columns(&places);
+        let gram = self.columns.gram.select_rows(&places).select_columns(&places);
         // Segments without a row make ΦᵀΦ singular; the pseudo-inverse leaves them out.
-        let Ok(inverse) = gram.pseudo_inverse(1e-12 * self.residuals.len() as f64) else {
-            return;
-        };
-        for mut column in columns.column_iter_mut() {
-            let moments = self.segments.moments(column.iter().copied()).select_rows(&places);
-            let solution = &inverse * moments;
-            let mut coefficients = vec![0.0; self.linear.free.len()];
-            for (place, value) in places.iter().zip(solution.iter()) {
-                coefficients[*place] = *value;
-            }
-            for (element, part) in column.iter_mut().zip(self.segments.evaluate(&coefficients)) {
-                *element -= part;
-            }
+        if let Ok(inverse) = gram.pseudo_inverse(1e-12 * self.residuals.len() as f64) {
+            let mixed = mixed.select_rows(&places);
+            own -= mixed.transpose() * inverse * mixed;
         }
+        // Unit diagonal first: the columns differ by orders of magnitude.
+        let lengths = own.diagonal().map(|square| if square > 0.0 { square.sqrt() } else { 1.0 });
+        let eigen = own.component_div(&(&lengths * lengths.transpose())).symmetric_eigen();
+        // What is below the rounding of the sums is no direction at all.
+        let roots = eigen.eigenvalues.map(|value| value.max(LEAST_EIGENVALUE).sqrt());
+        let turned =
+            (eigen.eigenvectors.transpose() * gradient.component_div(&lengths)).component_div(&roots);
+        let factor = DMatrix::from_diagonal(&roots)
+            * eigen.eigenvectors.transpose()
+            * DMatrix::from_diagonal(&lengths);
+        let across = (self.cost() - turned.norm_squared()).max(0.0).sqrt();
+        let count = lengths.len();
+        (turned.push(across), factor.insert_row(count, 0.0))
     }
 }
 
-impl<'a> Problem<'a> {
+impl<'a, const K: usize> Problem<'a, K> {
     /// The problem at a start.
-    pub fn new(data: &'a Data, bounds: Bounds, start: &[f64; COUNT]) -> Self {
-        let variables = Vector5::from(bounds.variables(start));
-        let (coordinates, scales) = bounds.coordinates(&variables.into());
-        Self { data, bounds, variables, scales, point: Point::new(data, coordinates) }
+    pub fn new(data: &'a Data, start: &Start) -> Self {
+        Self::at(data, unbounded(&data.coordinates, &start.coordinates), start.preconditioned)
+    }
+
+    fn at(data: &'a Data, variables: DVector<f64>, preconditioned: bool) -> Self {
+        let (coordinates, scales) = bounded(&data.coordinates, &variables);
+        let point = Point::new(data, Start { coordinates, preconditioned });
+        let (residuals, factor) = point.condense();
+        let jacobian = factor * DMatrix::from_diagonal(&DVector::from_vec(scales));
+        Self { data, variables, point, residuals, jacobian }
     }
 
     /// The point where the problem stands.
-    pub fn into_point(self) -> Point {
+    pub fn into_point(self) -> Point<'a, K> {
         self.point
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, U5> for Problem<'_> {
+impl<const K: usize> LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, K> {
     type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, U5>;
-    type ParameterStorage = Owned<f64, U5>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
 
-    fn set_params(&mut self, variables: &OVector<f64, U5>) {
-        self.variables.copy_from(variables);
-        let coordinates;
-        (coordinates, self.scales) = self.bounds.coordinates(&self.variables.into());
-        self.point = Point::new(self.data, coordinates);
+    fn set_params(&mut self, variables: &DVector<f64>) {
+        *self = Self::at(self.data, variables.clone(), self.point.at.preconditioned);
     }
 
-    fn params(&self) -> OVector<f64, U5> {
-        self.variables
+    fn params(&self) -> DVector<f64> {
+        self.variables.clone()
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        Some(self.point.residuals.clone())
+        Some(self.residuals.clone())
     }
 
-    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U5>> {
-        let mut columns = self.point.derivatives(self.data);
-        self.point.project(&mut columns);
-        for (mut column, scale) in columns.column_iter_mut().zip(self.scales) {
-            column *= scale;
-        }
-        Some(columns)
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        Some(self.jacobian.clone())
     }
 }

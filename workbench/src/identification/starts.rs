@@ -4,44 +4,53 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::Options;
-use super::coordinates::COUNT;
+use super::coordinates::Coordinate;
 
-/// The first primes: the bases of the sequence.
-const BASES: [u32; COUNT] = [2, 3, 5, 7, 11];
-
-/// The starting coordinates.
-pub fn starts(options: &Options) -> Vec<[f64; COUNT]> {
-    let mut random = ChaCha8Rng::seed_from_u64(options.seed);
-    let shift: [f64; COUNT] = std::array::from_fn(|_| random.random());
-    (1..=options.starts).map(|i| start(options.plays as f64, i as u32, &shift)).collect()
+/// Where a search begins.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// The coordinates.
+    pub coordinates: Vec<f64>,
+    /// Whether the muscle has been through its whole range before the recording.
+    pub preconditioned: bool,
 }
 
-fn start(plays: f64, index: u32, shift: &[f64; COUNT]) -> [f64; COUNT] {
-    // Lower and upper end of: ln a, b, ln of the largest threshold, ln of the total decay, logit s.
-    let ranges = [
-        (0.4_f64.ln(), 4_f64.ln()),
-        (-2.0, 1.0),
-        (0.15_f64.ln(), 1.2_f64.ln()),
-        (0.5_f64.ln(), 8_f64.ln()),
-        (-3.0, 1.5),
-    ];
-    let mut coordinates = std::array::from_fn(|c| {
-        let share = (radical_inverse(index, BASES[c]) + shift[c]).fract();
-        ranges[c].0 + share * (ranges[c].1 - ranges[c].0)
-    });
-    // From the whole bank to a single step of it.
-    coordinates[2] -= plays.ln();
-    coordinates[3] -= plays.ln();
-    coordinates
+/// `count` starts: each point for a fresh muscle and for a preconditioned one, since what was before a recording only the
+/// fit can tell.
+pub fn starts(coordinates: &[Coordinate], count: usize, seed: u64) -> Vec<Start> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let shifts: Vec<f64> = coordinates.iter().map(|_| random.random()).collect();
+    let bases: Vec<u32> = primes().take(coordinates.len()).collect();
+    let start = |index: usize| {
+        let point = index.div_ceil(2);
+        let one = |((coordinate, shift), base): ((&Coordinate, &f64), &u32)| {
+            let (low, high) = coordinate.starts;
+            low + (radical_inverse(point, *base) + shift).fract() * (high - low)
+        };
+        Start {
+            coordinates: coordinates.iter().zip(&shifts).zip(&bases).map(one).collect(),
+            preconditioned: index.is_multiple_of(2),
+        }
+    };
+    (1..=number(count)).map(start).collect()
+}
+
+/// How many starts are made where `count` are asked for: at least one of each kind.
+pub fn number(count: usize) -> usize {
+    count.max(2)
+}
+
+/// The primes: the bases of the sequence.
+fn primes() -> impl Iterator<Item = u32> {
+    (2..).filter(|&n| (2..n).take_while(|k| k * k <= n).all(|k| n % k != 0))
 }
 
 /// The digits of `index` in `base`, mirrored at the point.
-fn radical_inverse(mut index: u32, base: u32) -> f64 {
+fn radical_inverse(mut index: usize, base: u32) -> f64 {
     let (mut value, mut place) = (0.0, 1.0 / f64::from(base));
     while index > 0 {
-        value += f64::from(index % base) * place;
-        index /= base;
+        value += (index % base as usize) as f64 * place;
+        index /= base as usize;
         place /= f64::from(base);
     }
     value

@@ -1,9 +1,12 @@
 //! What the identification claims, on models whose truth is known.
 
-use super::coordinates::{Bounds, COUNT};
-use super::problem::{Data, Problem as Reduced};
+use super::problem::Problem as Reduced;
 use super::*;
 use levenberg_marquardt::LeastSquaresProblem;
+use model_core::dead_zone::DeadZoneParameters;
+use model_core::envelope::{EnvelopeParameters, TanhParameters};
+use model_core::mgpi::MgpiParameters;
+use model_core::play::PlayParameters;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -31,13 +34,13 @@ fn truth() -> HostModel {
         plays.thresholds.push(r).expect("fits");
         plays.weights.push(p).expect("fits");
     }
-    let parameters = HostParameters {
-        envelope: model_core::envelope::TanhParameters {
+    let parameters = HostParameters::Cascade(MgpiParameters {
+        envelope: EnvelopeParameters::Tanh(TanhParameters {
             c0: 1.0 / (g1 - g0),
             c1: a / 6.0,
             c2: b,
             c3: -g0 / (g1 - g0),
-        },
+        }),
         plays,
         dead_zones: DeadZoneParameters {
             thresholds: (0..4).map(|j| f64::from(j) * u_max / 4.0).collect(),
@@ -46,12 +49,13 @@ fn truth() -> HostModel {
         },
         input_min: 0.0,
         input_max: 6.0,
-    };
+        preconditioned: false,
+    });
     HostModel::try_new(&parameters).expect("valid")
 }
 
 fn options() -> Options {
-    Options { plays: 4, dead_zones: 4, starts: 8, seed: 1, threads: 1 }
+    Options { model: Kind::Mgpi, knots: None, plays: 4, dead_zones: 4, starts: 8, seed: 1, threads: 1 }
 }
 
 fn rms(differences: impl Iterator<Item = f64>) -> f64 {
@@ -63,9 +67,9 @@ fn fit(input: &[f64], output: &[f64], options: &Options) -> Result<Fit, Identifi
     identify(&Problem { input, output, scored: &vec![true; input.len()] }, options, &|_| ())
 }
 
-fn data(input: &[f64], output: &[f64]) -> Data {
+fn data(input: &[f64], output: &[f64], options: &Options) -> Data {
     let scored = vec![true; input.len()];
-    normalise(&Problem { input, output, scored: &scored }, &options()).expect("sound data").0
+    normalise(&Problem { input, output, scored: &scored }, options).expect("sound data")
 }
 
 #[test]
@@ -76,7 +80,9 @@ fn a_model_of_the_class_is_recovered_from_its_own_output() {
     let error = rms(fit.simulated.iter().zip(&output).map(|(model, truth)| model - truth));
     assert!(error < 1e-4, "RMSE {error} mm");
     assert!(fit.termination.converged, "{:?}", fit.termination);
-    let estimate = |name: &str| fit.estimates.iter().find(|e| e.name == name).expect("estimated").value;
+    let estimate = |name: &str| {
+        fit.estimates.iter().find(|e| e.parameter.name == name).expect("estimated").parameter.value
+    };
     for (name, value) in [("alpha", 0.06), ("q", 0.4), ("offset", -3.0), ("w1", 40.0), ("c1", 2.2 / 6.0)] {
         assert!(
             (estimate(name) - value).abs() < 1e-3 * value.abs(),
@@ -90,16 +96,35 @@ fn a_model_of_the_class_is_recovered_from_its_own_output() {
 fn the_projected_gradient_is_that_of_the_cost() {
     let input = triangles();
     let output: Vec<f64> = simulate(&truth(), &input).iter().map(|y| y + 0.8 * (0.3 * y).sin()).collect();
-    let data = data(&input, &output);
-    let bounds = Bounds::new(4);
-    for start in starts::starts(&options()) {
-        let mut problem = Reduced::new(&data, bounds, &start);
+    for (model, knots) in [
+        (Kind::Cpi, None),
+        (Kind::Sgpi, None),
+        (Kind::Agpi, None),
+        (Kind::Mpi, None),
+        (Kind::Egpi, None),
+        (Kind::Mgpi, None),
+        (Kind::Mgpi, Some(6)),
+    ] {
+        let options = Options { model, knots, ..options() };
+        check_gradient(&data(&input, &output, &options), &options);
+    }
+    // Inputs of both signs, and inputs above 0 only: the knots of the dead zones move with them.
+    for shift in [-2.5, 1.0] {
+        let input: Vec<f64> = input.iter().map(|x| x + shift).collect();
+        let options = Options { model: Kind::Mpi, ..options() };
+        check_gradient(&data(&input, &output, &options), &options);
+    }
+}
+
+fn check_gradient(data: &Data, options: &Options) {
+    for start in starts::starts(&data.coordinates, options.starts, options.seed) {
+        let mut problem = Reduced::<8>::new(data, &start);
         let variables = problem.params();
         let residuals = problem.residuals().expect("residuals");
         let gradient = problem.jacobian().expect("Jacobian").tr_mul(&residuals);
-        for c in 0..COUNT {
+        for c in 0..data.coordinates.len() {
             let mut half_cost = |by: f64| {
-                let mut moved = variables;
+                let mut moved = variables.clone();
                 moved[c] += by;
                 problem.set_params(&moved);
                 problem.residuals().expect("residuals").norm_squared() / 2.0
@@ -109,7 +134,8 @@ fn the_projected_gradient_is_that_of_the_cost() {
             let tolerance = 1e-3 * gradient.amax();
             assert!(
                 (gradient[c] - numeric).abs() < tolerance,
-                "coordinate {c}: {} against {numeric}",
+                "{:?}, coordinate {c}: {} against {numeric}",
+                options.model,
                 gradient[c]
             );
         }
@@ -133,7 +159,7 @@ fn noise_cannot_make_the_model_non_invertible() {
         // Nothing but noise: the worst there is for positive slopes.
         let output: Vec<f64> = input.iter().map(|_| random.random_range(-1.0..1.0)).collect();
         let fit = fit(&input, &output, &options()).expect("identified");
-        assert!(fit.model.dead_zones().smallest_slope() > 0.0);
+        assert!(fit.model.smallest_output_slope() > 0.0);
         assert!(fit.model.inverse().is_ok());
     }
 }
@@ -161,11 +187,11 @@ fn standard_errors_are_those_of_repeated_experiments() {
         // Uniform noise of ±0.2 mm.
         let output: Vec<f64> = clean.iter().map(|y| y + random.random_range(-0.2..0.2)).collect();
         let fit = fit(&input, &output, &options()).expect("identified");
-        values.push(fit.estimates.iter().map(|e| e.value).collect());
+        values.push(fit.estimates.iter().map(|e| e.parameter.value).collect());
         claimed = fit.estimates;
     }
     for name in ["alpha", "q", "w0", "w3", "offset"] {
-        let place = claimed.iter().position(|e| e.name == name).expect("estimated");
+        let place = claimed.iter().position(|e| e.parameter.name == name).expect("estimated");
         let mean = values.iter().map(|v| v[place]).sum::<f64>() / values.len() as f64;
         let spread = rms(values.iter().map(|v| v[place] - mean));
         let ratio = claimed[place].standard_error.expect("free") / spread;
@@ -184,7 +210,7 @@ fn unusable_problems_are_typed_errors() {
     assert_eq!(error(&[1.0; 50], &output[..50], options()), Some(IdentificationError::ConstantInput(1.0)));
     assert_eq!(error(&input[..50], &[2.0; 50], options()), Some(IdentificationError::ConstantOutput(2.0)));
     assert_eq!(error(&input, &output[1..], options()), Some(IdentificationError::Lengths));
-    let size = IdentificationError::Size("plays", 129, 128);
+    let size = IdentificationError::Size("plays", 129, [1, 128]);
     assert_eq!(error(&input, &output, Options { plays: 129, ..options() }), Some(size));
     let mut broken = output.clone();
     broken[7] = f64::NAN;

@@ -5,60 +5,60 @@
 //! propagation. Residuals are taken as independent: where neighbouring ones are alike, the true errors
 //! are larger.
 
+use model_core::ParameterError;
 use nalgebra::{DMatrix, DVector};
 
-use super::coordinates::{Bounds, COUNT, Inner};
-use super::problem::{Data, Point};
-use super::{Estimate, Span};
+use super::Estimate;
+use super::coordinates::Coordinate;
+use super::data::Data;
+use super::inner::Inner;
+use super::named::{Named, named};
+use super::problem::{Point, Products, grid};
+use super::projection::Linear;
+use super::raw;
 
 /// The raw parameters with their standard errors.
-pub fn estimates(data: &Data, bounds: &Bounds, span: Span, point: &Point) -> Vec<Estimate> {
-    let at: Vec<f64> = point.coordinates.iter().copied().chain(point.linear.coefficients()).collect();
-    let mut free: Vec<bool> = bounds.at_bound(&point.coordinates).iter().map(|bound| !bound).collect();
+///
+/// # Errors
+/// The numbers of operators are above the capacity.
+pub fn estimates<const K: usize>(data: &Data, point: &Point<'_, K>) -> Result<Vec<Estimate>, ParameterError> {
+    let coordinates = point.at.coordinates.iter();
+    let at: Vec<f64> = coordinates.clone().copied().chain(point.linear.coefficients()).collect();
+    let is_inside = |(coordinate, value): (&Coordinate, &f64)| !coordinate.is_at_bound(*value);
+    let mut free: Vec<bool> = data.coordinates.iter().zip(coordinates).map(is_inside).collect();
     free.extend(&point.linear.free);
     let covariance = covariance(data, point, &free);
-    let raw = |at: &[f64]| raw(data, span, at);
-    let values = raw(&at);
-    let mut variances = DVector::zeros(values.len());
-    let mut bound = vec![false; values.len()];
+    let values = raw_values::<K>(data, &at)?;
     let mut jacobian = DMatrix::zeros(values.len(), at.len());
     for (column, &value) in at.iter().enumerate() {
         let step = 1e-6 * value.abs().max(1e-3);
         let moved = |by: f64| {
             let mut moved = at.clone();
             moved[column] += by;
-            DVector::from_vec(raw(&moved))
+            let values = raw_values::<K>(data, &moved)?;
+            Ok(DVector::from_iterator(values.len(), values.iter().map(|named| named.value)))
         };
-        jacobian.set_column(column, &((moved(step) - moved(-step)) / (2.0 * step)));
-    }
-    for row in 0..values.len() {
-        let gradient = jacobian.row(row);
-        bound[row] = (0..at.len()).any(|j| !free[j] && gradient[j] != 0.0);
-        variances[row] = (gradient * &covariance * gradient.transpose())[(0, 0)];
+        jacobian.set_column(column, &((moved(step)? - moved(-step)?) / (2.0 * step)));
     }
     let error = |row: usize| {
-        let error = f64::sqrt(variances[row]);
-        (!bound[row] && error.is_finite()).then_some(error)
+        let gradient = jacobian.row(row);
+        let is_bound = (0..at.len()).any(|j| !free[j] && gradient[j] != 0.0);
+        let error = (gradient * &covariance * gradient.transpose())[(0, 0)].sqrt();
+        (!is_bound && error.is_finite()).then_some(error)
     };
-    names(data.dead_zones)
-        .zip(values)
-        .enumerate()
-        .map(|(row, (name, value))| Estimate { name, value, standard_error: error(row) })
-        .collect()
+    let estimate = |(row, parameter): (usize, Named)| Estimate { parameter, standard_error: error(row) };
+    Ok(values.into_iter().enumerate().map(estimate).collect())
 }
 
 /// The covariance of all unknowns; rows and columns of those that are not free are 0.
-fn covariance(data: &Data, point: &Point, free: &[bool]) -> DMatrix<f64> {
-    let derivatives = point.derivatives(data);
-    let linear = point.linear.free.len();
-    let mut information = DMatrix::zeros(COUNT + linear, COUNT + linear);
-    information.view_mut((0, 0), (COUNT, COUNT)).copy_from(&(derivatives.transpose() * &derivatives));
-    information.view_mut((COUNT, COUNT), (linear, linear)).copy_from(&point.segments.gram());
-    for (c, column) in derivatives.column_iter().enumerate() {
-        let mixed = point.segments.moments(column.iter().copied());
-        information.view_mut((COUNT, c), (linear, 1)).copy_from(&mixed);
-        information.view_mut((c, COUNT), (1, linear)).copy_from(&mixed.transpose());
-    }
+fn covariance<const K: usize>(data: &Data, point: &Point<'_, K>, free: &[bool]) -> DMatrix<f64> {
+    let Products { own, mixed, .. } = point.products();
+    let (count, linear) = (own.nrows(), point.linear.free.len());
+    let mut information = DMatrix::zeros(count + linear, count + linear);
+    information.view_mut((0, 0), (count, count)).copy_from(&own);
+    information.view_mut((count, count), (linear, linear)).copy_from(&point.columns.gram);
+    information.view_mut((count, 0), (linear, count)).copy_from(&mixed);
+    information.view_mut((0, count), (count, linear)).copy_from(&mixed.transpose());
     let places: Vec<usize> = (0..free.len()).filter(|&j| free[j]).collect();
     let reduced = information.select_rows(&places).select_columns(&places);
     // Unit diagonal first: the unknowns differ by many orders of magnitude.
@@ -79,24 +79,13 @@ fn covariance(data: &Data, point: &Point, free: &[bool]) -> DMatrix<f64> {
     covariance
 }
 
-fn names(dead_zones: usize) -> impl Iterator<Item = String> {
-    let inner = ["c0", "c1", "c2", "c3", "q", "rho", "tau", "alpha"];
-    let weights = (0..dead_zones).map(|j| format!("w{j}"));
-    inner.into_iter().map(String::from).chain(weights).chain([String::from("offset")])
-}
-
-/// The raw parameters, in the order of [`names`], at coordinates and linear coefficients.
-fn raw(data: &Data, (low, span): Span, at: &[f64]) -> Vec<f64> {
-    let mut coordinates = [0.0; COUNT];
-    coordinates.copy_from_slice(&at[..COUNT]);
-    let inner = Inner::new(&coordinates, data.plays);
-    let envelope = inner.raw_envelope(low, span);
-    let (rho, tau) = inner.rho_and_tau();
-    let (offset, slopes) = (at[COUNT], &at[COUNT + 1..]);
-    let before = std::iter::once(&0.0).chain(slopes);
-    [envelope.c0, envelope.c1, envelope.c2, envelope.c3, inner.s, rho, tau, inner.alpha]
-        .into_iter()
-        .chain(slopes.iter().zip(before).map(|(slope, before)| slope - before))
-        .chain([offset])
-        .collect()
+/// The raw parameters at coordinates and linear coefficients.
+fn raw_values<const K: usize>(data: &Data, at: &[f64]) -> Result<Vec<Named>, ParameterError> {
+    let (coordinates, coefficients) = at.split_at(data.coordinates.len());
+    let inner = Inner::new(&data.structure, coordinates, data.span);
+    let segments = data.structure.segments;
+    let (grid, _) = grid::<K>(&inner, segments, coordinates.len());
+    let linear = Linear::new(coefficients, segments, Vec::new());
+    let (parameters, density) = raw::parameters(&data.structure, &inner, &grid, &linear, data.span)?;
+    Ok(named(&parameters, &density))
 }

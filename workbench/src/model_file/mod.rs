@@ -11,9 +11,11 @@
 //! |---|---|
 //! | [`names`] | names and units of the parameters |
 //! | `section` | takes keys out of a TOML table, strictly |
+//! | `parameters` | the stages of each model, both directions |
 //! | `read`, `write` | the format in either direction |
 
 pub mod names;
+mod parameters;
 mod read;
 mod section;
 mod write;
@@ -31,8 +33,8 @@ use section::KeyError;
 
 /// The format that this version writes and reads.
 pub const FORMAT: usize = 1;
-/// The only kind of model so far.
-pub const KIND: &str = "mgpi";
+/// Whether the muscle has been through its whole range before it comes from rest.
+const PRECONDITIONED: &str = "preconditioned";
 
 /// A model with what is known about it.
 #[derive(Clone, Debug)]

@@ -1,12 +1,7 @@
-//! The raw parameters' names, with the units that they take over from the model's input and output.
-//!
-//! c1 is per input unit; the dead zones' weights (w0, w1, …) and the offset are in the output unit; everything
-//! else is a plain number.
+//! Keys and units of the raw parameters, with the units that they take over from the model's input and output.
 
+use crate::identification::named::Dimension;
 use crate::unit::Unit;
-
-/// Names of the parameters before the weights, in the order of Table 1.
-const INNER: [&str; 8] = ["c0", "c1", "c2", "c3", "q", "rho", "tau", "alpha"];
 
 /// Units of a model's parameters.
 #[derive(Clone, Copy, Debug)]
@@ -18,27 +13,26 @@ pub struct Names {
 }
 
 impl Names {
-    /// All parameters of a model, in the order of Tables 1 and 2, then the offset.
-    pub fn all(dead_zones: usize) -> impl Iterator<Item = String> {
-        let weights = (0..dead_zones).map(|j| format!("w{j}"));
-        INNER.iter().map(|name| (*name).to_owned()).chain(weights).chain(["offset".to_owned()])
-    }
-
-    /// The key with the unit: `c1_per_bar`, `w0_mm`, `tau`.
-    pub fn key(&self, name: &str) -> String {
-        match name {
-            "c1" => format!("{name}_per_{}", self.input.suffix()),
-            _ if INNER.contains(&name) => name.to_owned(),
-            _ => format!("{name}_{}", self.output.suffix()),
+    /// The key with the unit: `c1_per_bar`, `w0_mm`, `gain_mm_per_bar`, `q`.
+    pub fn key(&self, name: &str, dimension: Dimension) -> String {
+        let (input, output) = (self.input.suffix(), self.output.suffix());
+        match dimension {
+            Dimension::One => name.to_owned(),
+            Dimension::Input => format!("{name}_{input}"),
+            Dimension::PerInput => format!("{name}_per_{input}"),
+            Dimension::Output => format!("{name}_{output}"),
+            Dimension::OutputPerInput => format!("{name}_{output}_per_{input}"),
         }
     }
 
     /// The unit as people write it: `1/bar`, `mm`, `1`.
-    pub fn unit(&self, name: &str) -> String {
-        match name {
-            "c1" => format!("1/{}", self.input),
-            _ if INNER.contains(&name) => "1".to_owned(),
-            _ => self.output.to_string(),
+    pub fn unit(&self, dimension: Dimension) -> String {
+        match dimension {
+            Dimension::One => "1".to_owned(),
+            Dimension::Input => self.input.to_string(),
+            Dimension::PerInput => format!("1/{}", self.input),
+            Dimension::Output => self.output.to_string(),
+            Dimension::OutputPerInput => format!("{}/{}", self.output, self.input),
         }
     }
 }

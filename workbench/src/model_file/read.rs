@@ -3,17 +3,14 @@
 use std::fs;
 use std::path::Path;
 
-use model_core::Invertible;
-use model_core::ParameterError;
-use model_core::dead_zone::DeadZoneParameters;
-use model_core::envelope::TanhParameters;
-use model_core::play::PlayParameters;
+use model_core::{Invertible, Kind, ParameterError};
 
 use super::names::Names;
 use super::section::{KeyError, Section};
-use super::{FORMAT, Identification, KIND, ModelFile, Problem, Source};
+use super::{FORMAT, Identification, ModelFile, PRECONDITIONED, Problem, Source, parameters};
 use crate::figures::Figures;
-use crate::identification::{DEAD_ZONES, Density, HostModel, HostParameters, PLAYS};
+use crate::identification::HostModel;
+use crate::identification::named::{Named, named};
 use crate::unit::{Channel, Unit};
 
 /// Reads and checks a model file.
@@ -29,28 +26,34 @@ pub fn read(path: &Path) -> Result<ModelFile, Problem> {
     if format != FORMAT {
         return Err(Problem::Format(format));
     }
-    top.fixed_text("kind", KIND)?;
+    let kind = kind(&mut top)?;
     let input = channel(top.section("input")?)?;
     let output = channel(top.section("output")?)?;
     let names = Names { input: input.unit, output: output.unit };
-    let [input_min, input_max] = validity(top.section("validity")?, input.unit)?;
-    let envelope = envelope(top.section("envelope")?, &names)?;
-    let (plays, density) = plays(top.section("plays")?, &names)?;
-    let dead_zones = dead_zones(top.section("dead_zones")?, &names)?;
+    let (limits, preconditioned) = validity(top.section("validity")?, input.unit)?;
+    let (parameters, density) = parameters::read(kind, &mut top, &names, limits)?;
+    let parameters = parameters.with_preconditioned(preconditioned);
     let identification = match top.optional_section("identification")? {
-        Some(section) => Some(identification(section, &names, dead_zones.weights.len())?),
+        Some(section) => Some(identification(section, &names, &named(&parameters, &density))?),
         None => None,
     };
     top.finish()?;
-    let parameters = HostParameters { envelope, plays, dead_zones, input_min, input_max };
     let model = HostModel::try_new(&parameters).map_err(|error| names.problem(&error))?;
     model.inverse().map_err(|error| names.problem(&error))?;
     Ok(ModelFile { input, output, density, parameters, model, identification })
 }
 
+fn kind(top: &mut Section) -> Result<Kind, KeyError> {
+    let name = top.text("kind")?;
+    Kind::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
+        let known = Kind::ALL.map(Kind::name).join(", ");
+        top.error("kind", &format!("\"{name}\" is not known; known are {known}"))
+    })
+}
+
 impl Names {
     /// The problem of parameters that are not valid, in the file's units.
-    fn problem(&self, error: &ParameterError) -> Problem {
+    pub(super) fn problem(&self, error: &ParameterError) -> Problem {
         let message = error.to_string();
         let message = message.replace("output unit", &self.output.to_string());
         Problem::Parameters(message.replace("input unit", &self.input.to_string()))
@@ -67,61 +70,21 @@ fn channel(mut section: Section) -> Result<Channel, KeyError> {
     Ok(known)
 }
 
-fn validity(mut section: Section, unit: Unit) -> Result<[f64; 2], KeyError> {
-    let limits = [
+fn validity(mut section: Section, unit: Unit) -> Result<((f64, f64), bool), KeyError> {
+    let limits = (
         section.number(&format!("input_min_{}", unit.suffix()))?,
         section.number(&format!("input_max_{}", unit.suffix()))?,
-    ];
+    );
+    // Files of the first days have no such key: their muscles are fresh.
+    let preconditioned = section.has(PRECONDITIONED) && section.truth(PRECONDITIONED)?;
     section.finish()?;
-    Ok(limits)
-}
-
-fn envelope(mut section: Section, names: &Names) -> Result<TanhParameters<f64>, KeyError> {
-    section.fixed_text("kind", "tanh")?;
-    let parameters = TanhParameters {
-        c0: section.number("c0")?,
-        c1: section.number(&names.key("c1"))?,
-        c2: section.number("c2")?,
-        c3: section.number("c3")?,
-    };
-    section.finish()?;
-    Ok(parameters)
-}
-
-fn plays(mut section: Section, names: &Names) -> Result<(PlayParameters<f64, PLAYS>, Density), Problem> {
-    section.fixed_text("density", "exponential")?;
-    let count = section.count("count")?;
-    let q = section.number("q")?;
-    let density =
-        Density { rho: section.number("rho")?, tau: section.number("tau")?, alpha: section.number("alpha")? };
-    section.finish()?;
-    let plays = PlayParameters::exponential(count, q, density.rho, density.tau, density.alpha);
-    Ok((plays.map_err(|error| names.problem(&error))?, density))
-}
-
-fn dead_zones(mut section: Section, names: &Names) -> Result<DeadZoneParameters<f64, DEAD_ZONES>, KeyError> {
-    let parameters = DeadZoneParameters {
-        thresholds: list(&mut section, "thresholds")?.into_iter().collect(),
-        weights: list(&mut section, &format!("weights_{}", names.output.suffix()))?.into_iter().collect(),
-        offset: section.number(&names.key("offset"))?,
-    };
-    section.finish()?;
-    Ok(parameters)
-}
-
-/// At most as many numbers as a model holds.
-fn list(section: &mut Section, key: &str) -> Result<Vec<f64>, KeyError> {
-    let numbers = section.numbers(key)?;
-    if numbers.len() > DEAD_ZONES {
-        return Err(section.error(key, &format!("{} numbers, must be at most {DEAD_ZONES}", numbers.len())));
-    }
-    Ok(numbers)
+    Ok((limits, preconditioned))
 }
 
 fn identification(
     mut section: Section,
     names: &Names,
-    dead_zones: usize,
+    parameters: &[Named],
 ) -> Result<Identification, KeyError> {
     let recording = source(&mut section)?;
     let mut training = section.section("training")?;
@@ -142,7 +105,7 @@ fn identification(
         heldout,
         starts: section.count("starts")?,
         termination: section.text("termination")?,
-        standard_errors: standard_errors(section.section("standard_errors")?, names, dead_zones)?,
+        standard_errors: standard_errors(section.section("standard_errors")?, names, parameters)?,
     };
     training.finish()?;
     section.finish()?;
@@ -161,13 +124,13 @@ fn figures(section: &mut Section, names: &Names) -> Result<Figures, KeyError> {
 fn standard_errors(
     mut section: Section,
     names: &Names,
-    dead_zones: usize,
+    parameters: &[Named],
 ) -> Result<Vec<(String, f64)>, KeyError> {
     let mut errors = Vec::new();
-    for name in Names::all(dead_zones) {
-        let key = names.key(&name);
+    for parameter in parameters {
+        let key = names.key(&parameter.name, parameter.dimension);
         if section.has(&key) {
-            errors.push((name, section.number(&key)?));
+            errors.push((parameter.name.clone(), section.number(&key)?));
         }
     }
     section.finish()?;

@@ -96,6 +96,14 @@ impl Section {
         }
     }
 
+    /// True or false.
+    pub fn truth(&mut self, key: &str) -> Result<bool, KeyError> {
+        match self.take(key)? {
+            Value::Boolean(truth) => Ok(truth),
+            other => Err(self.kind(key, "true or false", &other)),
+        }
+    }
+
     /// A string.
     pub fn text(&mut self, key: &str) -> Result<String, KeyError> {
         match self.take(key)? {

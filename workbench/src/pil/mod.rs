@@ -119,8 +119,8 @@ pub fn configuration(
         version: VERSION,
         tracking: TrackingParameters {
             // A valve cannot suck: noise around 0 bar may have put the model's lower end below.
-            command_min: model.input_min.max(0.0),
-            command_max: model.input_max,
+            command_min: model.input().0.max(0.0),
+            command_max: model.input().1,
             model,
             pid,
             slew_bar_per_s: SLEW_BAR_PER_S,

@@ -77,13 +77,13 @@ impl Identified<'_> {
                 thead { tr { th { "name" } th { "value" } th { "standard error" } th { "unit" } } }
                 tbody { @for estimate in self.estimates {
                     tr {
-                        td { (estimate.name) }
-                        td { (format!("{:.5}", estimate.value)) }
+                        td { (estimate.parameter.name) }
+                        td { (format!("{:.5}", estimate.parameter.value)) }
                         td { @match estimate.standard_error {
                             Some(error) => (format!("{error:.2e}")),
                             None => "–",
                         } }
-                        td { (names.unit(&estimate.name)) }
+                        td { (names.unit(estimate.parameter.dimension)) }
                     }
                 } }
             } }

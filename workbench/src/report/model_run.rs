@@ -43,6 +43,7 @@ impl<'a> ModelRun<'a> {
                 line("measured", Style::Measured, &self.measured_scored),
                 line("model", Style::Model, &self.simulated_scored),
             ],
+            ..Plot::default()
         }
     }
 
@@ -67,6 +68,6 @@ impl<'a> ModelRun<'a> {
     }
 
     fn time_plot<'b>(&self, title: &str, y: String, lines: Vec<Line<'b>>) -> Plot<'b> {
-        Plot { title: title.to_owned(), x: "time (s)".to_owned(), y, lines }
+        Plot { title: title.to_owned(), x: "time (s)".to_owned(), y, lines, ..Plot::default() }
     }
 }

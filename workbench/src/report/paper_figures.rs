@@ -47,6 +47,7 @@ impl Tracking {
             x: "time (s)".to_owned(),
             y: y.to_owned(),
             lines,
+            ..Plot::default()
         };
         let line = |name, style, y| Line { name, style, x: &self.time_s, y };
         [
@@ -78,6 +79,7 @@ impl Tracking {
                 x: &self.pressure_bar,
                 y: &self.contraction_mm,
             }],
+            ..Plot::default()
         }
     }
 
@@ -92,6 +94,7 @@ impl Tracking {
                 line("actual", Style::Measured, &self.contraction_mm),
                 line("actual = desired", Style::Model, &self.reference_mm),
             ],
+            ..Plot::default()
         }
     }
 }

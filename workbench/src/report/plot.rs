@@ -18,6 +18,11 @@ const TOLERANCE: f64 = 0.3;
 const MARGIN: f64 = 0.04;
 const FONT: &str = "sans-serif";
 const FONT_SIZE: u32 = 18;
+/// Height of title and legend above a plot of a sheet. Unit: pixels.
+const HEAD: u32 = 52;
+/// What an entry of a sheet's legend needs beside its letters, and about what a letter needs. Unit: pixels.
+const KEY_WIDTH: u32 = 60;
+const KEY_LETTER: u32 = 8;
 
 /// A plot could not be drawn.
 #[derive(Debug, Error)]
@@ -97,7 +102,18 @@ impl Line<'_> {
     }
 }
 
+/// A point with a name beside it.
+pub struct Point<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its place.
+    pub at: (f64, f64),
+    /// Where the name begins, from the point to the right and down. Unit: pixels.
+    pub offset: (i32, i32),
+}
+
 /// A plot: lines over two axes.
+#[derive(Default)]
 pub struct Plot<'a> {
     /// What it shows, which is also its name for those who do not see it.
     pub title: String,
@@ -105,8 +121,10 @@ pub struct Plot<'a> {
     pub x: String,
     /// Name and unit of the vertical axis.
     pub y: String,
-    /// The lines, the first at the back.
+    /// The lines, the first at the back. Those without a name are not in the legend.
     pub lines: Vec<Line<'a>>,
+    /// Points with names, in front of the lines.
+    pub points: Vec<Point<'a>>,
 }
 
 /// A range of values along an axis.
@@ -118,18 +136,13 @@ impl Plot<'_> {
     /// # Errors
     /// The drawing library refuses.
     pub fn figure(&self) -> Result<Markup, DrawingError> {
-        let svg = self
-            .svg()
-            .map_err(|error| DrawingError { title: self.title.clone(), reason: error.to_string() })?;
-        // The library's own element has neither a role nor a name: only its content is taken.
-        let drawing = svg.split_once('>').map_or("", |(_, content)| content);
-        let drawing = drawing.trim_end().trim_end_matches("</svg>");
+        let drawing = self.drawing()?;
         Ok(html! {
             figure {
                 figcaption {
                     (self.title)
-                    @if self.lines.len() > 1 {
-                        div.legend { @for line in &self.lines { (line.key()) } }
+                    @if self.has_legend() {
+                        div.legend { @for line in self.named() { (line.key()) } }
                     }
                 }
                 svg role="img" viewBox=(format!("0 0 {} {}", SIZE.0, SIZE.1)) xmlns="http://www.w3.org/2000/svg" {
@@ -137,6 +150,50 @@ impl Plot<'_> {
                     (PreEscaped(drawing))
                 }
             }
+        })
+    }
+
+    fn named(&self) -> impl Iterator<Item = &Line<'_>> {
+        self.lines.iter().filter(|line| !line.name.is_empty())
+    }
+
+    fn has_legend(&self) -> bool {
+        self.named().count() > 1
+    }
+
+    /// The content of the drawing: the library's own element has neither a role nor a name.
+    fn drawing(&self) -> Result<String, DrawingError> {
+        let svg = self
+            .svg()
+            .map_err(|error| DrawingError { title: self.title.clone(), reason: error.to_string() })?;
+        let drawing = svg.split_once('>').map_or("", |(_, content)| content);
+        Ok(drawing.trim_end().trim_end_matches("</svg>").to_owned())
+    }
+
+    /// The plot below its title and legend, as a part of a sheet.
+    fn panel(&self) -> Result<Markup, DrawingError> {
+        let ink = hex(Style::Ink.light());
+        let middle = SIZE.0 / 2;
+        let keys: Vec<_> = if self.has_legend() { self.named().collect() } else { Vec::new() };
+        let mut places = Vec::new();
+        let mut end = 0;
+        for line in &keys {
+            places.push(end);
+            end += KEY_WIDTH + KEY_LETTER * line.name.chars().count() as u32;
+        }
+        let start = middle.saturating_sub(end / 2);
+        Ok(html! {
+            g font-family=(FONT) font-size="16" fill=(ink) {
+                text x=(middle) y="20" text-anchor="middle" font-weight="600" { (self.title) }
+                @for (line, place) in keys.iter().zip(&places) {
+                    g transform=(format!("translate({},42)", start + place)) {
+                        line x1="0" x2="30" y1="-5" y2="-5" stroke=(hex(line.style.light()))
+                            stroke-width=(line.style.width()) {}
+                        text x="36" { (line.name) }
+                    }
+                }
+            }
+            g transform=(format!("translate(0,{HEAD})")) stroke-linejoin="round" { (PreEscaped(self.drawing()?)) }
         })
     }
 
@@ -172,6 +229,15 @@ impl Plot<'_> {
                     chart.draw_series(LineSeries::new(piece, stroke))?;
                 }
             }
+            for point in &self.points {
+                let dot = Circle::new((0, 0), 4, Style::Ink.light().filled());
+                let name = Text::new(
+                    point.name.to_owned(),
+                    point.offset,
+                    (FONT, FONT_SIZE).into_font().color(&Style::Ink.light()),
+                );
+                chart.draw_series([EmptyElement::at(point.at) + dot + name])?;
+            }
             area.present()?;
         }
         Ok(svg)
@@ -185,6 +251,28 @@ impl Plot<'_> {
         let margin = if max > min { MARGIN * (max - min) } else { 1.0 };
         (min - margin, max + margin)
     }
+}
+
+/// Plots side by side, two in a row, as a picture of its own on white ground.
+///
+/// # Errors
+/// A plot cannot be drawn.
+pub fn sheet(title: &str, plots: &[Plot<'_>]) -> Result<String, DrawingError> {
+    let panels = plots.iter().map(Plot::panel).collect::<Result<Vec<_>, _>>()?;
+    let height = HEAD + SIZE.1;
+    let (columns, rows) = (plots.len().clamp(1, 2), plots.len().div_ceil(2));
+    let (width, all) = (SIZE.0 * columns as u32, height * rows as u32);
+    let picture = html! {
+        svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {width} {all}")) role="img" {
+            title { (title) }
+            style { (PreEscaped(dashes())) }
+            rect width=(width) height=(all) fill="#fff" {}
+            @for (i, panel) in panels.iter().enumerate() {
+                g transform=(format!("translate({},{})", SIZE.0 * (i % 2) as u32, height * (i / 2) as u32)) { (panel) }
+            }
+        }
+    };
+    Ok(picture.into_string() + "\n")
 }
 
 /// The pieces of a line, of the points that make a difference to the eye.
@@ -212,9 +300,14 @@ fn hex(colour: RGBColor) -> String {
     format!("#{:02X}{:02X}{:02X}", colour.0, colour.1, colour.2)
 }
 
+/// The style rule that dashes the model's lines.
+fn dashes() -> String {
+    format!("[stroke=\"{}\"]{{stroke-dasharray:7 3}}\n", hex(Style::Model.light()))
+}
+
 /// Style rules of the plots: dashes for the model, and the colours for dark backgrounds.
 pub fn colour_style() -> String {
-    let mut rules = format!("[stroke=\"{}\"]{{stroke-dasharray:7 3}}\n", hex(Style::Model.light()));
+    let mut rules = dashes();
     rules += "@media screen and (prefers-color-scheme: dark) {\n";
     for style in Style::ALL {
         let (light, dark) = style.colours();

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use std::os::unix::net::UnixStream;
 
 use anyhow::{Context, Result, bail, ensure};
-use firmware::law::{controller_step, inverse_step, piecewise_inverse, piecewise_inverse_step};
+use firmware::law::{controller_step, inverse_step};
 use firmware::order::{BoardTracking, prepare};
 use firmware::{Control, LockStepBoard, scaling};
 use model_core::{InverseHysteresis, Mode, TrackingParameters};
@@ -78,16 +78,20 @@ fn receive(mut link: &UnixStream, receiver: &mut Receiver) -> Result<Response> {
     }
 }
 
-/// Drives the image `control_law` by its own protocol.
+/// Drives the image `control_law` by its own protocol; `envelope` is that protocol's number for the one of `parameters`.
 ///
 /// # Errors
 /// It does not answer, or otherwise than the same code does on the host.
-pub fn control_law(mut link: &UnixStream, parameters: &Parameters, samples: &[Sample]) -> Result<()> {
+pub fn control_law(
+    mut link: &UnixStream,
+    envelope: u8,
+    parameters: &Parameters,
+    samples: &[Sample],
+) -> Result<()> {
     link.read_exact(&mut [0]).context("it is not ready")?;
+    link.write_all(&[envelope])?;
     let tracking = BoardTracking::try_new(parameters)?;
     let inverse = tracking.inverse();
-    let piecewise = piecewise_inverse(&parameters.model)?;
-    let mut piecewise_state = piecewise.rest_state();
     let (mut inverse_state, mut state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));
     for (number, sample) in samples.iter().enumerate() {
         let Sample { mode, reference_mm, contraction_mm, .. } = *sample;
@@ -99,12 +103,11 @@ pub fn control_law(mut link: &UnixStream, parameters: &Parameters, samples: &[Sa
         };
         let [reference, contraction] = [reference_mm, contraction_mm].map(f32::to_le_bytes);
         link.write_all(&[&[mode_number][..], &reference, &contraction].concat())?;
-        let mut answers = [[0; 4]; 3];
+        let mut answers = [[0; 4]; 2];
         link.read_exact(answers.as_flattened_mut())
             .with_context(|| format!("sample {number}, {sample:?}: no answer"))?;
         let expected = [
             inverse_step(inverse, &mut inverse_state, reference_mm)?,
-            piecewise_inverse_step(&piecewise, &mut piecewise_state, reference_mm)?,
             controller_step(&tracking, &mut state, mode, reference_mm, contraction_mm)?.command,
         ];
         let answers = answers.map(f32::from_le_bytes);

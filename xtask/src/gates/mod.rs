@@ -11,8 +11,8 @@
 //! | [`accuracy`] | `f32` against `f64` |
 //! | [`bounds`] | what the figures have to be |
 //!
-//! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`, which has
-//! the one with a piecewise-linear envelope too.
+//! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`, with
+//! either envelope.
 //!
 //! # Limits
 //! Instructions are not cycles: the emulator has no cycle counter. One run at a time in a target directory: the spoilt
@@ -29,7 +29,7 @@ use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use firmware::law::paper_parameters;
+use firmware::law::{paper_parameters, piecewise_parameters};
 use model_core::{Hysteresis, Mgpi, paper};
 
 use crate::board_compiler::BoardCompiler;
@@ -42,7 +42,6 @@ use inputs::Sample;
 
 /// The library functions whose cost is measured, and the task around them.
 const INVERSE: &str = "firmware::law::inverse_step";
-const PIECEWISE: &str = "firmware::law::piecewise_inverse_step";
 const CONTROLLER: &str = "firmware::law::controller_step";
 const TICK: &str = "TIM2";
 
@@ -92,7 +91,7 @@ fn build_control_law(compiler: &BoardCompiler, features: &str) -> Result<Image> 
     images::build_images(compiler, features)?;
     let image = Image::read(&images::elf("control_law"))?;
     // An image without the law has no panics either.
-    image.function(INVERSE).and(image.function(PIECEWISE)).and(image.function(CONTROLLER))?;
+    image.function(INVERSE).and(image.function(CONTROLLER))?;
     Ok(image)
 }
 
@@ -110,10 +109,13 @@ fn costs(
     parameters: &Parameters,
     samples: &[Sample],
 ) -> Result<Vec<Figure>> {
-    let (controller, tick) = (emulated.function(CONTROLLER)?, emulated.function(TICK)?);
-    let of_law = counted::run(law, plugin, &[law.function(INVERSE)?, law.function(PIECEWISE)?], |link| {
-        drive::control_law(link, parameters, samples)
-    })?;
+    let (inverse, controller, tick) =
+        (law.function(INVERSE)?, emulated.function(CONTROLLER)?, emulated.function(TICK)?);
+    let of_law = |envelope, parameters: &Parameters| {
+        counted::run(law, plugin, &[inverse], |link| drive::control_law(link, envelope, parameters, samples))
+    };
+    let mut of_inverses = of_law(0, parameters)?;
+    of_inverses.extend(of_law(1, &piecewise_parameters()?)?);
     let of_emulated = counted::run(emulated, plugin, &[controller, tick], |link| {
         drive::emulated(link, parameters, samples)
     })?;
@@ -124,7 +126,7 @@ fn costs(
         "whole tick of the image emulated",
     ];
     let mut figures = Vec::new();
-    for (title, cost) in titles.into_iter().zip(of_law.into_iter().chain(of_emulated)) {
+    for (title, cost) in titles.into_iter().zip(of_inverses.into_iter().chain(of_emulated)) {
         ensure!(cost.calls == samples.len(), "{title}: {} calls in {} samples", cost.calls, samples.len());
         figures.extend(instructions(title, &cost, samples));
     }

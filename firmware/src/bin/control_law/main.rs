@@ -2,17 +2,17 @@
 //!
 //! * **No panic**: what it is given, the law cannot panic when nothing of the panic machinery is linked. Model, gains,
 //!   mode, reference and contraction are all unknown to the compiler.
-//! * **Cost of the inverse alone**, which the other images contain only as a part of the controller, and of that with a
-//!   piecewise-linear envelope.
+//! * **Cost of the inverse alone**, which the other images contain only as a part of the controller.
 //!
 //! # Protocol
-//! A zero byte on USART2 says that the board is ready. Then, for each sample, the host sends mode (one byte, 0 to 3 as
-//! in [`MODES`]), reference and contraction (mm), and gets back the answers of the two inverses, tanh first, and the
-//! controller's command (bar); numbers are `f32`, little-endian. A refused sample is answered by NaN.
+//! A zero byte on USART2 says that the board is ready. The host answers by a byte for the envelope, 0 for the paper's and 1
+//! for the piecewise-linear one. Then, for each sample, it sends mode (one byte, 0 to 3 as in [`MODES`]), reference and
+//! contraction (mm), and gets back the inverse's answer and the controller's command (bar); numbers are `f32`,
+//! little-endian. A refused sample is answered by NaN.
 //!
 //! # Limits
 //! The waits for the port are unbounded: it stands for the host's program and is no part of the law. A model that is
-//! refused stops the image before it is ready.
+//! refused stops the image before the first sample.
 #![no_std]
 #![no_main]
 
@@ -21,10 +21,7 @@ mod port;
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
-use firmware::law::{
-    BoardInverse, PiecewiseInverse, controller_step, inverse_step, paper_parameters, piecewise_inverse,
-    piecewise_inverse_step,
-};
+use firmware::law::{BoardInverse, controller_step, inverse_step, paper_parameters, piecewise_parameters};
 use firmware::order::BoardTracking;
 use model_core::{HysteresisState, InverseHysteresis, Mode, ParameterError, TrackingState};
 use wire::PLAYS;
@@ -38,32 +35,26 @@ const MODES: [Mode; 4] = [Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly,
 struct Law {
     inverse: BoardInverse,
     inverse_state: HysteresisState<f32, PLAYS>,
-    piecewise: PiecewiseInverse,
-    piecewise_state: HysteresisState<f32, PLAYS>,
     tracking: BoardTracking,
     state: TrackingState<f32, PLAYS>,
 }
 
 impl Law {
     /// The paper's model and gains, at rest.
-    fn paper() -> Result<Self, ParameterError> {
-        let parameters = black_box(paper_parameters()?);
-        let tracking = BoardTracking::try_new(&parameters)?;
-        let piecewise = piecewise_inverse(&parameters.model)?;
+    fn paper(piecewise: bool) -> Result<Self, ParameterError> {
+        let parameters = if piecewise { piecewise_parameters()? } else { paper_parameters()? };
+        let tracking = BoardTracking::try_new(&black_box(parameters))?;
         let inverse = tracking.inverse().clone();
         let (inverse_state, state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));
-        let piecewise_state = piecewise.rest_state();
-        Ok(Self { inverse, inverse_state, piecewise, piecewise_state, tracking, state })
+        Ok(Self { inverse, inverse_state, tracking, state })
     }
 
     fn sample(&mut self, port: &Port) {
         let mode = MODES[usize::from(port.receive_byte() & 3)];
         let (reference_mm, contraction_mm) = (port.receive(), port.receive());
         let inverse = inverse_step(&self.inverse, &mut self.inverse_state, reference_mm);
-        let piecewise = piecewise_inverse_step(&self.piecewise, &mut self.piecewise_state, reference_mm);
         let command = controller_step(&self.tracking, &mut self.state, mode, reference_mm, contraction_mm);
         port.send(inverse.unwrap_or(f32::NAN));
-        port.send(piecewise.unwrap_or(f32::NAN));
         port.send(command.map_or(f32::NAN, |command| command.command));
     }
 }
@@ -71,8 +62,8 @@ impl Law {
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let port = Port::open();
-    if let Ok(mut law) = Law::paper() {
-        port.send_byte(0);
+    port.send_byte(0);
+    if let Ok(mut law) = Law::paper(port.receive_byte() != 0) {
         loop {
             law.sample(&port);
             #[cfg(feature = "deliberate_panic")]

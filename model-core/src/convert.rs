@@ -1,0 +1,27 @@
+//! Numbers and lists in another number type or capacity.
+
+use heapless::Vec;
+
+use crate::error::{Check, ParameterError, Requirement};
+use crate::real::Real;
+
+/// The nearest number of the other type.
+pub(crate) fn number<T: Real, U: Real>(value: T) -> U {
+    U::from_f64(value.to_f64())
+}
+
+/// The list, which `parameter` names, in the other type and capacity.
+///
+/// # Errors
+/// The other capacity is too small.
+pub(crate) fn list<T: Real, U: Real, const N: usize>(
+    parameter: &'static str,
+    list: &[T],
+) -> Result<Vec<U, N>, ParameterError> {
+    let mut converted = Vec::new();
+    for &value in list {
+        let too_many = |_| Check::new(parameter, "").length(list.len(), Requirement::AtMost(N as f64));
+        converted.push(number(value)).map_err(too_many)?;
+    }
+    Ok(converted)
+}

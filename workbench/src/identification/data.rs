@@ -1,0 +1,132 @@
+//! A recording, checked and normalised for the search.
+
+use model_core::Range;
+use model_core::envelope::KNOTS;
+use model_core::memoryless::{Memoryless, MemorylessParameters};
+
+use super::coordinates::Coordinate;
+use super::structure::Structure;
+use super::{DEAD_ZONES, IdentificationError, Options, PLAYS, Problem};
+
+/// The smallest slope that the stage behind the plays may get, as a share of the mean slope: how far a model is
+/// kept from being non-invertible.
+const LEAST_SLOPE: f64 = 1e-2;
+
+/// Lowest input and span of the inputs. Input unit.
+pub type Span = (f64, f64);
+
+/// The inputs of a recording.
+pub struct Drive {
+    /// The inputs, 0 … 1 over their span.
+    pub inputs: Vec<f64>,
+    /// Whether each is on a rising branch; one that rests keeps its branch.
+    pub rising: Vec<bool>,
+    /// Number of first inputs that rest at the lowest one: their branch is that of what was before.
+    pub resting: usize,
+}
+
+impl Drive {
+    fn new(input: &[f64], (low, span): Span) -> Self {
+        let mut state = (low, true);
+        let is_rising = |&x: &f64| {
+            let rising = if x == state.0 { state.1 } else { x > state.0 };
+            state = (x, rising);
+            rising
+        };
+        Self {
+            rising: input.iter().map(is_rising).collect(),
+            resting: input.iter().take_while(|&&x| x == low).count(),
+            inputs: input.iter().map(|x| (x - low) / span).collect(),
+        }
+    }
+}
+
+/// A recording, normalised for the search.
+pub struct Data {
+    /// The inputs.
+    pub drive: Drive,
+    /// Lowest input and span of the inputs. Input unit.
+    pub span: Span,
+    /// The rows that count.
+    pub rows: Vec<usize>,
+    /// The outputs of those rows. Output unit.
+    pub outputs: Vec<f64>,
+    /// Added functions of the input at those rows.
+    pub added: Vec<Vec<f64>>,
+    /// The smallest slope allowed. Output unit per unit of u.
+    pub least_slope: f64,
+    /// What is identified.
+    pub structure: Structure,
+    /// Its coordinates.
+    pub coordinates: Vec<Coordinate>,
+}
+
+/// Checks a problem and normalises it for the search.
+///
+/// # Errors
+/// See [`IdentificationError`].
+pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, IdentificationError> {
+    let Problem { input, output, scored } = *problem;
+    if input.len() != output.len() || input.len() != scored.len() {
+        return Err(IdentificationError::Lengths);
+    }
+    for (name, value, limits) in [
+        ("plays", options.plays, [1, PLAYS]),
+        ("dead zones", options.dead_zones, [1, DEAD_ZONES]),
+        ("knots", options.knots.unwrap_or(KNOTS), [3, KNOTS]),
+        ("starts", options.starts, [1, usize::MAX]),
+    ] {
+        if !(limits[0]..=limits[1]).contains(&value) {
+            return Err(IdentificationError::Size(name, value, limits));
+        }
+    }
+    for (name, list) in [("input", input), ("output", output)] {
+        if let Some(row) = list.iter().position(|value| !value.is_finite()) {
+            return Err(IdentificationError::NotFinite(name, row));
+        }
+    }
+    let structure = Structure::new(options);
+    let coordinates = structure.coordinates();
+    let rows: Vec<usize> = (0..scored.len()).filter(|&row| scored[row]).collect();
+    let parameters = coordinates.len() + structure.linear();
+    if rows.len() <= parameters {
+        return Err(IdentificationError::TooFewRows { rows: rows.len(), parameters });
+    }
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+    };
+    let (low, high) = range(&mut input.iter().copied());
+    if low == high {
+        return Err(IdentificationError::ConstantInput(low));
+    }
+    let (output_low, output_high) = range(&mut rows.iter().map(|&row| output[row]));
+    if output_low == output_high {
+        return Err(IdentificationError::ConstantOutput(output_low));
+    }
+    let span = (low, high - low);
+    Ok(Data {
+        drive: Drive::new(input, span),
+        span,
+        outputs: rows.iter().map(|&row| output[row]).collect(),
+        added: added(&structure, &rows, input, (low, high))?,
+        rows,
+        least_slope: LEAST_SLOPE * (output_high - output_low),
+        structure,
+        coordinates,
+    })
+}
+
+/// The added functions of the input at some rows.
+fn added(
+    structure: &Structure,
+    rows: &[usize],
+    input: &[f64],
+    (low, high): (f64, f64),
+) -> Result<Vec<Vec<f64>>, IdentificationError> {
+    let function = Range::try_new(low, high, "input range", "input unit")
+        .and_then(|range| Memoryless::try_new(&MemorylessParameters { rises: [0.0; 3] }, &range))
+        .map_err(IdentificationError::Invalid)?;
+    let column = |k: usize| rows.iter().map(|&row| function.basis(input[row])[k]).collect();
+    Ok((0..structure.added()).map(column).collect())
+}

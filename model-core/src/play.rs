@@ -335,7 +335,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         // A state may know turning points beyond the end, which the move then does not reach.
         if state.ahead::<RISING>(passed).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
         {
-            passed = state.passed::<RISING, false>(|turn| if RISING { turn.u <= end } else { turn.u >= end });
+            passed = state.passed::<RISING, FEW>(|turn| if RISING { turn.u <= end } else { turn.u >= end });
         }
         let branch = self.branch::<RISING>(state, passed, |from| {
             self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end))

@@ -10,7 +10,7 @@
 //! u = u₀ ± C(|v - v₀|), C(Δ) = q Δ + Σ pᵢ max(Δ - 2 rᵢ, 0),
 //!
 //! up to the turning point before, where the two are wiped out and the move goes on from the one before that. So a sample
-//! costs one search among the turning points ([`crate::turning_points`]) and one on the curve ([`crate::curve`]), and its
+//! costs one search among the turning points (`turning_points`) and one on the curve ([`crate::curve`]), and its
 //! cost hardly grows with the number of plays. A move that has wiped out all turning points drives all plays:
 //! u = (q + Σ pᵢ) v ∓ Σ pᵢ rᵢ.
 //!
@@ -25,60 +25,14 @@
 
 use heapless::Vec;
 
-use crate::convert;
 use crate::curve::{MonotoneCurve, Segment};
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
 use crate::range::Range;
 use crate::real::Real;
-use crate::turning_points::Turn;
+use crate::turning_points::{Turn, admissible};
 
+pub use crate::play_parameters::PlayParameters;
 pub use crate::turning_points::PlayState;
-
-/// Raw parameters of a bank of at most `N` plays.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
-)]
-pub struct PlayParameters<T, const N: usize> {
-    /// Weight of the direct term. Unit: 1, above 0.
-    pub q: T,
-    /// Thresholds r, strictly increasing and above 0. Unit: that of the inner coordinate (1).
-    pub thresholds: Vec<T, N>,
-    /// Weights p, as many as thresholds. Unit: 1.
-    pub weights: Vec<T, N>,
-}
-
-impl<T: Real, const N: usize> PlayParameters<T, N> {
-    /// Equally spaced thresholds rᵢ = α i, equation (9), with weights pᵢ = ρ exp(-τ rᵢ), equation (10), for
-    /// i = 1 … `count`.
-    ///
-    /// # Errors
-    /// `count` is above the capacity `N`.
-    pub fn exponential(count: usize, q: T, rho: T, tau: T, alpha: T) -> Result<Self, ParameterError> {
-        let mut parameters = Self { q, thresholds: Vec::new(), weights: Vec::new() };
-        let too_many = |_| Check::new("plays", "").length(count, Requirement::AtMost(N as f64));
-        for i in 1..=count {
-            let threshold = alpha * T::from_f64(i as f64);
-            parameters.thresholds.push(threshold).map_err(too_many)?;
-            parameters.weights.push(rho * (-tau * threshold).exp()).map_err(too_many)?;
-        }
-        Ok(parameters)
-    }
-
-    /// The same parameters in another number type or capacity.
-    ///
-    /// # Errors
-    /// The other capacity is too small.
-    pub fn convert<U: Real, const N2: usize>(&self) -> Result<PlayParameters<U, N2>, ParameterError> {
-        Ok(PlayParameters {
-            q: convert::number(self.q),
-            thresholds: convert::list("plays", &self.thresholds)?,
-            weights: convert::list("plays", &self.weights)?,
-        })
-    }
-}
 
 /// How far a move is to go: to the input `v`, but no farther than to the output `end`.
 struct Target<T> {
@@ -424,28 +378,4 @@ fn go<T: Real, const RISING: bool>(from: T, way: T) -> T {
 
 fn half<T: Real>(value: T) -> T {
     T::from_f64(0.5) * value
-}
-
-/// Refuses outputs of plays that no history can reach at the input `v`: |v - z₁| ≤ r₁ and
-/// |zᵢ - zᵢ₊₁| ≤ rᵢ₊₁ - rᵢ, with a tolerance of a few roundings. As many outputs as thresholds.
-pub(crate) fn admissible<T: Real>(
-    thresholds: impl Iterator<Item = T>,
-    outputs: &[T],
-    v: T,
-) -> Result<(), ParameterError> {
-    let mut before = (Check::new("v", "").finite(v)?, T::ZERO);
-    for (i, (threshold, &output)) in thresholds.zip(outputs).enumerate() {
-        let check = Check::at("play outputs", i, "");
-        check.finite(output)?;
-        let tolerance = T::from_f64(8.0) * T::EPSILON * (v.abs() + threshold);
-        let reach = threshold - before.1 + tolerance;
-        if output > before.0 + reach {
-            return Err(check.error(output.to_f64(), Requirement::AtMost((before.0 + reach).to_f64())));
-        }
-        if output < before.0 - reach {
-            return Err(check.error(output.to_f64(), Requirement::AtLeast((before.0 - reach).to_f64())));
-        }
-        before = (output, threshold);
-    }
-    Ok(())
 }

@@ -131,6 +131,12 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         }
     }
 
+    /// The step of the inverse, apart: in one function with the rest there are too few registers.
+    #[inline(never)]
+    fn feedforward(&self, state: &mut HysteresisState<T, N>, reference: T) -> Result<T, InputError> {
+        self.inverse.step(state, reference)
+    }
+
     /// One sample. Reference and contraction: mm.
     ///
     /// # Errors
@@ -144,7 +150,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     ) -> Result<Command<T>, InputError> {
         let contraction = finite_input(contraction)?;
         // The inverse follows the reference in every mode, so that its memory is right when it is needed.
-        let inverse = self.inverse.step(&mut state.inverse, reference)?;
+        let inverse = self.feedforward(&mut state.inverse, reference)?;
         let error = reference - contraction;
         let goes_on = state.mode == Some(mode);
         if !goes_on {

@@ -15,6 +15,7 @@
 
 use heapless::Vec;
 
+use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
 /// A point that the input has turned at, or where it stands.
@@ -141,4 +142,28 @@ impl<T: Real, const N: usize> PlayState<T, N> {
         inverted.last = self.last.inverted();
         inverted
     }
+}
+
+/// Refuses outputs of plays that no history can reach at the input `v`: |v - z₁| ≤ r₁ and
+/// |zᵢ - zᵢ₊₁| ≤ rᵢ₊₁ - rᵢ, with a tolerance of a few roundings. As many outputs as thresholds.
+pub(crate) fn admissible<T: Real>(
+    thresholds: impl Iterator<Item = T>,
+    outputs: &[T],
+    v: T,
+) -> Result<(), ParameterError> {
+    let mut before = (Check::new("v", "").finite(v)?, T::ZERO);
+    for (i, (threshold, &output)) in thresholds.zip(outputs).enumerate() {
+        let check = Check::at("play outputs", i, "");
+        check.finite(output)?;
+        let tolerance = T::from_f64(8.0) * T::EPSILON * (v.abs() + threshold);
+        let reach = threshold - before.1 + tolerance;
+        if output > before.0 + reach {
+            return Err(check.error(output.to_f64(), Requirement::AtMost((before.0 + reach).to_f64())));
+        }
+        if output < before.0 - reach {
+            return Err(check.error(output.to_f64(), Requirement::AtLeast((before.0 - reach).to_f64())));
+        }
+        before = (output, threshold);
+    }
+    Ok(())
 }

@@ -278,8 +278,9 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         Reached::Inside(u)
     }
 
-    /// Ends a move, which passes at most so many turning points, where u reaches `end`.
-    #[inline(always)]
+    /// Ends a move, which passes at most so many turning points, where u reaches `end`. Apart, lest it costs the other moves
+    /// registers.
+    #[inline(never)]
     fn stop_at<const RISING: bool, const FEW: bool>(
         &self,
         state: &mut PlayState<T, N>,

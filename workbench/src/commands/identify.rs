@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use crate::figures::{Figures, stroke};
 use crate::holdout;
 use crate::identification::named::slope_dimension;
-use crate::identification::{self, Fit, Options, Problem, searches};
+use crate::identification::{self, Fit, Options, Problem, Weights, searches};
 use crate::model_file::names::Names;
 use crate::model_file::{HeldOut, Identification, ModelFile, Source};
 use crate::output::Outputs;
@@ -34,6 +34,9 @@ pub struct Arguments {
     /// Number of plays
     #[arg(long, default_value_t = 10, value_name = "N")]
     plays: usize,
+    /// Weights of the plays
+    #[arg(long, value_enum, default_value = "exponential")]
+    weights: PlayWeights,
     /// Number of dead zones, for mgpi and mpi
     #[arg(long, default_value_t = 10, value_name = "M")]
     dead_zones: usize,
@@ -108,6 +111,24 @@ enum Envelope {
     Tanh,
     /// Piecewise-linear through free knots
     Pl,
+}
+
+/// What the weights of the plays are made of.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PlayWeights {
+    /// rho exp(-tau r)
+    Exponential,
+    /// Each by itself, for at most 32 plays
+    Free,
+}
+
+impl From<PlayWeights> for Weights {
+    fn from(weights: PlayWeights) -> Self {
+        match weights {
+            PlayWeights::Exponential => Self::Exponential,
+            PlayWeights::Free => Self::Free,
+        }
+    }
 }
 
 impl From<Model> for Kind {
@@ -224,6 +245,7 @@ fn fit(recording: &Recording, scored: &[bool], arguments: &Arguments) -> Result<
     let problem = Problem { input: &recording.drive.input.values, output: &recording.output.values, scored };
     let options = Options {
         model: arguments.model.into(),
+        weights: arguments.weights.into(),
         knots: matches!(arguments.envelope, Some(Envelope::Pl)).then_some(arguments.knots),
         plays: arguments.plays,
         dead_zones: arguments.dead_zones,

@@ -2,8 +2,8 @@
 //!
 //! Where a change of one can be made good by changes of others, only what they do together is known. Of two, a correlation
 //! near 1 or -1 tells; of more, a small eigenvalue of the correlation matrix, whose eigenvector has large components at
-//! them. What normalisation makes a function of others (c0 and c3 of c1 and c2, rho of q and tau, the ends of the
-//! knots) says nothing about the recording, and is left out.
+//! them. What normalisation makes a function of others (c0 and c3 of c1 and c2, rho of q and tau, q of
+//! free weights of the plays, the ends of the knots) says nothing about the recording, and is left out.
 
 use nalgebra::DMatrix;
 
@@ -17,7 +17,7 @@ const SHARE: f64 = 0.5;
 
 /// The groups of `names`, from their correlation.
 pub fn groups(names: &[&str], correlation: &DMatrix<f64>) -> Vec<Vec<String>> {
-    let is_own = |&place: &usize| !is_derived(names[place]) && !correlation[(place, place)].is_nan();
+    let is_own = |&place: &usize| !is_derived(names, names[place]) && !correlation[(place, place)].is_nan();
     let own: Vec<usize> = (0..names.len()).filter(is_own).collect();
     if own.is_empty() {
         return Vec::new();
@@ -56,8 +56,10 @@ fn merge(groups: &mut Vec<Vec<usize>>, mut group: Vec<usize>) {
 }
 
 /// Whether normalisation makes a parameter a function of others.
-fn is_derived(name: &str) -> bool {
-    name.starts_with("c0") || name.starts_with("c3") || name == "rho"
+fn is_derived(names: &[&str], name: &str) -> bool {
+    // Of all weights of the plays, free ones leave q to be the rest.
+    let is_rest = name == "q" && names.contains(&"p1");
+    name.starts_with("c0") || name.starts_with("c3") || name == "rho" || is_rest
 }
 
 #[cfg(test)]

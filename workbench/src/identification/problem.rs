@@ -16,7 +16,6 @@ use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use super::coordinates::{bounded, unbounded};
 use super::data::Data;
 use super::inner::{Inner, Sample};
-use super::plays;
 use super::projection::{Columns, Grid, Linear};
 use super::starts::Start;
 
@@ -70,7 +69,7 @@ pub fn grid<const K: usize>(inner: &Inner, count: usize, coordinates: usize) -> 
     let segments_below = (low < 0.0 && high > 0.0).then(|| (-low / width - 0.5).round() + 0.5);
     let origin = segments_below.map_or(low, |segments| -segments * width);
     let mut by = [[0.0; K]; 2];
-    for (i, c) in (coordinates - plays::COUNT..coordinates).enumerate() {
+    for (i, c) in (coordinates - low_by.len()..coordinates).enumerate() {
         by[1][c] = (high_by[i] - low_by[i]) / count as f64;
         by[0][c] = segments_below.map_or(low_by[i], |segments| -segments * by[1][c]);
     }
@@ -113,18 +112,15 @@ impl<'a, const K: usize> Point<'a, K> {
         })
     }
 
-    /// The Jacobian at the chosen ones of all unknowns, a column for each row that counts: the coordinates, then the
-    /// linear coefficients.
-    pub fn jacobian(&self, chosen: &[usize]) -> DMatrix<f64> {
-        let mut jacobian = DMatrix::zeros(chosen.len(), self.residuals.len());
-        let count = self.at.coordinates.len();
+    /// The Jacobian at all unknowns, the coordinates and then the linear coefficients, a row each; a column for each
+    /// row of the recording that counts.
+    pub fn jacobian(&self) -> DMatrix<f64> {
+        let (count, linear) = (self.at.coordinates.len(), self.linear.free.len());
+        let mut jacobian = DMatrix::zeros(count + linear, self.residuals.len());
         for (row, derivatives) in self.derivatives().enumerate() {
-            for (place, &unknown) in chosen.iter().enumerate() {
-                jacobian[(place, row)] = match unknown.checked_sub(count) {
-                    None => derivatives[unknown],
-                    Some(column) => self.columns.value(row, column),
-                };
-            }
+            let derivatives = derivatives[..count].iter().copied();
+            let columns = (0..linear).map(|column| self.columns.value(row, column));
+            jacobian.column_mut(row).copy_from_slice(&derivatives.chain(columns).collect::<Vec<f64>>());
         }
         jacobian
     }
@@ -153,13 +149,16 @@ impl<'a, const K: usize> Point<'a, K> {
 
     /// The few rows that stand for all: residuals and Jacobian, the free linear columns projected out.
     fn condense(&self) -> (DVector<f64>, DMatrix<f64>) {
-        let Products { mut own, mixed, gradient } = self.products();
+        let Products { mut own, mixed, mut gradient } = self.products();
         let places: Vec<usize> = (0..self.linear.free.len()).filter(|&j| self.linear.free[j]).collect();
         let gram = self.columns.gram.select_rows(&places).select_columns(&places);
         // Segments without a row make ΦᵀΦ singular; the pseudo-inverse leaves them out.
         if let Ok(inverse) = gram.pseudo_inverse(1e-12 * self.residuals.len() as f64) {
-            let mixed = mixed.select_rows(&places);
-            own -= mixed.transpose() * inverse * mixed;
+            let projected = mixed.select_rows(&places).transpose() * inverse;
+            own -= &projected * mixed.select_rows(&places);
+            // The ridge leaves a trace of the linear columns in the residuals.
+            let trace = self.columns.moments(self.residuals.iter().map(|&residual| [residual]));
+            gradient -= projected * trace.column(0).select_rows(&places);
         }
         // Unit diagonal first: the columns differ by orders of magnitude.
         let lengths = own.diagonal().map(|square| if square > 0.0 { square.sqrt() } else { 1.0 });

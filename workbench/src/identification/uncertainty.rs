@@ -20,6 +20,10 @@ use super::problem::{Point, grid};
 use super::projection::Linear;
 use super::raw;
 
+/// The share of a parameter's largest derivative by an unknown up to which another unknown, held at a bound, leaves it
+/// free: weights of plays that are next to nothing move the other weights by next to nothing.
+const NEGLIGIBLE: f64 = 1e-3;
+
 /// A raw parameter with what is known about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
@@ -55,16 +59,19 @@ impl Uncertainty {
         let is_inside = |(coordinate, value): (&Coordinate, &f64)| !coordinate.is_at_bound(*value);
         let is_free = data.coordinates.iter().zip(coordinates).map(is_inside);
         let is_free: Vec<bool> = is_free.chain(point.linear.free.iter().copied()).collect();
-        let free: Vec<usize> = (0..unknowns.len()).filter(|&place| is_free[place]).collect();
+        let jacobian = point.jacobian();
+        // What no row tells anything of is not free either: a play that nothing drives, for one.
+        let (free, held): (Vec<usize>, Vec<usize>) =
+            (0..unknowns.len()).partition(|&place| is_free[place] && jacobian.row(place).amax() > 0.0);
         let by_unknowns = raw_by_unknowns::<K>(data, &unknowns)?;
-        let Unknowns { covariance, memory, freedom } = Unknowns::new(point, &free);
+        let Unknowns { covariance, memory, freedom } =
+            Unknowns::new(jacobian.select_rows(&free), &point.residuals);
         let by_free = by_unknowns.select_columns(&free);
         let covariance = &by_free * covariance * by_free.transpose();
         let error = |row: usize| {
-            let is_held =
-                (0..unknowns.len()).any(|place| !is_free[place] && by_unknowns[(row, place)] != 0.0);
-            let error = covariance[(row, row)].sqrt();
-            if is_held { f64::NAN } else { error }
+            let gradient = by_unknowns.row(row);
+            let is_held = held.iter().any(|&place| gradient[place].abs() > NEGLIGIBLE * gradient.amax());
+            if is_held { f64::NAN } else { covariance[(row, row)].sqrt() }
         };
         let errors = DVector::from_fn(by_unknowns.nrows(), |row, _| error(row));
         let estimate = |(parameter, &error): (Named, &f64)| {
@@ -105,26 +112,27 @@ struct Unknowns {
 }
 
 impl Unknowns {
-    fn new<const K: usize>(point: &Point<'_, K>, free: &[usize]) -> Self {
-        let mut jacobian = point.jacobian(free);
+    /// From the Jacobian at the free unknowns, a column for each residual.
+    fn new(mut jacobian: DMatrix<f64>, residuals: &[f64]) -> Self {
+        let count = jacobian.nrows();
         // Unit length first: the unknowns differ by many orders of magnitude.
-        let scales = DVector::from_fn(free.len(), |j, _| 1.0 / jacobian.row(j).norm());
+        let scales = DVector::from_fn(count, |j, _| 1.0 / jacobian.row(j).norm());
         for (mut row, scale) in jacobian.row_iter_mut().zip(&scales) {
             row *= *scale;
         }
-        let memory = memory(&point.residuals);
+        let memory = memory(residuals);
         let Some(cholesky) = (&jacobian * jacobian.transpose()).cholesky() else {
-            let covariance = DMatrix::from_element(free.len(), free.len(), f64::NAN);
+            let covariance = DMatrix::from_element(count, count, f64::NAN);
             return Self { covariance, memory, freedom: 1.0 };
         };
         // In directions that are orthonormal over the rows B is 1.
         let root = cholesky.unpack();
         root.solve_lower_triangular_mut(&mut jacobian);
-        let scatter = scatter(&jacobian, &point.residuals, memory);
-        let rows = point.residuals.len() as f64;
+        let scatter = scatter(&jacobian, residuals, memory);
+        let (rows, squares) = (residuals.len() as f64, residuals.iter().map(|r| r * r).sum::<f64>());
         // Without any residual not a number, and then 1.
-        let left = (rows - rows * scatter.trace() / point.cost()).max(1.0);
-        let one = DMatrix::identity(free.len(), free.len());
+        let left = (rows - rows * scatter.trace() / squares).max(1.0);
+        let one = DMatrix::identity(count, count);
         let turn = DMatrix::from_diagonal(&scales) * root.tr_solve_lower_triangular(&one).unwrap_or(one);
         Self {
             covariance: &turn * scatter * turn.transpose() * (rows / left),

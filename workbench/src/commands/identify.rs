@@ -190,7 +190,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     outputs.stage(model_file, model.to_toml().as_bytes())?;
     if let Some(file) = report {
         let simulated = &fit.simulated;
-        let (identification, estimates) = (&identification, &fit.estimates);
+        let (identification, estimates) = (&identification, &fit.uncertainty.estimates);
         let report =
             Identified { model: &model, identification, recording: &recording, simulated, estimates };
         outputs.stage(file, report.to_html()?.as_bytes())?;
@@ -293,7 +293,7 @@ fn figures(recording: &Recording, simulated: &[f64]) -> Figures {
 }
 
 fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>) -> Identification {
-    let errors = fit.estimates.iter();
+    let errors = fit.uncertainty.estimates.iter();
     let errors =
         errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
     Identification {
@@ -304,7 +304,7 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>)
         training: figures(recording, &fit.simulated),
         heldout,
         starts: fit.starts,
-        termination: fit.termination.reason.clone(),
+        termination: fit.termination.to_string(),
         standard_errors: errors.collect(),
     }
 }
@@ -314,7 +314,7 @@ fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, second
     let figures = |figures: &Figures| -> Map<String, Value> {
         figures.keyed(unit).into_iter().map(|(key, value)| (key, value.into())).collect()
     };
-    let parameters = fit.estimates.iter().map(|estimate| {
+    let parameters = fit.uncertainty.estimates.iter().map(|estimate| {
         json!({
             "name": estimate.parameter.name,
             "value": estimate.parameter.value,

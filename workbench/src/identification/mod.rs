@@ -13,7 +13,9 @@
 //! | `starts` | where the searches begin |
 //! | `raw`, [`named`] | the way to the raw parameters, and their names |
 //! | `thinning` | a shorter recording that is enough to screen them |
-//! | `uncertainty` | standard errors of the raw parameters |
+//! | `uncertainty` | standard errors, intervals and correlation of the raw parameters |
+//! | `autocorrelation`, `collinear` | what makes them larger: residuals that are alike, parameters that are |
+//! | `termination` | how a search ended |
 //!
 //! The problem has several minima, so that many starts are tried side by side: each gets a few steps on a thinned
 //! recording, then the best quarter goes on to convergence on all of it. The answer depends on the seed, not on the number of threads.
@@ -27,6 +29,8 @@
 //! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the model's
 //! validity range.
 
+mod autocorrelation;
+mod collinear;
 mod coordinates;
 mod data;
 mod envelope;
@@ -40,6 +44,7 @@ mod projection;
 mod raw;
 mod starts;
 mod structure;
+mod termination;
 mod thinning;
 mod uncertainty;
 
@@ -50,9 +55,10 @@ use rayon::prelude::*;
 
 use data::{Data, normalise};
 pub use error::IdentificationError;
-use named::Named;
 use problem::{Point, Problem as Reduced};
 use starts::Start;
+pub use termination::Termination;
+pub use uncertainty::{Estimate, Uncertainty};
 
 /// The largest number of plays of a model on the host.
 pub const PLAYS: usize = 128;
@@ -134,24 +140,6 @@ pub enum Density {
     },
 }
 
-/// A raw parameter with its standard error.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Estimate {
-    /// Name, value and dimension.
-    pub parameter: Named,
-    /// Standard error in the same unit, for independent residuals; None where a bound binds.
-    pub standard_error: Option<f64>,
-}
-
-/// How the search ended.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Termination {
-    /// In words.
-    pub reason: String,
-    /// Whether at a minimum.
-    pub converged: bool,
-}
-
 /// An identified model.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -163,8 +151,8 @@ pub struct Fit {
     pub density: Density,
     /// The model's output for every row. Output unit.
     pub simulated: Vec<f64>,
-    /// The raw parameters with their standard errors.
-    pub estimates: Vec<Estimate>,
+    /// What is known about the raw parameters.
+    pub uncertainty: Uncertainty,
     /// How the best start ended.
     pub termination: Termination,
     /// Number of starts tried.
@@ -314,8 +302,8 @@ fn finish<const K: usize>(
     model.inverse()?;
     Ok(Fit {
         simulated: simulate(&model, problem.input),
-        estimates: uncertainty::estimates(data, point)?,
-        termination: Termination { reason: in_words(reason), converged: reason.was_successful() },
+        uncertainty: Uncertainty::new(data, point)?,
+        termination: reason.into(),
         starts: options.starts,
         model,
         parameters,
@@ -329,23 +317,7 @@ pub fn simulate(model: &HostModel, input: &[f64]) -> Vec<f64> {
     input.iter().map(|&x| model.step(&mut state, x).unwrap_or(f64::NAN)).collect()
 }
 
-fn in_words(reason: &TerminationReason) -> String {
-    match reason {
-        TerminationReason::Converged { ftol: true, xtol: true } => {
-            "converged: sum of squares and parameters settled"
-        }
-        TerminationReason::Converged { ftol: true, .. } => "converged: sum of squares settled",
-        TerminationReason::Converged { .. } => "converged: parameters settled",
-        TerminationReason::Orthogonal => "converged: the gradient vanished",
-        TerminationReason::ResidualsZero => "converged: no residual left",
-        TerminationReason::NoImprovementPossible(_) => {
-            "converged: no improvement possible in double precision"
-        }
-        TerminationReason::LostPatience => "stopped: largest number of evaluations reached",
-        _ => "stopped: numerical failure",
-    }
-    .to_string()
-}
-
+#[cfg(test)]
+mod coverage;
 #[cfg(test)]
 mod tests;

@@ -50,11 +50,11 @@ pub struct Point<'a, const K: usize> {
 }
 
 /// Sums over the rows that count, with the derivatives of the model by the coordinates as the columns of J.
-pub struct Products {
+struct Products {
     /// JᵀJ.
-    pub own: DMatrix<f64>,
+    own: DMatrix<f64>,
     /// ΦᵀJ, a row for each linear column.
-    pub mixed: DMatrix<f64>,
+    mixed: DMatrix<f64>,
     /// Jᵀr.
     gradient: DVector<f64>,
 }
@@ -95,28 +95,39 @@ impl<'a, const K: usize> Point<'a, K> {
         self.residuals.iter().map(|residual| residual * residual).sum()
     }
 
-    /// The sums of products of the model's derivatives by the coordinates, at fixed linear coefficients.
-    pub fn products(&self) -> Products {
+    /// The model's derivatives by the coordinates at fixed linear coefficients, for each row that counts.
+    fn derivatives(&self) -> impl Iterator<Item = [f64; K]> + Clone {
         // y = offset + Σ_{j<i} sⱼ width + sᵢ (u - origin - i width) in segment i.
         let mut passed = 0.0;
-        let by_width: Vec<f64> = self
-            .linear
-            .slopes
-            .iter()
-            .enumerate()
-            .map(|(i, slope)| {
-                let this = passed - slope * i as f64;
-                passed += slope;
-                this
-            })
-            .collect();
-        let [origin_by, width_by] = &self.grid_by;
-        let derivatives = self.samples.iter().zip(self.columns.places()).map(|(sample, &(segment, _))| {
+        let by_width = |(i, slope): (usize, &f64)| {
+            let this = passed - slope * i as f64;
+            passed += slope;
+            this
+        };
+        let by_width: Vec<f64> = self.linear.slopes.iter().enumerate().map(by_width).collect();
+        self.samples.iter().zip(self.columns.places()).map(move |(sample, &(segment, _))| {
             let (slope, by_width) = (self.linear.slopes[segment], by_width[segment]);
-            std::array::from_fn::<f64, K, _>(|c| {
-                slope * (sample.by[c] - origin_by[c]) + by_width * width_by[c]
-            })
-        });
+            let [origin_by, width_by] = &self.grid_by;
+            std::array::from_fn(|c| slope * (sample.by[c] - origin_by[c]) + by_width * width_by[c])
+        })
+    }
+
+    /// The Jacobian at all unknowns, the coordinates and then the linear coefficients, a row each; a column for each
+    /// row of the recording that counts.
+    pub fn jacobian(&self) -> DMatrix<f64> {
+        let (count, linear) = (self.at.coordinates.len(), self.linear.free.len());
+        let mut jacobian = DMatrix::zeros(count + linear, self.residuals.len());
+        for (row, derivatives) in self.derivatives().enumerate() {
+            let derivatives = derivatives[..count].iter().copied();
+            let columns = (0..linear).map(|column| self.columns.value(row, column));
+            jacobian.column_mut(row).copy_from_slice(&derivatives.chain(columns).collect::<Vec<f64>>());
+        }
+        jacobian
+    }
+
+    /// The sums of products of the model's derivatives by the coordinates, at fixed linear coefficients.
+    fn products(&self) -> Products {
+        let derivatives = self.derivatives();
         let mixed = self.columns.moments(derivatives.clone());
         let mut own = [[0.0; K]; K];
         let mut gradient = [0.0; K];

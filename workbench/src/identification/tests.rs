@@ -14,7 +14,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Triangles of decreasing amplitude, 0 to 6 bar: major and minor loops.
-fn triangles() -> Vec<f64> {
+pub fn triangles() -> Vec<f64> {
     let turns = [0.0, 6.0, 0.0, 5.0, 0.0, 4.0, 0.0, 3.0, 1.0, 4.5, 2.0, 5.5, 0.0];
     turns
         .windows(2)
@@ -23,7 +23,7 @@ fn triangles() -> Vec<f64> {
 }
 
 /// A model of the very class that is searched: γ from 0 to 1, knots over all of u.
-fn truth() -> HostModel {
+pub fn truth() -> HostModel {
     truth_with_decay(0.7)
 }
 
@@ -65,7 +65,7 @@ fn truth_parameters(beta: f64) -> HostParameters {
     })
 }
 
-fn options() -> Options {
+pub fn options() -> Options {
     Options {
         model: Kind::Mgpi,
         knots: None,
@@ -83,7 +83,7 @@ fn rms(differences: impl Iterator<Item = f64>) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-fn fit(input: &[f64], output: &[f64], options: &Options) -> Result<Fit, IdentificationError> {
+pub fn fit(input: &[f64], output: &[f64], options: &Options) -> Result<Fit, IdentificationError> {
     identify(&Problem { input, output, scored: &vec![true; input.len()] }, options, &|_| ())
 }
 
@@ -99,9 +99,15 @@ fn a_model_of_the_class_is_recovered_from_its_own_output() {
     let fit = fit(&input, &output, &options()).expect("identified");
     let error = rms(fit.simulated.iter().zip(&output).map(|(model, truth)| model - truth));
     assert!(error < 1e-4, "RMSE {error} mm");
-    assert!(fit.termination.converged, "{:?}", fit.termination);
+    assert!(fit.termination.converged(), "{:?}", fit.termination);
     let estimate = |name: &str| {
-        fit.estimates.iter().find(|e| e.parameter.name == name).expect("estimated").parameter.value
+        fit.uncertainty
+            .estimates
+            .iter()
+            .find(|e| e.parameter.name == name)
+            .expect("estimated")
+            .parameter
+            .value
     };
     for (name, value) in [("alpha", 0.06), ("q", 0.4), ("offset", -3.0), ("w1", 40.0), ("c1", 2.2 / 6.0)] {
         assert!(
@@ -283,8 +289,8 @@ fn standard_errors_are_those_of_repeated_experiments() {
         // Uniform noise of ±0.2 mm.
         let output: Vec<f64> = clean.iter().map(|y| y + random.random_range(-0.2..0.2)).collect();
         let fit = fit(&input, &output, &options()).expect("identified");
-        values.push(fit.estimates.iter().map(|e| e.parameter.value).collect());
-        claimed = fit.estimates;
+        values.push(fit.uncertainty.estimates.iter().map(|e| e.parameter.value).collect());
+        claimed = fit.uncertainty.estimates;
     }
     for name in ["alpha", "q", "w0", "w3", "offset"] {
         let place = claimed.iter().position(|e| e.parameter.name == name).expect("estimated");

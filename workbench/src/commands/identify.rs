@@ -4,17 +4,17 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use model_core::Kind;
 use serde_json::{Map, Value, json};
 
-use crate::figures::{Figures, stroke};
+use super::search::{Columns, Effort, search_bar, unidentified, warn_of_poor_fit};
+use crate::figures::Figures;
 use crate::identification::named::slope_dimension;
-use crate::identification::{self, Fit, Options, Problem, searches};
+use crate::identification::{self, Fit, Options, searches};
 use crate::model_file::names::Names;
 use crate::model_file::{Identification, ModelFile, Source};
 use crate::output::Outputs;
-use crate::recording::{Choice, Recording, Timing};
+use crate::recording::{Recording, Timing};
 use crate::report::identified::Identified;
 use crate::{Error, TOOL};
 
@@ -48,37 +48,17 @@ pub struct Arguments {
     /// Also write the figures and parameters as JSON
     #[arg(long, value_name = "FIGURES.json")]
     json: Option<PathBuf>,
-    /// Input column [default: pressure_bar, else command_bar]
-    #[arg(long, value_name = "COLUMN")]
-    input: Option<String>,
-    /// Output column [default: contraction_mm]
-    #[arg(long, value_name = "COLUMN")]
-    output: Option<String>,
-    /// The muscle's length at rest in mm, if the recording has length_mm
-    #[arg(long, value_name = "MM", conflicts_with = "output")]
-    rest_length: Option<f64>,
-    /// Range of the input (of the valve, say), in its unit; a value outside is refused
-    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
-    input_range: Option<(f64, f64)>,
+    #[command(flatten)]
+    columns: Columns,
     /// Another recording that the model is tried on
     #[arg(long, value_name = "REC2.csv")]
     validate: Option<PathBuf>,
-    /// Number of starts of the search
-    #[arg(long, default_value_t = 24, value_name = "N")]
-    starts: usize,
-    /// Seed of the starts
-    #[arg(long, default_value_t = 1, value_name = "N")]
-    seed: u64,
-    /// Threads, 0 for one a core
-    #[arg(long, default_value_t = 0, value_name = "N")]
-    threads: usize,
+    #[command(flatten)]
+    effort: Effort,
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
 }
-
-/// Share of the stroke that an error has to reach for the fit to be called poor: ten times what a muscle leaves.
-const POOR_FIT: f64 = 0.1;
 
 /// Kinds of model that can be identified.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -130,15 +110,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
     let files = [model_file].into_iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let choice = arguments.choice();
-    let recording = Recording::read(&arguments.recording, &choice)?;
-    // The same columns, also where the choice was left open and this file offers others.
-    let choice = Choice {
-        input: Some(recording.drive.input.channel.name.clone()),
-        output: Some(recording.output.channel.name.clone()),
-        ..choice
-    };
-    let heldout = arguments.validate.as_deref().map(|file| Recording::read(file, &choice)).transpose()?;
+    let (recording, heldout) =
+        arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
 
     let begin = Instant::now();
     let fit = fit(&recording, arguments)?;
@@ -167,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     outputs.commit()?;
     print_summary(&recording, &identification, &model.names(), &fit, seconds);
-    warn_of_poor_fit(&recording, &identification);
+    warn_of_poor_fit(&recording, &identification.training);
     Ok(())
 }
 
@@ -187,59 +160,28 @@ impl Arguments {
             ))),
         }
     }
-
-    fn choice(&self) -> Choice {
-        Choice {
-            input: self.input.clone(),
-            output: self.output.clone(),
-            rest_length_mm: self.rest_length,
-            input_range: self.input_range,
-        }
-    }
-}
-
-fn range(text: &str) -> Result<(f64, f64), String> {
-    let limits = text.split_once(',').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
-    match limits {
-        Some((low, high)) if low < high => Ok((low, high)),
-        _ => Err("two numbers LOW,HIGH are needed, the lower first".to_owned()),
-    }
 }
 
 fn fit(recording: &Recording, arguments: &Arguments) -> Result<Fit, Error> {
-    let problem = Problem {
-        input: &recording.drive.input.values,
-        output: &recording.output.values,
-        scored: &recording.drive.scored,
-    };
     let options = Options {
         model: arguments.model.into(),
         knots: matches!(arguments.envelope, Some(Envelope::Pl)).then_some(arguments.knots),
         plays: arguments.plays,
         dead_zones: arguments.dead_zones,
-        starts: arguments.starts,
-        seed: arguments.seed,
-        threads: arguments.threads,
+        starts: arguments.effort.starts,
+        seed: arguments.effort.seed,
+        threads: arguments.effort.threads,
     };
-    let style = ProgressStyle::with_template("identifying {wide_bar} {pos}/{len} searches, {eta} left");
-    let bar = ProgressBar::new(searches(options.starts) as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    let fit = identification::identify(&problem, &options, &|done| bar.set_position(done as u64));
+    let bar = search_bar(searches(options.starts));
+    let fit = identification::identify(&recording.problem(), &options, &|done| bar.set_position(done as u64));
     bar.finish_and_clear();
-    fit.map_err(|source| Error::Identification {
-        file: recording.drive.file.clone(),
-        columns: recording.columns(),
-        source: Box::new(source),
-    })
+    fit.map_err(|source| unidentified(recording, source))
 }
 
 fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<&Recording>) -> Identification {
     let source = |recording: &Recording| Source {
         file: recording.drive.file.display().to_string(),
         sha256: recording.drive.sha256.clone(),
-    };
-    let figures = |recording: &Recording, simulated: &[f64]| {
-        Figures::of(&recording.output.values, simulated, &recording.drive.scored)
     };
     let errors = fit.estimates.iter();
     let errors =
@@ -248,11 +190,11 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<&Recordin
         tool: TOOL.to_owned(),
         recording: source(recording),
         scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
-        stroke: stroke(&recording.output.values, &recording.drive.scored),
-        training: figures(recording, &fit.simulated),
+        stroke: recording.stroke(),
+        training: recording.figures(&fit.simulated),
         heldout: heldout.map(|other| {
             let simulated = identification::simulate(&fit.model, &other.drive.input.values);
-            (source(other), figures(other, &simulated))
+            (source(other), other.figures(&simulated))
         }),
         starts: fit.starts,
         termination: fit.termination.reason.clone(),
@@ -312,36 +254,6 @@ fn print_summary(
         names.unit(slope_dimension(fit.parameters.kind()))
     );
     say!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
-}
-
-/// A plain word where the model does not describe the recording.
-fn warn_of_poor_fit(recording: &Recording, identification: &Identification) {
-    let share = identification.training.rmse / identification.stroke;
-    if share < POOR_FIT {
-        return;
-    }
-    let Recording { drive, output } = recording;
-    let (input, output, scored) = (&drive.input.values, &output.values, &drive.scored);
-    let reason = if covariance(input, output, scored) < 0.0 {
-        "the output falls as the input rises, and these models rise: give one of the columns the other sign"
-    } else {
-        "the output is not a rising hysteresis curve of the input alone: another column, speed or time acts as well"
-    };
-    eprintln!(
-        "warning: {}: this model does not describe the recording, its error is {:.0} % of the stroke; {reason}",
-        drive.file.display(),
-        100.0 * share
-    );
-}
-
-/// Covariance of two columns over the scored rows, in the product of their units.
-fn covariance(a: &[f64], b: &[f64], scored: &[bool]) -> f64 {
-    let rows: Vec<(f64, f64)> =
-        a.iter().zip(b).zip(scored).filter(|(_, scored)| **scored).map(|((a, b), _)| (*a, *b)).collect();
-    let count = rows.len() as f64;
-    let (mean_a, mean_b) =
-        rows.iter().fold((0.0, 0.0), |(sum_a, sum_b), (a, b)| (sum_a + a / count, sum_b + b / count));
-    rows.iter().map(|(a, b)| (a - mean_a) * (b - mean_b)).sum::<f64>() / count
 }
 
 fn gaps(timing: &Timing) -> String {

@@ -4,6 +4,7 @@ pub mod emulate;
 pub mod identify;
 pub mod pil;
 pub mod report;
+mod search;
 pub mod simulate;
 
 use clap::{Parser, Subcommand};

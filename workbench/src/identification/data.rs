@@ -89,7 +89,7 @@ pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, Ident
     let structure = Structure::new(options);
     let coordinates = structure.coordinates();
     let rows: Vec<usize> = (0..scored.len()).filter(|&row| scored[row]).collect();
-    let parameters = coordinates.len() + structure.linear();
+    let parameters = structure.unknowns();
     if rows.len() <= parameters {
         return Err(IdentificationError::TooFewRows { rows: rows.len(), parameters });
     }

@@ -53,6 +53,7 @@ pub use error::IdentificationError;
 use named::Named;
 use problem::{Point, Problem as Reduced};
 use starts::Start;
+use structure::Structure;
 
 /// The largest number of plays of a model on the host.
 pub const PLAYS: usize = 128;
@@ -98,6 +99,13 @@ pub struct Options {
     pub seed: u64,
     /// Threads; 0 for one a core.
     pub threads: usize,
+}
+
+impl Options {
+    /// How many independent numbers are found: the raw parameters less those that scalings of the model leave open.
+    pub fn unknowns(&self) -> usize {
+        Structure::new(self).unknowns()
+    }
 }
 
 /// Exponential density of the plays and the spacing of their thresholds, equations (9) and (10).

@@ -5,10 +5,9 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use model_core::Kind;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::search::{Columns, Effort, search_bar, unidentified, warn_of_poor_fit};
-use crate::figures::Figures;
 use crate::identification::named::slope_dimension;
 use crate::identification::{self, Fit, Options, searches};
 use crate::model_file::names::Names;
@@ -110,8 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
     let files = [model_file].into_iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let (recording, heldout) =
-        arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
+    let (recording, heldout) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
 
     let begin = Instant::now();
     let fit = fit(&recording, arguments)?;
@@ -204,9 +202,6 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<&Recordin
 
 fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, seconds: f64) -> Value {
     let (names, unit) = (model.names(), model.output.unit);
-    let figures = |figures: &Figures| -> Map<String, Value> {
-        figures.keyed(unit).into_iter().map(|(key, value)| (key, value.into())).collect()
-    };
     let parameters = fit.estimates.iter().map(|estimate| {
         json!({
             "name": estimate.parameter.name,
@@ -216,8 +211,8 @@ fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, second
         })
     });
     let mut json = json!({
-        "training": figures(&identification.training),
-        "heldout": identification.heldout.as_ref().map(|(_, heldout)| figures(heldout)),
+        "training": identification.training.to_json(unit),
+        "heldout": identification.heldout.as_ref().map(|(_, heldout)| heldout.to_json(unit)),
         "parameters": parameters.collect::<Vec<_>>(),
         // A fit without an exact inverse does not get here: it is an error of the identification.
         "invertible": true,

@@ -1,5 +1,6 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
+pub mod compare;
 pub mod emulate;
 pub mod identify;
 pub mod pil;
@@ -22,6 +23,7 @@ pub struct CommandLine {
 #[derive(Debug, Subcommand)]
 enum Command {
     Identify(identify::Arguments),
+    Compare(compare::Arguments),
     Simulate(simulate::Arguments),
     Report(report::Arguments),
     Pil(Box<pil::Arguments>),
@@ -36,6 +38,7 @@ impl CommandLine {
     pub fn run(self) -> Result<(), Error> {
         match self.command {
             Command::Identify(arguments) => identify::run(&arguments),
+            Command::Compare(arguments) => compare::run(&arguments),
             Command::Simulate(arguments) => simulate::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
             Command::Pil(arguments) => pil::run(&arguments),

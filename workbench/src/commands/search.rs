@@ -46,7 +46,11 @@ impl Columns {
     ///
     /// # Errors
     /// Those of [`Recording::read`].
-    pub fn read(&self, training: &Path, heldout: Option<&Path>) -> Result<(Recording, Option<Recording>), Error> {
+    pub fn read(
+        &self,
+        training: &Path,
+        heldout: Option<&Path>,
+    ) -> Result<(Recording, Option<Recording>), Error> {
         let choice = Choice {
             input: self.input.clone(),
             output: self.output.clone(),

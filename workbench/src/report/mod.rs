@@ -8,8 +8,12 @@
 //! | `page` | the page around the plots |
 //! | `model_run` | a model beside a recording, as plots |
 //! | [`identified`] | report of `mgpi identify` |
+//! | `bars` | bars with names, in the same look |
+//! | [`comparison`] | report of `mgpi compare` |
 //! | [`paper_figures`] | report of `mgpi report`: Figs. 8 and 11 to 13 of the paper from own data |
 
+mod bars;
+pub mod comparison;
 pub mod identified;
 mod model_run;
 mod page;

@@ -12,22 +12,21 @@ const NOTHING: &str = "–";
 const DIGITS: f64 = 6.0;
 
 impl Comparison<'_> {
-    /// The headings of the columns of [`Comparison::cells`].
-    pub fn headings(&self) -> Vec<String> {
+    /// The headings of the columns of [`Comparison::cells`], in groups: the group's name, and its headings.
+    pub fn headings(&self) -> Vec<(&'static str, Vec<String>)> {
         let unit = self.unit();
-        let figures = |before: &str| {
-            ["ME", "MAE", "RMSE"]
-                .map(|name| format!("{before}{name} {unit}"))
-                .into_iter()
-                .chain([format!("{before}RMSE %")])
-        };
-        let mut headings = ["model", "n", "m", "parameters"].map(str::to_owned).to_vec();
-        headings.extend(figures(""));
+        let figures =
+            [format!("ME {unit}"), format!("MAE {unit}"), format!("RMSE {unit}"), "RMSE %".to_owned()]
+                .to_vec();
+        let mut groups = vec![
+            ("", ["model", "n", "m", "parameters"].map(str::to_owned).to_vec()),
+            ("training", figures.clone()),
+        ];
         if self.heldout.is_some() {
-            headings.extend(figures("held out "));
+            groups.push(("held out", figures));
         }
-        headings.push("seconds".to_owned());
-        headings
+        groups.push(("", vec!["seconds".to_owned()]));
+        groups
     }
 
     /// The cells of a row, as people read them.
@@ -59,15 +58,26 @@ impl Comparison<'_> {
 
     /// The table in columns of fixed width; a model that could not be made says why below it.
     pub fn to_text(&self) -> String {
-        let lines: Vec<Vec<String>> =
-            std::iter::once(self.headings()).chain(self.rows.iter().map(|row| self.cells(row))).collect();
+        let groups = self.headings();
+        // The name of a group stands over its first column.
+        let names = groups.iter().flat_map(|(name, columns)| {
+            columns
+                .iter()
+                .enumerate()
+                .map(move |(i, _)| if i == 0 { (*name).to_owned() } else { String::new() })
+        });
+        let headings = groups.iter().flat_map(|(_, columns)| columns.iter().cloned());
+        let lines: Vec<Vec<String>> = [names.collect(), headings.collect()]
+            .into_iter()
+            .chain(self.rows.iter().map(|row| self.cells(row)))
+            .collect();
         let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
         let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
         let mut text = String::new();
         for line in &lines {
             let first = format!("{:<width$}", line[0], width = widths[0]);
             let others = line.iter().zip(&widths).skip(1).map(|(cell, width)| format!("  {cell:>width$}"));
-            text += &(first + &others.collect::<String>() + "\n");
+            text += &((first + &others.collect::<String>()).trim_end().to_owned() + "\n");
         }
         for (row, error) in self.refused() {
             text += &format!("{}: {error}\n", row.name());

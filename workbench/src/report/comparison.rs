@@ -36,9 +36,13 @@ pub fn to_html(comparison: &Comparison<'_>) -> Result<String, DrawingError> {
 
 fn table(comparison: &Comparison<'_>) -> Markup {
     let best = comparison.best().map(|(row, _)| row.name());
+    let groups = comparison.headings();
     html! {
         div.wide { table {
-            thead { tr { @for heading in comparison.headings() { th { (heading) } } } }
+            thead {
+                tr { @for (name, columns) in &groups { th colspan=(columns.len()) { (name) } } }
+                tr { @for (_, columns) in &groups { @for heading in columns { th { (heading) } } } }
+            }
             tbody { @for row in &comparison.rows {
                 tr.best[Some(row.name()) == best] { @for cell in comparison.cells(row) { td { (cell) } } }
             } }
@@ -69,12 +73,14 @@ fn loops(comparison: &Comparison<'_>) -> Result<Markup, DrawingError> {
     let best = comparison.best();
     let other = comparison.made().find(|(row, _)| symmetric(row));
     let other = other.filter(|(row, _)| best.is_none_or(|(best, _)| best.name() != row.name()));
-    let mut figures = Vec::new();
-    for (row, outcome) in best.into_iter().chain(other) {
-        let run = ModelRun::new(comparison.recording, &outcome.simulated);
-        figures.push(run.loops(&format!("Loops of {}", row.name())).figure()?);
-        figures.push(run.error(&format!("Error of {}", row.name())).figure()?);
-    }
+    let runs: Vec<_> = best
+        .into_iter()
+        .chain(other)
+        .map(|(row, outcome)| (row.name(), ModelRun::new(comparison.recording, &outcome.simulated)))
+        .collect();
+    let plots = runs.iter().map(|(name, run)| run.loops(&format!("Loops of {name}")));
+    let plots = plots.chain(runs.iter().map(|(name, run)| run.error(&format!("Error of {name}"))));
+    let figures = plots.map(|plot| plot.figure()).collect::<Result<Vec<_>, _>>()?;
     Ok(html! {
         h2 { "The best model" @if other.is_some() { ", and the symmetric one" } }
         div.plots { @for figure in &figures { (figure) } }

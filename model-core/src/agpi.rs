@@ -255,9 +255,9 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseAgpi<T, N> {
 
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         let y = finite_input(y)?;
-        let (u, last) = (self.inner(y), state.last);
-        let rising = u > state.plays.input();
-        if u != state.plays.input()
+        let (u, last, before) = (self.inner(y), state.last, state.plays.input());
+        let rising = u > before;
+        if !is_rounding(u, before)
             && (rising == last.rising || leads_on(&last, self.end(&state.plays, rising)))
         {
             let x = self.drive(&mut state.plays, last.x, u, rising);
@@ -265,6 +265,11 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseAgpi<T, N> {
         }
         Ok(state.last.x)
     }
+}
+
+/// Whether two values differ by a few roundings only: an output that rests must not be taken for a reversal.
+pub(crate) fn is_rounding<T: Real>(one: T, other: T) -> bool {
+    (one - other).abs() <= T::from_f64(8.0) * T::EPSILON * (one.abs() + other.abs())
 }
 
 /// Whether the way to an end of the range leads on from the last output, and not, by the jump at the reversal,

@@ -123,7 +123,7 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Hysteresis<T, N> f
 
     /// Equation (16).
     fn step(&self, state: &mut HysteresisState<T, N>, x: T) -> Result<T, InputError> {
-        let v = self.envelope.value(finite_input(x)?);
+        let v = self.envelope.value(self.input_range.extrapolated(finite_input(x)?));
         Ok(self.dead_zones.value(self.plays.advance(&mut state.plays, v)))
     }
 }

@@ -18,7 +18,7 @@
 //! # Accuracy
 //! Forward of inverse within [`InverseEgpi::tolerance`]. What [`crate::agpi`] says of reversals holds here.
 
-use crate::agpi::{Agpi, AgpiParameters, InverseAgpi, leads_on};
+use crate::agpi::{Agpi, AgpiParameters, InverseAgpi, is_rounding, leads_on};
 use crate::error::{Check, InputError, ParameterError, finite_input};
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible, Sample};
 use crate::memoryless::{Memoryless, MemorylessParameters};
@@ -180,7 +180,9 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseEgpi<T, N> {
         let y = finite_input(y)?;
         let last = state.last;
         let rising = y > last.y;
-        if y == last.y || (rising != last.rising && !leads_on(&last, self.end(&state.plays, rising))) {
+        if is_rounding(y, last.y)
+            || (rising != last.rising && !leads_on(&last, self.end(&state.plays, rising)))
+        {
             return Ok(last.x);
         }
         let (mut low, mut high) = (y - self.memoryless_range.1, y - self.memoryless_range.0);

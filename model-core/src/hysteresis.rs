@@ -48,7 +48,7 @@ pub trait Hysteresis<T: Real, const N: usize> {
     fn rest_state(&self) -> HysteresisState<T, N>;
 
     /// One sample: the output for the input `x`. Input: input unit; result: output unit. Inputs outside the
-    /// input range are extrapolated.
+    /// input range are extrapolated, by at most its span on either side.
     ///
     /// # Errors
     /// `x` is not finite; the state is then as it was.

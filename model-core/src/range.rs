@@ -39,6 +39,13 @@ impl<T: Real> Range<T> {
         value.limit(self.min, self.max)
     }
 
+    /// The value, or where it passes the range by more than the range's span: beyond that nothing is extrapolated, so
+    /// that no finite value leads out of the number type.
+    pub fn extrapolated(&self, value: T) -> T {
+        let span = self.max - self.min;
+        value.limit(self.min - span, self.max + span)
+    }
+
     /// Whether the value lies inside; a NaN does not.
     pub fn contains(&self, value: T) -> bool {
         value >= self.min && value <= self.max

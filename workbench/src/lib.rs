@@ -19,6 +19,7 @@ pub mod comparison;
 pub mod emulator;
 pub mod error;
 pub mod figures;
+pub mod holdout;
 pub mod identification;
 pub mod model_file;
 pub mod output;

@@ -45,14 +45,36 @@ fn the_figures_have_the_agreed_keys() {
         keys.sort();
         keys
     };
-    let all =
-        ["heldout", "invertible", "parameters", "seconds", "starts", "stroke_mm", "termination", "training"];
+    let all = [
+        "heldout",
+        "heldout_from_s",
+        "invertible",
+        "parameters",
+        "seconds",
+        "starts",
+        "stroke_mm",
+        "termination",
+        "training",
+    ];
     assert_eq!(keys(&json), all);
     assert_eq!(keys(&json["training"]), ["mae_mm", "max_error_mm", "rmse_mm"]);
     assert_eq!(json["heldout"], json["training"]);
     assert_eq!(json["invertible"], true);
     assert_eq!(keys(&json["parameters"][0]), ["name", "standard_error", "unit", "value"]);
     assert_eq!(json["parameters"][1]["unit"], "1/bar");
+}
+
+#[test]
+fn without_another_recording_the_later_cycles_are_held_out() {
+    let bench = bench();
+    bench.succeeds("identify rec.csv -o model.toml --json r.json --starts 2");
+    let json: Value = serde_json::from_str(&bench.read("r.json")).expect("JSON");
+    // Six triangles of 10 s: three and three.
+    assert_eq!(json["heldout_from_s"], 30.0);
+    assert!(json["heldout"]["rmse_mm"].is_f64() && json["heldout"] != json["training"]);
+    bench.succeeds("identify rec.csv -o model.toml --json r.json --starts 2 --no-holdout --force");
+    let json: Value = serde_json::from_str(&bench.read("r.json")).expect("JSON");
+    assert!(json["heldout"].is_null() && json["heldout_from_s"].is_null());
 }
 
 #[test]
@@ -66,7 +88,7 @@ fn other_columns_bring_their_units_into_figures_and_model() {
     );
     let json: Value = serde_json::from_str(&bench.read("r.json")).expect("JSON");
     assert!(json["training"]["rmse_n"].is_f64() && json["stroke_n"].is_f64());
-    assert!(json["heldout"].is_null());
+    assert!(json["heldout"]["rmse_n"].is_f64());
     let model = bench.read("model.toml");
     for key in ["c1_per_mm", "weights_n", "input_max_mm", "rmse_n", "stroke_n"] {
         assert!(model.contains(key), "{key} is missing");

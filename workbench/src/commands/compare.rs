@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use model_core::Kind;
 
-use super::search::{Columns, Effort, search_bar, unidentified, warn_of_poor_fit};
+use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::Error;
-use crate::comparison::{Comparison, PIECEWISE_LINEAR, has_dead_zones};
-use crate::identification::{DEAD_ZONES, Options, PLAYS, searches};
+use crate::comparison::{Comparison, HeldOut, PIECEWISE_LINEAR, has_dead_zones};
+use crate::identification::{DEAD_ZONES, Options, PLAYS};
 use crate::output::Outputs;
 use crate::report::comparison::to_html;
 
@@ -33,9 +33,12 @@ pub struct Arguments {
     /// Number of knots of piecewise-linear envelopes
     #[arg(long, default_value_t = 12, value_name = "K")]
     knots: usize,
-    /// Another recording that the models are tried on
+    /// Another recording that the models are tried on [default: hold out the second half of the cycles]
     #[arg(long, value_name = "REC2.csv")]
     validate: Option<PathBuf>,
+    /// Hold nothing out where there is no other recording
+    #[arg(long, conflicts_with = "validate")]
+    no_holdout: bool,
     /// Also write the table as CSV
     #[arg(short = 'o', value_name = "TABLE.csv")]
     table: Option<PathBuf>,
@@ -88,14 +91,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
     let files = table.iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let (recording, heldout) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
+    let (recording, other) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
+    let heldout = match &other {
+        Some(other) => HeldOut::Recording(other),
+        None if arguments.no_holdout => HeldOut::Nothing,
+        None => HeldOut::LaterCycles,
+    };
 
     let models = arguments.models();
-    let bar = search_bar(models.iter().map(|options| searches(options.starts)).sum());
-    let comparison =
-        Comparison::of(&recording, heldout.as_ref(), &models, &|done| bar.set_position(done as u64));
-    bar.finish_and_clear();
-    let comparison = comparison.map_err(|source| unidentified(&recording, source))?;
+    let searches = models.iter().map(|options| heldout.searches(options)).sum();
+    let comparison = with_bar(searches, |progress| Comparison::of(&recording, heldout, &models, progress))
+        .map_err(|source| unidentified(&recording, source))?;
 
     if let Some(file) = table {
         outputs.stage(file, comparison.to_csv().as_bytes())?;
@@ -109,9 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     outputs.commit()?;
     say!("{}, from {}", recording.columns(), recording.drive.file.display());
     say!("stroke {:.3} {}", recording.stroke(), recording.output.channel.unit);
-    if let Some(heldout) = &heldout {
-        say!("held out: {}", heldout.drive.file.display());
-    }
+    say!("{}", comparison.heldout_in_words());
     say!("\n{}", comparison.to_text().trim_end());
     if let Some((_, best)) = comparison.best() {
         warn_of_poor_fit(&recording, &best.training);

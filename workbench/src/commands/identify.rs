@@ -7,11 +7,12 @@ use clap::{Args, ValueEnum};
 use model_core::Kind;
 use serde_json::{Value, json};
 
-use super::search::{Columns, Effort, search_bar, unidentified, warn_of_poor_fit};
+use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
+use crate::holdout::later_cycles;
 use crate::identification::named::slope_dimension;
 use crate::identification::{self, Fit, Options, searches};
 use crate::model_file::names::Names;
-use crate::model_file::{Identification, ModelFile, Source};
+use crate::model_file::{HeldOut, Identification, ModelFile, Source};
 use crate::output::Outputs;
 use crate::recording::{Recording, Timing};
 use crate::report::identified::Identified;
@@ -49,9 +50,12 @@ pub struct Arguments {
     json: Option<PathBuf>,
     #[command(flatten)]
     columns: Columns,
-    /// Another recording that the model is tried on
+    /// Another recording that the model is tried on [default: hold out the second half of the cycles]
     #[arg(long, value_name = "REC2.csv")]
     validate: Option<PathBuf>,
+    /// Hold nothing out where there is no other recording
+    #[arg(long, conflicts_with = "validate")]
+    no_holdout: bool,
     #[command(flatten)]
     effort: Effort,
     /// Overwrite existing outputs
@@ -109,13 +113,30 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
     let files = [model_file].into_iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let (recording, heldout) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
+    let (recording, other) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
 
+    let options = arguments.options();
     let begin = Instant::now();
-    let fit = fit(&recording, arguments)?;
+    let fit = with_bar(searches(options.starts), |progress| {
+        identification::identify(&recording.problem(), &options, progress)
+    })
+    .map_err(|source| unidentified(&recording, source))?;
     let seconds = begin.elapsed().as_secs_f64();
+    let heldout = match &other {
+        Some(other) => Some(HeldOut {
+            recording: source(other),
+            from_s: None,
+            figures: other.figures(&identification::simulate(&fit.model, &other.drive.input.values)),
+        }),
+        None if arguments.no_holdout => None,
+        None => {
+            with_bar(searches(options.starts), |progress| later_cycles(&recording, &options, progress)).map(
+                |(from_s, figures)| HeldOut { recording: source(&recording), from_s: Some(from_s), figures },
+            )
+        }
+    };
 
-    let identification = identification_of(&recording, &fit, heldout.as_ref());
+    let identification = identification_of(&recording, &fit, heldout);
     let model = ModelFile {
         input: recording.drive.input.channel.clone(),
         output: recording.output.channel.clone(),
@@ -158,29 +179,26 @@ impl Arguments {
             ))),
         }
     }
+
+    fn options(&self) -> Options {
+        let Effort { starts, seed, threads } = self.effort;
+        Options {
+            model: self.model.into(),
+            knots: matches!(self.envelope, Some(Envelope::Pl)).then_some(self.knots),
+            plays: self.plays,
+            dead_zones: self.dead_zones,
+            starts,
+            seed,
+            threads,
+        }
+    }
 }
 
-fn fit(recording: &Recording, arguments: &Arguments) -> Result<Fit, Error> {
-    let options = Options {
-        model: arguments.model.into(),
-        knots: matches!(arguments.envelope, Some(Envelope::Pl)).then_some(arguments.knots),
-        plays: arguments.plays,
-        dead_zones: arguments.dead_zones,
-        starts: arguments.effort.starts,
-        seed: arguments.effort.seed,
-        threads: arguments.effort.threads,
-    };
-    let bar = search_bar(searches(options.starts));
-    let fit = identification::identify(&recording.problem(), &options, &|done| bar.set_position(done as u64));
-    bar.finish_and_clear();
-    fit.map_err(|source| unidentified(recording, source))
+fn source(recording: &Recording) -> Source {
+    Source { file: recording.drive.file.display().to_string(), sha256: recording.drive.sha256.clone() }
 }
 
-fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<&Recording>) -> Identification {
-    let source = |recording: &Recording| Source {
-        file: recording.drive.file.display().to_string(),
-        sha256: recording.drive.sha256.clone(),
-    };
+fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>) -> Identification {
     let errors = fit.estimates.iter();
     let errors =
         errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
@@ -190,10 +208,7 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<&Recordin
         scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
         stroke: recording.stroke(),
         training: recording.figures(&fit.simulated),
-        heldout: heldout.map(|other| {
-            let simulated = identification::simulate(&fit.model, &other.drive.input.values);
-            (source(other), other.figures(&simulated))
-        }),
+        heldout,
         starts: fit.starts,
         termination: fit.termination.reason.clone(),
         standard_errors: errors.collect(),
@@ -212,7 +227,8 @@ fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, second
     });
     let mut json = json!({
         "training": identification.training.to_json(unit),
-        "heldout": identification.heldout.as_ref().map(|(_, heldout)| heldout.to_json(unit)),
+        "heldout": identification.heldout.as_ref().map(|heldout| heldout.figures.to_json(unit)),
+        "heldout_from_s": identification.heldout.as_ref().and_then(|heldout| heldout.from_s),
         "parameters": parameters.collect::<Vec<_>>(),
         // A fit without an exact inverse does not get here: it is an error of the identification.
         "invertible": true,
@@ -238,8 +254,15 @@ fn print_summary(
     say!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
     say!("stroke        {stroke:.3} {unit}");
     say!("training      {}", identification.training.in_words(stroke, unit));
-    if let Some((source, figures)) = &identification.heldout {
-        say!("held out      {} ({})", figures.in_words(stroke, unit), source.file);
+    match &identification.heldout {
+        Some(HeldOut { figures, from_s: Some(from_s), .. }) => say!(
+            "held out      {} (a model of the rows before {from_s:.2} s, on the rows from there on)",
+            figures.in_words(stroke, unit)
+        ),
+        Some(HeldOut { figures, recording, .. }) => {
+            say!("held out      {} ({})", figures.in_words(stroke, unit), recording.file);
+        }
+        None => say!("held out      nothing: no second half of cycles, and no other recording (--validate)"),
     }
     say!("termination   {}", identification.termination);
     say!(

@@ -77,10 +77,14 @@ fn range(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
-/// A bar that shows how many of a number of searches are done.
-pub fn search_bar(searches: usize) -> ProgressBar {
+/// Searches with a bar that shows how many of a number of searches are done.
+pub fn with_bar<T>(searches: usize, search: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
     let style = ProgressStyle::with_template("identifying {wide_bar} {pos}/{len} searches, {eta} left");
-    ProgressBar::new(searches as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    let bar =
+        ProgressBar::new(searches as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let result = search(&|done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    result
 }
 
 /// That no model can be made of a recording, with the recording's name.

@@ -1,6 +1,6 @@
 //! Models by sizes on one recording: Tables 3 and 4 of the paper for any recording.
 //!
-//! Every model is identified by the same search, from the same seed, and tried on the same held-out recording. One that
+//! Every model is identified by the same search, from the same seed, and tried on the same held-out rows. One that
 //! cannot be made (an extended model without an inverse, say) keeps its row, which says why.
 
 mod table;
@@ -10,7 +10,8 @@ use std::time::Instant;
 use model_core::Kind;
 
 use crate::figures::Figures;
-use crate::identification::{self, IdentificationError, Options};
+use crate::holdout::later_cycles;
+use crate::identification::{self, Fit, IdentificationError, Options};
 use crate::recording::Recording;
 
 /// Models on a recording; at least one could be made.
@@ -18,9 +19,20 @@ pub struct Comparison<'a> {
     /// What they were identified from.
     pub recording: &'a Recording,
     /// What they were tried on.
-    pub heldout: Option<&'a Recording>,
+    pub heldout: HeldOut<'a>,
     /// A model each.
     pub rows: Vec<Row>,
+}
+
+/// What models are tried on that they have not seen.
+#[derive(Clone, Copy, Debug)]
+pub enum HeldOut<'a> {
+    /// Another recording.
+    Recording(&'a Recording),
+    /// The later cycles of the recording, by a second model of the first ones ([`crate::holdout`]).
+    LaterCycles,
+    /// Nothing.
+    Nothing,
 }
 
 /// A model, and what has become of it.
@@ -52,7 +64,7 @@ impl<'a> Comparison<'a> {
     /// That of the first model, if none can be made.
     pub fn of(
         recording: &'a Recording,
-        heldout: Option<&'a Recording>,
+        heldout: HeldOut<'a>,
         models: &[Options],
         progress: &(dyn Fn(usize) + Sync),
     ) -> Result<Self, IdentificationError> {
@@ -60,7 +72,7 @@ impl<'a> Comparison<'a> {
         let mut before = 0;
         for options in models {
             rows.push(Row::of(recording, heldout, options, &|done| progress(before + done)));
-            before += identification::searches(options.starts);
+            before += heldout.searches(options);
         }
         match rows.first() {
             Some(Row { outcome: Err(error), .. }) if rows.iter().all(|row| row.outcome.is_err()) => {
@@ -68,6 +80,11 @@ impl<'a> Comparison<'a> {
             }
             _ => Ok(Self { recording, heldout, rows }),
         }
+    }
+
+    /// Whether there are figures of what the models have not seen.
+    pub fn has_heldout(&self) -> bool {
+        self.made().any(|(_, outcome)| outcome.heldout.is_some())
     }
 
     /// The models that could be made, with what they are worth.
@@ -81,10 +98,34 @@ impl<'a> Comparison<'a> {
     }
 }
 
+impl HeldOut<'_> {
+    /// How many searches a model takes.
+    pub fn searches(self, options: &Options) -> usize {
+        let models = if matches!(self, Self::LaterCycles) { 2 } else { 1 };
+        models * identification::searches(options.starts)
+    }
+
+    fn figures(
+        self,
+        fit: &Fit,
+        recording: &Recording,
+        options: &Options,
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Option<Figures> {
+        match self {
+            Self::Recording(other) => {
+                Some(other.figures(&identification::simulate(&fit.model, &other.drive.input.values)))
+            }
+            Self::LaterCycles => later_cycles(recording, options, progress).map(|(_, figures)| figures),
+            Self::Nothing => None,
+        }
+    }
+}
+
 impl Row {
     fn of(
         recording: &Recording,
-        heldout: Option<&Recording>,
+        heldout: HeldOut<'_>,
         options: &Options,
         progress: &(dyn Fn(usize) + Sync),
     ) -> Self {
@@ -93,8 +134,9 @@ impl Row {
         let seconds = begin.elapsed().as_secs_f64();
         let outcome = fit.map(|fit| Outcome {
             training: recording.figures(&fit.simulated),
-            heldout: heldout
-                .map(|other| other.figures(&identification::simulate(&fit.model, &other.drive.input.values))),
+            heldout: heldout.figures(&fit, recording, options, &|done| {
+                progress(identification::searches(options.starts) + done);
+            }),
             termination: fit.termination.reason,
             simulated: fit.simulated,
         });

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Comparison, Row};
+use super::{Comparison, HeldOut, Row};
 use crate::figures::Figures;
 use crate::unit::Unit;
 
@@ -22,7 +22,7 @@ impl Comparison<'_> {
             ("", ["model", "n", "m", "parameters"].map(str::to_owned).to_vec()),
             ("training", figures.clone()),
         ];
-        if self.heldout.is_some() {
+        if self.has_heldout() {
             groups.push(("held out", figures));
         }
         groups.push(("", vec!["seconds".to_owned()]));
@@ -49,11 +49,25 @@ impl Comparison<'_> {
             row.options.unknowns().to_string(),
         ];
         cells.extend(figures(made.map(|outcome| &outcome.training)));
-        if self.heldout.is_some() {
+        if self.has_heldout() {
             cells.extend(figures(made.and_then(|outcome| outcome.heldout.as_ref())));
         }
         cells.push(format!("{:.2}", row.seconds));
         cells
+    }
+
+    /// What the models were tried on, as a sentence.
+    pub fn heldout_in_words(&self) -> String {
+        match self.heldout {
+            HeldOut::Recording(other) => format!("Held out is {}.", other.drive.file.display()),
+            HeldOut::LaterCycles if self.has_heldout() => {
+                "Held out is the second half of the cycles; another model of the first half was tried on it."
+                    .to_owned()
+            }
+            HeldOut::LaterCycles | HeldOut::Nothing => {
+                "Nothing was held out: how the models do on what they have not seen is not known.".to_owned()
+            }
+        }
     }
 
     /// The table in columns of fixed width; a model that could not be made says why below it.

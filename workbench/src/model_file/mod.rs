@@ -33,6 +33,8 @@ use section::KeyError;
 
 /// The format that this version writes and reads.
 pub const FORMAT: usize = 1;
+/// Where the held-out part of a recording begins.
+const FROM: &str = "from_s";
 /// Whether the muscle has been through its whole range before it comes from rest.
 const PRECONDITIONED: &str = "preconditioned";
 
@@ -66,14 +68,26 @@ pub struct Identification {
     pub stroke: f64,
     /// Figures on the recording. Output unit.
     pub training: Figures,
-    /// Another recording, never used for identifying, and the figures on it.
-    pub heldout: Option<(Source, Figures)>,
+    /// How well a model does on what it was not identified from.
+    pub heldout: Option<HeldOut>,
     /// Number of starts.
     pub starts: usize,
     /// How the best start ended.
     pub termination: String,
     /// Standard errors by parameter name, without those of parameters at a bound. The parameter's unit.
     pub standard_errors: Vec<(String, f64)>,
+}
+
+/// Figures on rows that took no part in identifying the model that they are of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldOut {
+    /// The recording: another one, or that of the model.
+    pub recording: Source,
+    /// Of the model's own recording: the rows from this time on, by a model of the rows before. None for another
+    /// recording. Unit: s.
+    pub from_s: Option<f64>,
+    /// The figures. Output unit.
+    pub figures: Figures,
 }
 
 /// A file that figures come from.

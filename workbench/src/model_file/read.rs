@@ -7,7 +7,7 @@ use model_core::{Invertible, Kind, ParameterError};
 
 use super::names::Names;
 use super::section::{KeyError, Section};
-use super::{FORMAT, Identification, ModelFile, PRECONDITIONED, Problem, Source, parameters};
+use super::{FORMAT, FROM, HeldOut, Identification, ModelFile, PRECONDITIONED, Problem, Source, parameters};
 use crate::figures::Figures;
 use crate::identification::HostModel;
 use crate::identification::named::{Named, named};
@@ -90,7 +90,11 @@ fn identification(
     let mut training = section.section("training")?;
     let heldout = match section.optional_section("heldout")? {
         Some(mut heldout) => {
-            let on_heldout = (source(&mut heldout)?, figures(&mut heldout, names)?);
+            let on_heldout = HeldOut {
+                recording: source(&mut heldout)?,
+                from_s: if heldout.has(FROM) { Some(heldout.number(FROM)?) } else { None },
+                figures: figures(&mut heldout, names)?,
+            };
             heldout.finish()?;
             Some(on_heldout)
         }

@@ -2,7 +2,7 @@
 
 use toml::{Table, Value};
 
-use super::{FORMAT, Identification, ModelFile, PRECONDITIONED, Source, parameters};
+use super::{FORMAT, FROM, HeldOut, Identification, ModelFile, PRECONDITIONED, Source, parameters};
 use crate::figures::Figures;
 use crate::identification::named::named;
 use crate::unit::Unit;
@@ -38,8 +38,9 @@ fn identified(file: &ModelFile, identification: &Identification) -> Value {
     section.insert("starts".into(), count(identification.starts));
     section.insert("termination".into(), identification.termination.as_str().into());
     section.insert("training".into(), Value::Table(figures(&identification.training, unit)));
-    if let Some((recording, on_heldout)) = &identification.heldout {
+    if let Some(HeldOut { recording, from_s, figures: on_heldout }) = &identification.heldout {
         let mut heldout = source(recording);
+        heldout.extend(from_s.map(|from_s| (FROM.to_owned(), from_s.into())));
         heldout.extend(figures(on_heldout, unit));
         section.insert("heldout".into(), Value::Table(heldout));
     }

@@ -14,13 +14,10 @@ use crate::comparison::{Comparison, Outcome, Row};
 /// # Errors
 /// A plot cannot be drawn.
 pub fn to_html(comparison: &Comparison<'_>) -> Result<String, DrawingError> {
-    let Comparison { recording, heldout, .. } = comparison;
+    let recording = comparison.recording;
     let (stroke, unit) = (recording.stroke(), recording.output.channel.unit);
     let body = html! {
-        p { "Every model was identified from the same recording by the same search. " @match heldout {
-            Some(heldout) => { "It was then tried on " (heldout.drive.file.display()) ", which it had never seen." }
-            None => "No other recording was given: how the models do on what they have not seen is not known."
-        } }
+        p { "Every model was identified from the same recording by the same search. " (comparison.heldout_in_words()) }
         (table(comparison))
         p { "n plays, m dead zones; parameters: the independent numbers that were found. ME is the largest absolute "
             "error, MAE the mean one, RMSE the root of the mean square; per cent refer to the stroke of "

@@ -6,7 +6,7 @@ use super::DrawingError;
 use super::model_run::ModelRun;
 use super::page::page;
 use crate::identification::Estimate;
-use crate::model_file::{Identification, ModelFile};
+use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::recording::Recording;
 
 /// What an identification reports on.
@@ -54,9 +54,16 @@ impl Identified<'_> {
         let unit = self.model.output.unit;
         html! {
             p { "On the " (scored_rows) " scored rows the model's figures are: " (training.in_words(*stroke, unit)) "." }
-            @if let Some((recording, figures)) = heldout {
-                p { "On the held-out recording " (recording.file) " they are: "
-                    (figures.in_words(*stroke, unit)) "." }
+            @if let Some(HeldOut { recording, from_s, figures }) = heldout {
+                p {
+                    @match from_s {
+                        Some(from_s) => {
+                            "Held out: a model of the rows before " (format!("{from_s:.2}")) " s has on the rows from there on: "
+                        }
+                        None => { "On the held-out recording " (recording.file) " they are: " }
+                    }
+                    (figures.in_words(*stroke, unit)) "."
+                }
             }
             p { "The stroke is " (format!("{stroke:.2}")) " " (unit) ". The best of " (starts) " starts "
                 (termination) ". The model is strictly increasing, and so invertible." }

@@ -1,0 +1,110 @@
+//! Where a recording is split into a part that a model is identified from and a part that it is tried on.
+//!
+//! The split is by whole cycles: at the turning point, from falling to rising, that is nearest to the middle of the
+//! scored rows. What turns back by less than a tenth of the input's span is no cycle. The second part is never
+//! looked at before the model of the first stands; only its input has been, as the range of the recording.
+
+use crate::figures::Figures;
+use crate::identification::{self, Options, Problem};
+use crate::recording::Recording;
+
+/// The least height of a cycle, as a share of the input's span.
+const LEAST_HEIGHT: f64 = 0.1;
+/// The least share of the scored rows on either side.
+const LEAST_SHARE: f64 = 0.25;
+
+/// The time of the split, and the figures of a model of the first part on the second; None where there are no two parts,
+/// or the first is too short for the model. Units: s, output unit.
+pub fn later_cycles(
+    recording: &Recording,
+    options: &Options,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Option<(f64, Figures)> {
+    let Recording { drive, output } = recording;
+    let first = split(&drive.input.values, &drive.scored)?;
+    let part = |is_first: bool| -> Vec<bool> {
+        let rows = drive.scored.iter().enumerate();
+        rows.map(|(row, &scored)| scored && (row < first) == is_first).collect()
+    };
+    let problem = Problem { scored: &part(true), ..recording.problem() };
+    let fit = identification::identify(&problem, options, progress).ok()?;
+    Some((drive.time_s[first], Figures::of(&output.values, &fit.simulated, &part(false))))
+}
+
+/// The first row of the held-out part; None where no cycle ends between the first and the last quarter of the scored
+/// rows.
+fn split(input: &[f64], scored: &[bool]) -> Option<usize> {
+    let total = scored.iter().filter(|&&scored| scored).count() as f64;
+    let mut before = 0.0;
+    let shares: Vec<f64> = scored
+        .iter()
+        .map(|&scored| {
+            let share = before / total;
+            before += f64::from(u8::from(scored));
+            share
+        })
+        .collect();
+    let distance = |row: &usize| (shares[*row] - 0.5).abs();
+    let is_inside = |row: &usize| distance(row) <= 0.5 - LEAST_SHARE;
+    minima(input).into_iter().filter(is_inside).min_by(|one, other| distance(one).total_cmp(&distance(other)))
+}
+
+/// The rows where the input has fallen and will rise, by a cycle's least height each.
+fn minima(input: &[f64]) -> Vec<usize> {
+    let (low, high) =
+        input.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+    let height = LEAST_HEIGHT * (high - low);
+    let mut minima = Vec::new();
+    let (mut lowest, mut highest, mut falling) = ((0, f64::INFINITY), f64::NEG_INFINITY, false);
+    for (row, &x) in input.iter().enumerate() {
+        if falling {
+            if x < lowest.1 {
+                lowest = (row, x);
+            } else if x > lowest.1 + height {
+                minima.push(lowest.0);
+                (falling, highest) = (false, x);
+            }
+        } else if x > highest {
+            highest = x;
+        } else if x < highest - height {
+            (falling, lowest) = (true, (row, x));
+        }
+    }
+    minima
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles of 200 rows.
+    fn triangles(count: usize) -> Vec<f64> {
+        let triangle = |row: usize| (1.0 - (row as f64 / 100.0 - 1.0).abs()) * 6.0;
+        (0..200 * count).map(|row| triangle(row % 200)).collect()
+    }
+
+    #[test]
+    fn six_triangles_are_split_after_the_third() {
+        assert_eq!(split(&triangles(6), &[true; 1200]), Some(600));
+    }
+
+    #[test]
+    fn rows_that_are_not_scored_do_not_count_for_the_middle() {
+        let scored: Vec<bool> = (0..1200).map(|row| row >= 400).collect();
+        assert_eq!(split(&triangles(6), &scored), Some(800));
+    }
+
+    #[test]
+    fn noise_is_no_cycle() {
+        let noisy: Vec<f64> =
+            triangles(6).iter().enumerate().map(|(row, x)| x + 0.2 * (row as f64 * 2.4).sin()).collect();
+        let row = split(&noisy, &[true; 1200]).expect("a cycle ends");
+        assert!(row.abs_diff(600) < 8, "{row}");
+    }
+
+    #[test]
+    fn a_single_cycle_is_not_split() {
+        assert_eq!(split(&triangles(1), &[true; 200]), None);
+        assert_eq!(split(&[], &[]), None);
+    }
+}

@@ -7,6 +7,8 @@
 //! | `simplify` | fewer points for the same picture |
 //! | `page` | the page around the plots |
 //! | `model_run` | a model beside a recording, as plots |
+//! | `direction` | which way an input goes |
+//! | `parts` | the parts of a model, as plots |
 //! | [`identified`] | report of `mgpi identify` |
 //! | `bars` | bars with names, in the same look |
 //! | [`comparison`] | report of `mgpi compare` |
@@ -14,10 +16,12 @@
 
 mod bars;
 pub mod comparison;
+mod direction;
 pub mod identified;
 mod model_run;
 mod page;
 pub mod paper_figures;
+mod parts;
 pub mod plot;
 mod simplify;
 

@@ -32,6 +32,13 @@ pub struct DrawingError {
     reason: String,
 }
 
+impl DrawingError {
+    /// That something cannot be drawn, and why.
+    pub(super) fn new(title: &str, reason: impl std::fmt::Display) -> Self {
+        Self { title: title.to_owned(), reason: reason.to_string() }
+    }
+}
+
 /// What a line stands for, and so how it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
@@ -168,9 +175,7 @@ impl Plot<'_> {
 
     /// The content of the drawing: the library's own element has neither a role nor a name.
     fn drawing(&self) -> Result<String, DrawingError> {
-        let svg = self
-            .svg()
-            .map_err(|error| DrawingError { title: self.title.clone(), reason: error.to_string() })?;
+        let svg = self.svg().map_err(|error| DrawingError::new(&self.title, error))?;
         let drawing = svg.split_once('>').map_or("", |(_, content)| content);
         Ok(drawing.trim_end().trim_end_matches("</svg>").to_owned())
     }

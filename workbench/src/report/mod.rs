@@ -7,13 +7,21 @@
 //! | `simplify` | fewer points for the same picture |
 //! | `page` | the page around the plots |
 //! | `model_run` | a model beside a recording, as plots |
+//! | `direction` | which way an input goes |
+//! | `parts` | the parts of a model, as plots |
 //! | [`identified`] | report of `mgpi identify` |
+//! | `bars` | bars with names, in the same look |
+//! | [`comparison`] | report of `mgpi compare` |
 //! | [`paper_figures`] | report of `mgpi report`: Figs. 8 and 11 to 13 of the paper from own data |
 
+mod bars;
+pub mod comparison;
+mod direction;
 pub mod identified;
 mod model_run;
 mod page;
 pub mod paper_figures;
+mod parts;
 pub mod plot;
 mod simplify;
 

@@ -3,6 +3,7 @@
 //! Every model is identified by the same search, from the same seed, and tried on the same held-out rows. One that
 //! cannot be made (an extended model without an inverse, say) keeps its row, which says why.
 
+pub mod choice;
 mod table;
 
 use std::time::Instant;
@@ -11,7 +12,7 @@ use model_core::Kind;
 
 use crate::figures::Figures;
 use crate::holdout::later_cycles;
-use crate::identification::{self, Fit, IdentificationError, Options};
+use crate::identification::{self, Fit, IdentificationError, Options, Weights};
 use crate::recording::Recording;
 
 /// Models on a recording; at least one could be made.
@@ -143,10 +144,11 @@ impl Row {
         Self { options: *options, seconds, outcome }
     }
 
-    /// The model's name; `-pl` at its end stands for a piecewise-linear envelope.
+    /// The model's name; `-pl` at its end stands for a piecewise-linear envelope, `-free` for free weights.
     pub fn model(&self) -> String {
         let envelope = if self.options.knots.is_some() { PIECEWISE_LINEAR } else { "" };
-        format!("{}{envelope}", self.options.model)
+        let weights = if self.options.weights == Weights::Free { "-free" } else { "" };
+        format!("{}{envelope}{weights}", self.options.model)
     }
 
     /// Number of dead zones of a model that has them.

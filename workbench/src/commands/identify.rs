@@ -6,8 +6,8 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use model_core::Kind;
-use serde_json::{Map, Value, json};
 
+use super::identified_json;
 use crate::figures::{Figures, stroke};
 use crate::holdout;
 use crate::identification::named::slope_dimension;
@@ -190,13 +190,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     outputs.stage(model_file, model.to_toml().as_bytes())?;
     if let Some(file) = report {
         let simulated = &fit.simulated;
-        let (identification, estimates) = (&identification, &fit.uncertainty.estimates);
+        let (identification, uncertainty) = (&identification, &fit.uncertainty);
         let report =
-            Identified { model: &model, identification, recording: &recording, simulated, estimates };
+            Identified { model: &model, identification, recording: &recording, simulated, uncertainty };
         outputs.stage(file, report.to_html()?.as_bytes())?;
     }
     if let Some(file) = json {
-        let text = format!("{:#}\n", to_json(&model, &identification, &fit, seconds));
+        let text = format!("{:#}\n", identified_json::to_json(&model, &identification, &fit, seconds));
         outputs.stage(file, text.as_bytes())?;
     }
     outputs.commit()?;
@@ -309,34 +309,6 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>)
     }
 }
 
-fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, seconds: f64) -> Value {
-    let (names, unit) = (model.names(), model.output.unit);
-    let figures = |figures: &Figures| -> Map<String, Value> {
-        figures.keyed(unit).into_iter().map(|(key, value)| (key, value.into())).collect()
-    };
-    let parameters = fit.uncertainty.estimates.iter().map(|estimate| {
-        json!({
-            "name": estimate.parameter.name,
-            "value": estimate.parameter.value,
-            "standard_error": estimate.standard_error,
-            "unit": names.unit(estimate.parameter.dimension),
-        })
-    });
-    let mut json = json!({
-        "training": figures(&identification.training),
-        "heldout": identification.heldout.as_ref().map(|heldout| figures(&heldout.figures)),
-        "heldout_from_s": identification.heldout.as_ref().and_then(|heldout| heldout.from_s),
-        "parameters": parameters.collect::<Vec<_>>(),
-        // A fit without an exact inverse does not get here: it is an error of the identification.
-        "invertible": true,
-        "starts": identification.starts,
-        "termination": identification.termination,
-        "seconds": seconds,
-    });
-    json[format!("stroke_{}", unit.suffix())] = identification.stroke.into();
-    json
-}
-
 fn print_summary(
     recording: &Recording,
     identification: &Identification,
@@ -368,6 +340,9 @@ fn print_summary(
         fit.model.smallest_output_slope(),
         names.unit(slope_dimension(fit.parameters.kind()))
     );
+    if let Some(groups) = fit.uncertainty.hardly_separable() {
+        say!("separable     hardly: {groups}");
+    }
     say!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
 }
 

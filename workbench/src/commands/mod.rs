@@ -1,6 +1,7 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
 pub mod emulate;
+mod identified_json;
 pub mod identify;
 pub mod pil;
 pub mod report;

@@ -94,6 +94,12 @@ impl Uncertainty {
         })
     }
 
+    /// The groups that the recording hardly separates, in words: `c1, c2; w0, w1, w2`. None without any.
+    pub fn hardly_separable(&self) -> Option<String> {
+        let groups: Vec<String> = self.collinear.iter().map(|group| group.join(", ")).collect();
+        (!groups.is_empty()).then(|| groups.join("; "))
+    }
+
     /// Whether a parameter is known by itself: at no bound, and in no group that the recording hardly separates.
     pub fn is_identifiable(&self, estimate: &Estimate) -> bool {
         estimate.interval.is_some()

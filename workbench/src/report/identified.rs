@@ -5,7 +5,8 @@ use maud::{Markup, html};
 use super::DrawingError;
 use super::model_run::ModelRun;
 use super::page::page;
-use crate::identification::Estimate;
+use super::parameters::parameters;
+use crate::identification::Uncertainty;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::recording::Recording;
 
@@ -19,8 +20,8 @@ pub struct Identified<'a> {
     pub recording: &'a Recording,
     /// The model's output for every row. Output unit.
     pub simulated: &'a [f64],
-    /// The raw parameters with their standard errors.
-    pub estimates: &'a [Estimate],
+    /// What is known about the raw parameters.
+    pub uncertainty: &'a Uncertainty,
 }
 
 impl Identified<'_> {
@@ -40,7 +41,7 @@ impl Identified<'_> {
         let body = html! {
             (self.figures())
             div.plots { @for plot in &plots { (plot.figure()?) } }
-            (self.parameters())
+            (parameters(self.uncertainty, &self.model.names()))
         };
         let file = self.recording.drive.file.file_name().unwrap_or_default().display().to_string();
         let title = format!("Model of {file}: {output} over {input}");
@@ -71,29 +72,6 @@ impl Identified<'_> {
                 p { "Rows that are not valid are history of the input only: they are not scored, and leave gaps "
                     "in the loops and in the error." }
             }
-        }
-    }
-
-    fn parameters(&self) -> Markup {
-        let names = self.model.names();
-        html! {
-            h2 { "Parameters" }
-            p { "Standard errors are for independent residuals; neighbouring residuals of a recording are alike, "
-                "so that the true ones are larger. A dash: the parameter stands at a bound." }
-            div.wide { table {
-                thead { tr { th { "name" } th { "value" } th { "standard error" } th { "unit" } } }
-                tbody { @for estimate in self.estimates {
-                    tr {
-                        td { (estimate.parameter.name) }
-                        td { (format!("{:.5}", estimate.parameter.value)) }
-                        td { @match estimate.standard_error {
-                            Some(error) => (format!("{error:.2e}")),
-                            None => "–",
-                        } }
-                        td { (names.unit(estimate.parameter.dimension)) }
-                    }
-                } }
-            } }
         }
     }
 }

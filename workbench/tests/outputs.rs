@@ -46,21 +46,34 @@ fn the_figures_have_the_agreed_keys() {
         keys
     };
     let all = [
+        "collinear",
+        "correlation",
         "heldout",
         "heldout_from_s",
         "invertible",
         "parameters",
+        "preconditioned",
+        "residual_memory_rows",
         "seconds",
+        "smallest_slope",
         "starts",
         "stroke_mm",
         "termination",
         "training",
+        "validity",
     ];
     assert_eq!(keys(&json), all);
     assert_eq!(keys(&json["training"]), ["mae_mm", "max_error_mm", "rmse_mm"]);
     assert_eq!(json["heldout"], json["training"]);
     assert_eq!(json["invertible"], true);
-    assert_eq!(keys(&json["parameters"][0]), ["name", "standard_error", "unit", "value"]);
+    let parameter = &json["parameters"][1];
+    assert_eq!(keys(parameter), ["identifiable", "interval", "name", "standard_error", "unit", "value"]);
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let (low, high) = (number(&parameter["interval"][0]), number(&parameter["interval"][1]));
+    assert!(low < number(&parameter["value"]) && number(&parameter["value"]) < high);
+    assert!((number(&json["correlation"][1][1]) - 1.0).abs() < 1e-9);
+    assert_eq!(keys(&json["validity"]), ["input_max_bar", "input_min_bar"]);
+    assert_eq!(keys(&json["smallest_slope"]), ["output_mm", "plays"]);
     assert_eq!(json["parameters"][1]["unit"], "1/bar");
 }
 

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use model_core::Kind;
-use serde_json::{Value, json};
 
+use super::identified_json;
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::comparison::{self, Comparison, choice};
 use crate::holdout::{self, later_cycles};
@@ -177,13 +177,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     outputs.stage(model_file, model.to_toml().as_bytes())?;
     if let Some(file) = report {
         let simulated = &fit.simulated;
-        let (identification, estimates) = (&identification, &fit.uncertainty.estimates);
+        let (identification, uncertainty) = (&identification, &fit.uncertainty);
         let report =
-            Identified { model: &model, identification, recording: &recording, simulated, estimates };
+            Identified { model: &model, identification, recording: &recording, simulated, uncertainty };
         outputs.stage(file, report.to_html()?.as_bytes())?;
     }
     if let Some(file) = json {
-        let text = format!("{:#}\n", to_json(&model, &identification, &fit, seconds));
+        let text = format!("{:#}\n", identified_json::to_json(&model, &identification, &fit, seconds));
         outputs.stage(file, text.as_bytes())?;
     }
     outputs.commit()?;
@@ -267,31 +267,6 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>)
     }
 }
 
-fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, seconds: f64) -> Value {
-    let (names, unit) = (model.names(), model.output.unit);
-    let parameters = fit.uncertainty.estimates.iter().map(|estimate| {
-        json!({
-            "name": estimate.parameter.name,
-            "value": estimate.parameter.value,
-            "standard_error": estimate.standard_error,
-            "unit": names.unit(estimate.parameter.dimension),
-        })
-    });
-    let mut json = json!({
-        "training": identification.training.to_json(unit),
-        "heldout": identification.heldout.as_ref().map(|heldout| heldout.figures.to_json(unit)),
-        "heldout_from_s": identification.heldout.as_ref().and_then(|heldout| heldout.from_s),
-        "parameters": parameters.collect::<Vec<_>>(),
-        // A fit without an exact inverse does not get here: it is an error of the identification.
-        "invertible": true,
-        "starts": identification.starts,
-        "termination": identification.termination,
-        "seconds": seconds,
-    });
-    json[format!("stroke_{}", unit.suffix())] = identification.stroke.into();
-    json
-}
-
 fn print_summary(
     recording: &Recording,
     identification: &Identification,
@@ -323,6 +298,9 @@ fn print_summary(
         fit.model.smallest_output_slope(),
         names.unit(slope_dimension(fit.parameters.kind()))
     );
+    if let Some(groups) = fit.uncertainty.hardly_separable() {
+        say!("separable     hardly: {groups}");
+    }
     say!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
 }
 

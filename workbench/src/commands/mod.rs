@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod emulate;
+mod identified_json;
 pub mod identify;
 pub mod pil;
 pub mod report;

@@ -20,7 +20,7 @@ use super::projection::{Columns, Grid, Linear};
 use super::starts::Start;
 
 /// The least eigenvalue that JᵀJ of unit diagonal may have: the rounding of its sums.
-const LEAST_EIGENVALUE: f64 = 1e-12;
+pub const LEAST_EIGENVALUE: f64 = 1e-12;
 
 /// The problem at a point.
 pub struct Problem<'a, const K: usize> {

@@ -8,7 +8,7 @@
 //! The raw parameters are functions of these unknowns, and get their covariance by first-order propagation.
 
 use model_core::ParameterError;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::autocorrelation::{memory, reach, scatter};
 use super::collinear;
@@ -16,7 +16,7 @@ use super::coordinates::Coordinate;
 use super::data::Data;
 use super::inner::Inner;
 use super::named::{Named, named};
-use super::problem::{Point, grid};
+use super::problem::{LEAST_EIGENVALUE, Point, grid};
 use super::projection::Linear;
 use super::raw;
 
@@ -29,9 +29,9 @@ const NEGLIGIBLE: f64 = 1e-3;
 pub struct Estimate {
     /// Name, value and dimension.
     pub parameter: Named,
-    /// Standard error in the same unit; None where a bound binds.
+    /// Standard error in the same unit; None where a bound binds or no row tells.
     pub standard_error: Option<f64>,
-    /// Ends of the 95 % interval in the same unit; None where a bound binds.
+    /// Ends of the 95 % interval in the same unit; None where a bound binds or no row tells.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -40,7 +40,7 @@ pub struct Estimate {
 pub struct Uncertainty {
     /// The raw parameters, each with its errors.
     pub estimates: Vec<Estimate>,
-    /// Their correlation, in the same order; not a number where a bound binds.
+    /// Their correlation, in the same order; not a number where these have none.
     pub correlation: DMatrix<f64>,
     /// Groups of names that the recording hardly separates.
     pub collinear: Vec<Vec<String>>,
@@ -64,18 +64,18 @@ impl Uncertainty {
         let (free, held): (Vec<usize>, Vec<usize>) =
             (0..unknowns.len()).partition(|&place| is_free[place] && jacobian.row(place).amax() > 0.0);
         let by_unknowns = raw_by_unknowns::<K>(data, &unknowns)?;
-        let Unknowns { covariance, memory, freedom } =
-            Unknowns::new(jacobian.select_rows(&free), &point.residuals);
+        let unknown = Unknowns::new(jacobian.select_rows(&free), &point.residuals);
         let by_free = by_unknowns.select_columns(&free);
-        let covariance = &by_free * covariance * by_free.transpose();
+        let covariance = &by_free * &unknown.covariance * by_free.transpose();
         let error = |row: usize| {
             let gradient = by_unknowns.row(row);
             let is_held = held.iter().any(|&place| gradient[place].abs() > NEGLIGIBLE * gradient.amax());
-            if is_held { f64::NAN } else { covariance[(row, row)].sqrt() }
+            let is_known = !is_held && unknown.is_told(&by_free.row(row).into_owned());
+            if is_known { covariance[(row, row)].sqrt() } else { f64::NAN }
         };
         let errors = DVector::from_fn(by_unknowns.nrows(), |row, _| error(row));
         let estimate = |(parameter, &error): (Named, &f64)| {
-            let reach = reach(freedom) * error;
+            let reach = reach(unknown.freedom) * error;
             let (value, is_known) = (parameter.value, error.is_finite());
             Estimate {
                 parameter,
@@ -89,9 +89,15 @@ impl Uncertainty {
         Ok(Self {
             collinear: collinear::groups(&names, &correlation),
             correlation,
-            memory,
+            memory: unknown.memory,
             estimates: values.into_iter().zip(&errors).map(estimate).collect(),
         })
+    }
+
+    /// The groups that the recording hardly separates, in words: `c1, c2; w0, w1, w2`. None without any.
+    pub fn hardly_separable(&self) -> Option<String> {
+        let groups: Vec<String> = self.collinear.iter().map(|group| group.join(", ")).collect();
+        (!groups.is_empty()).then(|| groups.join("; "))
     }
 
     /// Whether a parameter is known by itself: at no bound, and in no group that the recording hardly separates.
@@ -104,6 +110,10 @@ impl Uncertainty {
 /// What is known about the free ones of coordinates and linear coefficients.
 struct Unknowns {
     covariance: DMatrix<f64>,
+    /// Of each, one over the length of its column of the Jacobian.
+    scales: DVector<f64>,
+    /// Directions that no row tells anything of, in unknowns over their scales.
+    untold: DMatrix<f64>,
     /// Over how many rows residuals are alike.
     memory: usize,
     /// Degrees of freedom of the covariance: the rows that the fit has left, or, of Bartlett's kernel, one and a half
@@ -120,25 +130,33 @@ impl Unknowns {
         for (mut row, scale) in jacobian.row_iter_mut().zip(&scales) {
             row *= *scale;
         }
+        let eigen = (&jacobian * jacobian.transpose()).symmetric_eigen();
+        let (told, untold): (Vec<usize>, Vec<usize>) =
+            (0..count).partition(|&k| eigen.eigenvalues[k] > LEAST_EIGENVALUE);
+        let mut turn = eigen.eigenvectors.select_columns(&told);
+        for (mut direction, &k) in turn.column_iter_mut().zip(&told) {
+            direction /= eigen.eigenvalues[k].sqrt();
+        }
+        // In these directions, orthonormal over the rows, B is 1.
         let memory = memory(residuals);
-        let Some(cholesky) = (&jacobian * jacobian.transpose()).cholesky() else {
-            let covariance = DMatrix::from_element(count, count, f64::NAN);
-            return Self { covariance, memory, freedom: 1.0 };
-        };
-        // In directions that are orthonormal over the rows B is 1.
-        let root = cholesky.unpack();
-        root.solve_lower_triangular_mut(&mut jacobian);
-        let scatter = scatter(&jacobian, residuals, memory);
+        let scatter = scatter(&(turn.transpose() * jacobian), residuals, memory);
         let (rows, squares) = (residuals.len() as f64, residuals.iter().map(|r| r * r).sum::<f64>());
         // Without any residual not a number, and then 1.
         let left = (rows - rows * scatter.trace() / squares).max(1.0);
-        let one = DMatrix::identity(count, count);
-        let turn = DMatrix::from_diagonal(&scales) * root.tr_solve_lower_triangular(&one).unwrap_or(one);
+        let turn = DMatrix::from_diagonal(&scales) * turn;
         Self {
             covariance: &turn * scatter * turn.transpose() * (rows / left),
+            untold: eigen.eigenvectors.select_columns(&untold),
+            scales,
             memory,
             freedom: left / (memory as f64 / 1.5).max(1.0),
         }
+    }
+
+    /// Whether the rows tell of a parameter with these derivatives.
+    fn is_told(&self, gradient: &RowDVector<f64>) -> bool {
+        let gradient = gradient.component_mul(&self.scales.transpose());
+        (&gradient * &self.untold).iter().all(|along| along.abs() <= NEGLIGIBLE * gradient.norm())
     }
 }
 

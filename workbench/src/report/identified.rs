@@ -5,9 +5,10 @@ use maud::{Markup, html};
 use super::DrawingError;
 use super::model_run::ModelRun;
 use super::page::page;
+use super::parameters::parameters;
 use super::parts::parts;
 use super::plot::Plot;
-use crate::identification::Estimate;
+use crate::identification::Uncertainty;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::recording::Recording;
 
@@ -21,8 +22,8 @@ pub struct Identified<'a> {
     pub recording: &'a Recording,
     /// The model's output for every row. Output unit.
     pub simulated: &'a [f64],
-    /// The raw parameters with their standard errors.
-    pub estimates: &'a [Estimate],
+    /// What is known about the raw parameters.
+    pub uncertainty: &'a Uncertainty,
 }
 
 impl Identified<'_> {
@@ -60,7 +61,7 @@ impl Identified<'_> {
             (explained(&plots)?)
             h2 { "The parts of the model" }
             (explained(&parts.iter().map(|part| (part.plot(), part.words)).collect::<Vec<_>>())?)
-            (self.parameters())
+            (parameters(self.uncertainty, &self.model.names()))
         };
         let file = self.recording.drive.file.file_name().unwrap_or_default().display().to_string();
         let title = format!("Model of {file}: {output} over {input}");
@@ -91,29 +92,6 @@ impl Identified<'_> {
                 p { "Rows that are not valid are history of the input only: they are not scored, and leave gaps "
                     "in the loops and in the error." }
             }
-        }
-    }
-
-    fn parameters(&self) -> Markup {
-        let names = self.model.names();
-        html! {
-            h2 { "Parameters" }
-            p { "Standard errors are for independent residuals; neighbouring residuals of a recording are alike, "
-                "so that the true ones are larger. A dash: the parameter stands at a bound." }
-            div.wide { table {
-                thead { tr { th { "name" } th { "value" } th { "standard error" } th { "unit" } } }
-                tbody { @for estimate in self.estimates {
-                    tr {
-                        td { (estimate.parameter.name) }
-                        td { (format!("{:.5}", estimate.parameter.value)) }
-                        td { @match estimate.standard_error {
-                            Some(error) => (format!("{error:.2e}")),
-                            None => "–",
-                        } }
-                        td { (names.unit(estimate.parameter.dimension)) }
-                    }
-                } }
-            } }
         }
     }
 }

@@ -8,6 +8,7 @@
 //! | `page` | the page around the plots |
 //! | `model_run` | a model beside a recording, as plots |
 //! | `direction` | which way an input goes |
+//! | `parameters` | the parameters and what is known about them, as a table |
 //! | `parts` | the parts of a model, as plots |
 //! | [`identified`] | report of `mgpi identify` |
 //! | `bars` | bars with names, in the same look |
@@ -21,6 +22,7 @@ pub mod identified;
 mod model_run;
 mod page;
 pub mod paper_figures;
+mod parameters;
 mod parts;
 pub mod plot;
 mod simplify;

@@ -10,7 +10,7 @@ use model_core::{Kind, Mode, ModelParameters, paper};
 use wire::Configuration;
 use workbench::child::Stop;
 use workbench::emulator::{Emulator, image};
-use workbench::identification::Options;
+use workbench::identification::{Options, Weights};
 use workbench::pil::results::log;
 
 fn main() {
@@ -70,7 +70,16 @@ fn every_model() -> Result<(), Failed> {
     let reference_mm: Vec<f64> = reference_mm().into_iter().step_by(3).collect();
     let models = Kind::ALL.map(|model| (model, None)).into_iter().chain([(Kind::Mgpi, Some(12))]);
     for (model, knots) in models {
-        let options = Options { model, knots, plays: 10, dead_zones: 10, starts: 4, seed: 1, threads: 0 };
+        let options = Options {
+            model,
+            knots,
+            weights: Weights::Exponential,
+            plays: 10,
+            dead_zones: 10,
+            starts: 4,
+            seed: 1,
+            threads: 0,
+        };
         let configuration = configuration(&identified(&options));
         let name = format!("{model}, knots {knots:?}");
         assert_alike(&name, &configuration, Mode::FeedforwardOnly, &reference_mm)?;

@@ -7,7 +7,7 @@ use host_tests::{
 };
 use model_core::envelope::EnvelopeParameters;
 use model_core::{Hysteresis, Kind, Mgpi, MgpiParameters, Mode, ModelParameters, paper};
-use workbench::identification::Options;
+use workbench::identification::{Options, Weights};
 
 const SIZE: usize = paper::SIZE;
 /// Lag of the pressure under feedback. Unit: s.
@@ -105,8 +105,16 @@ fn models_identified_with_other_numbers_of_operators_track_their_plant() {
         (10, 10, [0.06, 0.1], [0.03, 0.05]),
         (20, 14, [0.08, 0.14], [0.03, 0.06]),
     ] {
-        let options =
-            Options { model: Kind::Mgpi, knots: None, plays, dead_zones, starts: 8, seed: 1, threads: 0 };
+        let options = Options {
+            model: Kind::Mgpi,
+            knots: None,
+            weights: Weights::Exponential,
+            plays,
+            dead_zones,
+            starts: 8,
+            seed: 1,
+            threads: 0,
+        };
         let model = identified(&options);
         let what = format!("identified with {plays} plays, {dead_zones} dead zones");
         let rmse = |mode| rmse_percent(&model, mode);

@@ -4,7 +4,7 @@
 
 use host_tests::{HostBoard, configuration, figures, raised_cosines, rig, run};
 use model_core::{Hysteresis, Kind, Mode};
-use workbench::identification::{Fit, Options, Problem, identify};
+use workbench::identification::{Fit, Options, Problem, Weights, identify};
 
 /// The model of the project's own recording, as `mgpi identify` finds it.
 fn identified() -> Fit {
@@ -20,6 +20,7 @@ fn identified() -> Fit {
     let options = Options {
         model: Kind::Mgpi,
         knots: None,
+        weights: Weights::Exponential,
         plays: 10,
         dead_zones: 10,
         starts: 16,

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::holdout::later_cycles;
 use crate::identification::named::slope_dimension;
-use crate::identification::{self, Fit, Options, searches};
+use crate::identification::{self, Fit, Options, Weights, searches};
 use crate::model_file::names::Names;
 use crate::model_file::{HeldOut, Identification, ModelFile, Source};
 use crate::output::Outputs;
@@ -33,6 +33,9 @@ pub struct Arguments {
     /// Number of plays
     #[arg(long, default_value_t = 10, value_name = "N")]
     plays: usize,
+    /// Weights of the plays
+    #[arg(long, value_enum, default_value = "exponential")]
+    weights: PlayWeights,
     /// Number of dead zones, for mgpi and mpi
     #[arg(long, default_value_t = 10, value_name = "M")]
     dead_zones: usize,
@@ -87,6 +90,24 @@ enum Envelope {
     Tanh,
     /// Piecewise-linear through free knots
     Pl,
+}
+
+/// What the weights of the plays are made of.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PlayWeights {
+    /// rho exp(-tau r)
+    Exponential,
+    /// Each by itself, for at most 32 plays
+    Free,
+}
+
+impl From<PlayWeights> for Weights {
+    fn from(weights: PlayWeights) -> Self {
+        match weights {
+            PlayWeights::Exponential => Self::Exponential,
+            PlayWeights::Free => Self::Free,
+        }
+    }
 }
 
 impl From<Model> for Kind {
@@ -148,7 +169,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     outputs.stage(model_file, model.to_toml().as_bytes())?;
     if let Some(file) = report {
         let simulated = &fit.simulated;
-        let (identification, estimates) = (&identification, &fit.estimates);
+        let (identification, estimates) = (&identification, &fit.uncertainty.estimates);
         let report =
             Identified { model: &model, identification, recording: &recording, simulated, estimates };
         outputs.stage(file, report.to_html()?.as_bytes())?;
@@ -186,6 +207,7 @@ impl Arguments {
             model: self.model.into(),
             knots: matches!(self.envelope, Some(Envelope::Pl)).then_some(self.knots),
             plays: self.plays,
+            weights: self.weights.into(),
             dead_zones: self.dead_zones,
             starts,
             seed,
@@ -199,7 +221,7 @@ fn source(recording: &Recording) -> Source {
 }
 
 fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>) -> Identification {
-    let errors = fit.estimates.iter();
+    let errors = fit.uncertainty.estimates.iter();
     let errors =
         errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
     Identification {
@@ -210,14 +232,14 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>)
         training: recording.figures(&fit.simulated),
         heldout,
         starts: fit.starts,
-        termination: fit.termination.reason.clone(),
+        termination: fit.termination.to_string(),
         standard_errors: errors.collect(),
     }
 }
 
 fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, seconds: f64) -> Value {
     let (names, unit) = (model.names(), model.output.unit);
-    let parameters = fit.estimates.iter().map(|estimate| {
+    let parameters = fit.uncertainty.estimates.iter().map(|estimate| {
         json!({
             "name": estimate.parameter.name,
             "value": estimate.parameter.value,

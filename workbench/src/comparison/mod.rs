@@ -11,7 +11,7 @@ use model_core::Kind;
 
 use crate::figures::Figures;
 use crate::holdout::later_cycles;
-use crate::identification::{self, Fit, IdentificationError, Options};
+use crate::identification::{self, Fit, IdentificationError, Options, Weights};
 use crate::recording::Recording;
 
 /// Models on a recording; at least one could be made.
@@ -137,16 +137,17 @@ impl Row {
             heldout: heldout.figures(&fit, recording, options, &|done| {
                 progress(identification::searches(options.starts) + done);
             }),
-            termination: fit.termination.reason,
+            termination: fit.termination.to_string(),
             simulated: fit.simulated,
         });
         Self { options: *options, seconds, outcome }
     }
 
-    /// The model's name; `-pl` at its end stands for a piecewise-linear envelope.
+    /// The model's name, with [`PIECEWISE_LINEAR`] and [`FREE_WEIGHTS`] at its end where it has them.
     pub fn model(&self) -> String {
         let envelope = if self.options.knots.is_some() { PIECEWISE_LINEAR } else { "" };
-        format!("{}{envelope}", self.options.model)
+        let weights = if self.options.weights == Weights::Free { FREE_WEIGHTS } else { "" };
+        format!("{}{envelope}{weights}", self.options.model)
     }
 
     /// Number of dead zones of a model that has them.
@@ -170,6 +171,9 @@ impl Outcome {
 
 /// The end of the names of models with a piecewise-linear envelope.
 pub const PIECEWISE_LINEAR: &str = "-pl";
+
+/// The end of the names of models whose plays have free weights; it comes last.
+pub const FREE_WEIGHTS: &str = "-free";
 
 /// Whether a model has dead zones, and so a number of them.
 pub fn has_dead_zones(kind: Kind) -> bool {

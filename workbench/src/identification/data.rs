@@ -6,7 +6,7 @@ use model_core::memoryless::{Memoryless, MemorylessParameters};
 
 use super::coordinates::Coordinate;
 use super::structure::Structure;
-use super::{DEAD_ZONES, IdentificationError, Options, PLAYS, Problem};
+use super::{DEAD_ZONES, FREE, IdentificationError, Options, PLAYS, Problem, Weights};
 
 /// The smallest slope that the stage behind the plays may get, as a share of the mean slope: how far a model is
 /// kept from being non-invertible.
@@ -16,6 +16,7 @@ const LEAST_SLOPE: f64 = 1e-2;
 pub type Span = (f64, f64);
 
 /// The inputs of a recording.
+#[derive(Clone)]
 pub struct Drive {
     /// The inputs, 0 … 1 over their span.
     pub inputs: Vec<f64>,
@@ -43,6 +44,7 @@ impl Drive {
 }
 
 /// A recording, normalised for the search.
+#[derive(Clone)]
 pub struct Data {
     /// The inputs.
     pub drive: Drive,
@@ -75,6 +77,7 @@ pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, Ident
         ("plays", options.plays, [1, PLAYS]),
         ("dead zones", options.dead_zones, [1, DEAD_ZONES]),
         ("knots", options.knots.unwrap_or(KNOTS), [3, KNOTS]),
+        ("plays with free weights", free_weights(options).unwrap_or(1), [1, FREE]),
         ("starts", options.starts, [1, usize::MAX]),
     ] {
         if !(limits[0]..=limits[1]).contains(&value) {
@@ -89,7 +92,7 @@ pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, Ident
     let structure = Structure::new(options);
     let coordinates = structure.coordinates();
     let rows: Vec<usize> = (0..scored.len()).filter(|&row| scored[row]).collect();
-    let parameters = structure.unknowns();
+    let parameters = options.unknowns();
     if rows.len() <= parameters {
         return Err(IdentificationError::TooFewRows { rows: rows.len(), parameters });
     }
@@ -118,6 +121,11 @@ pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, Ident
     })
 }
 
+/// Number of free weights, if they are.
+fn free_weights(options: &Options) -> Option<usize> {
+    (options.weights == Weights::Free).then_some(options.plays)
+}
+
 /// The added functions of the input at some rows.
 fn added(
     structure: &Structure,
@@ -130,4 +138,12 @@ fn added(
         .map_err(IdentificationError::Invalid)?;
     let column = |k: usize| rows.iter().map(|&row| function.basis(input[row])[k]).collect();
     Ok((0..structure.added()).map(column).collect())
+}
+
+impl Data {
+    /// The same recording for a model of the same structure, but with free weights of the plays.
+    pub fn with_free_weights(&self) -> Self {
+        let structure = Structure { weights: Weights::Free, ..self.structure };
+        Self { coordinates: structure.coordinates(), structure, ..self.clone() }
+    }
 }

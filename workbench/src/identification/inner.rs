@@ -39,15 +39,14 @@ impl Inner {
         let of_envelope = structure.shape.coordinates().len();
         Self {
             envelope: Envelope::new(structure.shape, &at[..of_envelope], span),
-            plays: Plays::new(&at[of_envelope..], structure.plays),
+            plays: Plays::new(structure.weights, &at[of_envelope..], structure.plays),
             of_envelope,
         }
     }
 
     /// u and its derivatives for every input, from rest, of a muscle that is preconditioned or not.
     pub fn simulate<const K: usize>(&self, drive: &Drive, preconditioned: bool) -> Vec<Sample<K>> {
-        let s = self.plays.s;
-        let (by_logit, share) = (s * (1.0 - s), 1.0 / (1.0 - s));
+        let (q, of_q) = (self.plays.q, &self.plays.by[0]);
         let mut bank = Bank::<K>::at_rest(self);
         if preconditioned {
             bank.step(&self.driven(1.0, true));
@@ -56,9 +55,11 @@ impl Inner {
         let sample = |(row, (&t, &rising)): (usize, (&f64, &bool))| {
             let driven = self.driven(t, if row < drive.resting { !preconditioned } else { rising });
             let plays = bank.step(&driven);
-            let mut by: [f64; K] = std::array::from_fn(|c| s * driven.by[c] + plays.by[c]);
-            by[self.of_envelope + 2] = by_logit * (driven.v - share * plays.sum);
-            Sample { u: s * driven.v + plays.sum, by }
+            let mut by: [f64; K] = std::array::from_fn(|c| q * driven.by[c] + plays.by[c]);
+            for (sum, q_by) in by[self.of_envelope + 1..].iter_mut().zip(of_q) {
+                *sum += q_by * driven.v;
+            }
+            Sample { u: q * driven.v + plays.sum, by }
         };
         drive.inputs.iter().zip(&drive.rising).enumerate().map(sample).collect()
     }
@@ -80,15 +81,21 @@ struct Driven<const K: usize> {
     sign: f64,
 }
 
-/// Σ pᵢ zᵢ over some plays, and its derivatives by the coordinates but the share of the direct term.
+/// Σ pᵢ zᵢ over some plays, and its derivatives by the coordinates.
 #[derive(Clone, Copy)]
 struct Part<const K: usize> {
     sum: f64,
     by: [f64; K],
 }
 
-/// Sums over the first plays of: p, p r, and the derivatives of both by β.
-type Prefix = [f64; 4];
+/// Sums over the first plays.
+#[derive(Clone, Copy)]
+struct Prefix<const K: usize> {
+    /// Of p, and of p r.
+    sums: [f64; 2],
+    /// Of the derivatives of p, and of p r, by the coordinates of the weights, in their places.
+    by: [[f64; K]; 2],
+}
 
 /// Plays whose outputs all stand on one v.
 #[derive(Clone, Copy)]
@@ -103,7 +110,7 @@ struct Corner<const K: usize> {
 /// The plays as a staircase.
 struct Bank<'a, const K: usize> {
     thresholds: &'a [f64],
-    prefixes: Vec<Prefix>,
+    prefixes: Vec<Prefix<K>>,
     of_envelope: usize,
     /// The corner of the largest thresholds first.
     corners: Vec<Corner<K>>,
@@ -127,12 +134,15 @@ impl<const K: usize> Part<K> {
 impl<'a, const K: usize> Bank<'a, K> {
     /// Plays that rested at 0 and were then brought to the lowest input.
     fn at_rest(inner: &'a Inner) -> Self {
-        let Plays { thresholds, weights, weights_by_beta, .. } = &inner.plays;
-        let mut prefixes = vec![[0.0; 4]];
-        let mut sums = [0.0; 4];
-        for ((r, p), by_beta) in thresholds.iter().zip(weights).zip(weights_by_beta) {
-            let terms = [*p, p * r, *by_beta, by_beta * r];
-            sums = std::array::from_fn(|i| sums[i] + terms[i]);
+        let Plays { thresholds, weights, by, .. } = &inner.plays;
+        let mut sums = Prefix { sums: [0.0; 2], by: [[0.0; K]; 2] };
+        let mut prefixes = vec![sums];
+        for ((r, p), by) in thresholds.iter().zip(weights).zip(&by[1..]) {
+            sums.sums = [sums.sums[0] + p, sums.sums[1] + p * r];
+            for (k, derivative) in by.iter().enumerate() {
+                sums.by[0][inner.of_envelope + 1 + k] += derivative;
+                sums.by[1][inner.of_envelope + 1 + k] += derivative * r;
+            }
             prefixes.push(sums);
         }
         let rest = Driven { v: 0.0, by: [0.0; K], sign: 0.0 };
@@ -146,11 +156,13 @@ impl<'a, const K: usize> Bank<'a, K> {
     /// What the plays from `begin` to `end`, which stand on one v, add.
     fn part(&self, driven: &Driven<K>, begin: usize, end: usize) -> Part<K> {
         let (from, to) = (&self.prefixes[begin], &self.prefixes[end]);
-        let [p, pr, p_by_beta, pr_by_beta] = std::array::from_fn(|i| to[i] - from[i]);
-        let mut by = std::array::from_fn(|c| driven.by[c] * p);
+        let [p, pr] = std::array::from_fn(|i| to.sums[i] - from.sums[i]);
+        let mut by = std::array::from_fn(|c| {
+            driven.by[c] * p + driven.v * (to.by[0][c] - from.by[0][c])
+                - driven.sign * (to.by[1][c] - from.by[1][c])
+        });
         // Thresholds are proportional to α.
         by[self.of_envelope] = -driven.sign * pr;
-        by[self.of_envelope + 1] = driven.v * p_by_beta - driven.sign * pr_by_beta;
         Part { sum: driven.v * p - driven.sign * pr, by }
     }
 

@@ -13,7 +13,9 @@
 //! | `starts` | where the searches begin |
 //! | `raw`, [`named`] | the way to the raw parameters, and their names |
 //! | `thinning` | a shorter recording that is enough to screen them |
-//! | `uncertainty` | standard errors of the raw parameters |
+//! | `uncertainty` | standard errors, intervals and correlation of the raw parameters |
+//! | `autocorrelation`, `collinear` | what makes them larger: residuals that are alike, parameters that are |
+//! | `termination` | how a search ended |
 //!
 //! The problem has several minima, so that many starts are tried side by side: each gets a few steps on a thinned
 //! recording, then the best quarter goes on to convergence on all of it. The answer depends on the seed, not on the number of threads.
@@ -27,6 +29,8 @@
 //! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the model's
 //! validity range.
 
+mod autocorrelation;
+mod collinear;
 mod coordinates;
 mod data;
 mod envelope;
@@ -40,6 +44,7 @@ mod projection;
 mod raw;
 mod starts;
 mod structure;
+mod termination;
 mod thinning;
 mod uncertainty;
 
@@ -50,20 +55,25 @@ use rayon::prelude::*;
 
 use data::{Data, normalise};
 pub use error::IdentificationError;
-use named::Named;
 use problem::{Point, Problem as Reduced};
 use starts::Start;
 use structure::Structure;
+pub use termination::Termination;
+pub use uncertainty::{Estimate, Uncertainty};
 
 /// The largest number of plays of a model on the host.
 pub const PLAYS: usize = 128;
 /// The largest number of dead zones of a model on the host.
 pub const DEAD_ZONES: usize = 128;
+/// The largest number of plays with free weights.
+pub const FREE: usize = 32;
 /// Raw parameters of a model on the host.
 pub type HostParameters = ModelParameters<f64, PLAYS, DEAD_ZONES>;
 /// A model on the host.
 pub type HostModel = Model<f64, PLAYS, DEAD_ZONES>;
 
+/// How many ends with exponential weights free ones go on from.
+const FREED: usize = 3;
 /// The share by which the sum of squares of a fresh muscle has to be smaller to be believed.
 const CLEARLY: f64 = 0.02;
 /// Evaluations per coordinate that every start gets.
@@ -91,6 +101,8 @@ pub struct Options {
     pub knots: Option<usize>,
     /// Number of plays, 1 to [`PLAYS`].
     pub plays: usize,
+    /// What the weights of the plays are made of; free ones for at most [`FREE`] plays.
+    pub weights: Weights,
     /// Number of dead zones, 1 to [`DEAD_ZONES`], for models that have them.
     pub dead_zones: usize,
     /// Number of starts, at least 1.
@@ -104,37 +116,36 @@ pub struct Options {
 impl Options {
     /// How many independent numbers are found: the raw parameters less those that scalings of the model leave open.
     pub fn unknowns(&self) -> usize {
-        Structure::new(self).unknowns()
+        Structure { weights: self.weights, ..Structure::new(self) }.unknowns()
     }
 }
 
-/// Exponential density of the plays and the spacing of their thresholds, equations (9) and (10).
+/// What the weights of the plays are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weights {
+    /// An exponential density, equation (10).
+    Exponential,
+    /// Each by itself.
+    Free,
+}
+
+/// What the thresholds and weights of the plays come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Density {
-    /// Weight of a play of threshold 0.
-    pub rho: f64,
-    /// Decay of the weights with the threshold.
-    pub tau: f64,
-    /// Distance of the thresholds.
-    pub alpha: f64,
-}
-
-/// A raw parameter with its standard error.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Estimate {
-    /// Name, value and dimension.
-    pub parameter: Named,
-    /// Standard error in the same unit, for independent residuals; None where a bound binds.
-    pub standard_error: Option<f64>,
-}
-
-/// How the search ended.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Termination {
-    /// In words.
-    pub reason: String,
-    /// Whether at a minimum.
-    pub converged: bool,
+pub enum Density {
+    /// Equations (9) and (10).
+    Exponential {
+        /// Weight of a play of threshold 0.
+        rho: f64,
+        /// Decay of the weights with the threshold.
+        tau: f64,
+        /// Distance of the thresholds.
+        alpha: f64,
+    },
+    /// Equally spaced thresholds, equation (9), each with a weight of its own.
+    Free {
+        /// Distance of the thresholds.
+        alpha: f64,
+    },
 }
 
 /// An identified model.
@@ -148,12 +159,25 @@ pub struct Fit {
     pub density: Density,
     /// The model's output for every row. Output unit.
     pub simulated: Vec<f64>,
-    /// The raw parameters with their standard errors.
-    pub estimates: Vec<Estimate>,
+    /// What is known about the raw parameters.
+    pub uncertainty: Uncertainty,
     /// How the best start ended.
     pub termination: Termination,
     /// Number of starts tried.
     pub starts: usize,
+}
+
+/// Calls a function with the next larger of a few capacities for coordinates: loops over rows have fixed lengths then.
+macro_rules! with_capacity {
+    ($count:expr, $function:ident ( $($argument:expr),* )) => {
+        match $count {
+            0..=5 => $function::<5>($($argument),*),
+            6..=8 => $function::<8>($($argument),*),
+            9..=16 => $function::<16>($($argument),*),
+            17..=32 => $function::<32>($($argument),*),
+            _ => $function::<{ KNOTS + FREE }>($($argument),*),
+        }
+    };
 }
 
 /// Identifies a model. `progress` is called with the number of searches done, at most [`searches`] times.
@@ -166,42 +190,47 @@ pub fn identify(
     progress: &(dyn Fn(usize) + Sync),
 ) -> Result<Fit, IdentificationError> {
     let data = normalise(problem, options)?;
-    // The next larger of a few capacities for coordinates.
-    match data.coordinates.len() {
-        0..=5 => find::<5>(problem, options, &data, progress),
-        6..=8 => find::<8>(problem, options, &data, progress),
-        9..=16 => find::<16>(problem, options, &data, progress),
-        _ => find::<{ KNOTS + 1 }>(problem, options, &data, progress),
-    }
-}
-
-fn find<const K: usize>(
-    problem: &Problem<'_>,
-    options: &Options,
-    data: &Data,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Result<Fit, IdentificationError> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
         .map_err(|error| IdentificationError::Threads(error.to_string()))?;
     let done = std::sync::atomic::AtomicUsize::new(0);
     let count = || progress(1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
-    let (thinned, starts) = (data.thinned(), starts::starts(&data.coordinates, options.starts, options.seed));
-    let ends = pool.install(|| {
-        let screened = search_all::<K>(&thinned, &starts, SCREENING, &count);
-        let mut best: Vec<Start> = screened.into_iter().map(|(point, _)| point.at).collect();
-        let mut others = best.split_off(finalists(options.starts).min(best.len()));
-        // The best of the other kind of muscle, if only one is left.
-        others.retain(|at| best.iter().all(|other| other.preconditioned != at.preconditioned));
-        best.extend(others.into_iter().next());
-        search_all::<K>(data, &best, CONVERGENCE, &count)
-    });
-    let ends = prefer_preconditioned(ends);
-    // The best end whose model has an inverse; that of most models is certain, that of the extended one is not.
+    let ends =
+        pool.install(|| with_capacity!(data.coordinates.len(), search_everywhere(&data, options, &count)));
+    if options.weights == Weights::Exponential {
+        return with_capacity!(data.coordinates.len(), first_model(problem, options, &data, ends));
+    }
+    // Free weights go on from where exponential ones end.
+    let free = data.with_free_weights();
+    let freed: Vec<Start> = ends.iter().take(FREED).map(|(end, _)| end.freed(&data)).collect();
+    let search = || with_capacity!(free.coordinates.len(), search_all(&free, &freed, CONVERGENCE, &count));
+    let ends = prefer_preconditioned(pool.install(search));
+    with_capacity!(free.coordinates.len(), first_model(problem, options, &free, ends))
+}
+
+/// Screens all starts, and brings the best to their ends.
+fn search_everywhere<const K: usize>(data: &Data, options: &Options, count: &(dyn Fn() + Sync)) -> Vec<End> {
+    let starts = starts::starts(&data.coordinates, options.starts, options.seed);
+    let screened = search_all::<K>(&data.thinned(), &starts, SCREENING, count);
+    let mut best: Vec<Start> = screened.into_iter().map(|(end, _)| end).collect();
+    let mut others = best.split_off(finalists(options.starts).min(best.len()));
+    // The best of the other kind of muscle, if only one is left.
+    others.retain(|at| best.iter().all(|other| other.preconditioned != at.preconditioned));
+    best.extend(others.into_iter().next());
+    prefer_preconditioned(search_all::<K>(data, &best, CONVERGENCE, count))
+}
+
+/// The model of the best end that has an inverse; that of most models is certain, that of the extended one is not.
+fn first_model<const K: usize>(
+    problem: &Problem<'_>,
+    options: &Options,
+    data: &Data,
+    ends: Vec<End>,
+) -> Result<Fit, IdentificationError> {
     let mut refusal = IdentificationError::Size("starts", options.starts, [1, usize::MAX]);
-    for (point, reason) in ends {
-        match finish(problem, options, data, &point, &reason) {
+    for (start, Reached { reason, .. }) in ends {
+        match finish(problem, options, data, &Point::<K>::new(data, start), &reason) {
             Ok(fit) => return Ok(fit),
             Err(error) => refusal = IdentificationError::Invalid(error),
         }
@@ -211,12 +240,11 @@ fn find<const K: usize>(
 
 /// The ends, best first. Muscles that are measured have mostly been moved before: that one is fresh has to show,
 /// where the recording begins, in a clearly smaller error.
-fn prefer_preconditioned<const K: usize>(mut ends: Vec<End<'_, K>>) -> Vec<End<'_, K>> {
-    if let Some(place) = ends.iter().position(|(point, _)| point.at.preconditioned) {
-        let (best, preconditioned) = (ends[0].0.cost(), ends[place].0.cost());
-        if preconditioned * (1.0 - CLEARLY) <= best {
-            ends[..=place].rotate_right(1);
-        }
+fn prefer_preconditioned(mut ends: Vec<End>) -> Vec<End> {
+    if let Some(place) = ends.iter().position(|(start, _)| start.preconditioned)
+        && ends[place].1.cost * (1.0 - CLEARLY) <= ends[0].1.cost
+    {
+        ends[..=place].rotate_right(1);
     }
     ends
 }
@@ -224,7 +252,7 @@ fn prefer_preconditioned<const K: usize>(mut ends: Vec<End<'_, K>>) -> Vec<End<'
 /// How many searches [`identify`] makes for a number of starts: all of them briefly, the best ones to the
 /// end.
 pub fn searches(starts: usize) -> usize {
-    2 * starts + finalists(starts) + 1
+    2 * starts + finalists(starts) + 1 + FREED
 }
 
 fn finalists(starts: usize) -> usize {
@@ -232,31 +260,40 @@ fn finalists(starts: usize) -> usize {
 }
 
 /// Searches from all starts, side by side, and calls `count` at the end of each. The best end comes first.
-fn search_all<'a, const K: usize>(
-    data: &'a Data,
+fn search_all<const K: usize>(
+    data: &Data,
     starts: &[Start],
     patience: usize,
     count: &(dyn Fn() + Sync),
-) -> Vec<End<'a, K>> {
+) -> Vec<End> {
     let one = |start: &Start| {
-        let end = search(data, start, patience);
+        let end = search::<K>(data, start, patience);
         count();
         end
     };
-    let mut ends: Vec<End<'a, K>> = starts.par_iter().map(one).collect();
+    let mut ends: Vec<End> = starts.par_iter().map(one).collect();
     // Stable: of equal ends the first start wins, whichever thread was faster.
-    ends.sort_by(|(one, _), (other, _)| one.cost().total_cmp(&other.cost()));
+    ends.sort_by(|(_, one), (_, other)| one.cost.total_cmp(&other.cost));
     ends
 }
 
-/// Where a search ended, and why.
-type End<'a, const K: usize> = (Point<'a, K>, TerminationReason);
+/// Where a search ended, and with what.
+type End = (Start, Reached);
 
-fn search<'a, const K: usize>(data: &'a Data, start: &Start, patience: usize) -> End<'a, K> {
+/// What a search has reached.
+struct Reached {
+    /// Sum of squares.
+    cost: f64,
+    reason: TerminationReason,
+}
+
+fn search<const K: usize>(data: &Data, start: &Start, patience: usize) -> End {
     let kernel =
         LevenbergMarquardt::new().with_ftol(1e-9).with_xtol(1e-9).with_gtol(1e-9).with_patience(patience);
-    let (problem, report) = kernel.minimize(Reduced::new(data, start));
-    (problem.into_point(), report.termination)
+    let (problem, report) = kernel.minimize(Reduced::<K>::new(data, start));
+    let point = problem.into_point();
+    let reached = Reached { cost: point.cost(), reason: report.termination };
+    (point.at, reached)
 }
 
 fn finish<const K: usize>(
@@ -273,8 +310,8 @@ fn finish<const K: usize>(
     model.inverse()?;
     Ok(Fit {
         simulated: simulate(&model, problem.input),
-        estimates: uncertainty::estimates(data, point)?,
-        termination: Termination { reason: in_words(reason), converged: reason.was_successful() },
+        uncertainty: Uncertainty::new(data, point)?,
+        termination: reason.into(),
         starts: options.starts,
         model,
         parameters,
@@ -288,23 +325,7 @@ pub fn simulate(model: &HostModel, input: &[f64]) -> Vec<f64> {
     input.iter().map(|&x| model.step(&mut state, x).unwrap_or(f64::NAN)).collect()
 }
 
-fn in_words(reason: &TerminationReason) -> String {
-    match reason {
-        TerminationReason::Converged { ftol: true, xtol: true } => {
-            "converged: sum of squares and parameters settled"
-        }
-        TerminationReason::Converged { ftol: true, .. } => "converged: sum of squares settled",
-        TerminationReason::Converged { .. } => "converged: parameters settled",
-        TerminationReason::Orthogonal => "converged: the gradient vanished",
-        TerminationReason::ResidualsZero => "converged: no residual left",
-        TerminationReason::NoImprovementPossible(_) => {
-            "converged: no improvement possible in double precision"
-        }
-        TerminationReason::LostPatience => "stopped: largest number of evaluations reached",
-        _ => "stopped: numerical failure",
-    }
-    .to_string()
-}
-
+#[cfg(test)]
+mod coverage;
 #[cfg(test)]
 mod tests;

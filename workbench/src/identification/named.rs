@@ -61,9 +61,19 @@ pub fn named(parameters: &HostParameters, density: &Density) -> Vec<Named> {
     };
     let per_inner = if inner == Dimension::Input { Dimension::PerInput } else { Dimension::One };
     list.push("q", Dimension::One, plays.q);
-    list.push("rho", Dimension::One, density.rho);
-    list.push("tau", per_inner, density.tau);
-    list.push("alpha", inner, density.alpha);
+    match density {
+        Density::Exponential { rho, tau, alpha } => {
+            list.push("rho", Dimension::One, *rho);
+            list.push("tau", per_inner, *tau);
+            list.push("alpha", inner, *alpha);
+        }
+        Density::Free { alpha } => {
+            list.push("alpha", inner, *alpha);
+            for (i, weight) in plays.weights.iter().enumerate() {
+                list.push(&format!("p{}", i + 1), Dimension::One, *weight);
+            }
+        }
+    }
     match parameters {
         HostParameters::Cascade(cascade) => {
             match cascade.dead_zones.weights.as_slice() {

@@ -16,7 +16,6 @@ use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use super::coordinates::{bounded, unbounded};
 use super::data::Data;
 use super::inner::{Inner, Sample};
-use super::plays;
 use super::projection::{Columns, Grid, Linear};
 use super::starts::Start;
 
@@ -51,11 +50,11 @@ pub struct Point<'a, const K: usize> {
 }
 
 /// Sums over the rows that count, with the derivatives of the model by the coordinates as the columns of J.
-pub struct Products {
+struct Products {
     /// JᵀJ.
-    pub own: DMatrix<f64>,
+    own: DMatrix<f64>,
     /// ΦᵀJ, a row for each linear column.
-    pub mixed: DMatrix<f64>,
+    mixed: DMatrix<f64>,
     /// Jᵀr.
     gradient: DVector<f64>,
 }
@@ -70,7 +69,7 @@ pub fn grid<const K: usize>(inner: &Inner, count: usize, coordinates: usize) -> 
     let segments_below = (low < 0.0 && high > 0.0).then(|| (-low / width - 0.5).round() + 0.5);
     let origin = segments_below.map_or(low, |segments| -segments * width);
     let mut by = [[0.0; K]; 2];
-    for (i, c) in (coordinates - plays::COUNT..coordinates).enumerate() {
+    for (i, c) in (coordinates - low_by.len()..coordinates).enumerate() {
         by[1][c] = (high_by[i] - low_by[i]) / count as f64;
         by[0][c] = segments_below.map_or(low_by[i], |segments| -segments * by[1][c]);
     }
@@ -96,28 +95,39 @@ impl<'a, const K: usize> Point<'a, K> {
         self.residuals.iter().map(|residual| residual * residual).sum()
     }
 
-    /// The sums of products of the model's derivatives by the coordinates, at fixed linear coefficients.
-    pub fn products(&self) -> Products {
+    /// The model's derivatives by the coordinates at fixed linear coefficients, for each row that counts.
+    fn derivatives(&self) -> impl Iterator<Item = [f64; K]> + Clone {
         // y = offset + Σ_{j<i} sⱼ width + sᵢ (u - origin - i width) in segment i.
         let mut passed = 0.0;
-        let by_width: Vec<f64> = self
-            .linear
-            .slopes
-            .iter()
-            .enumerate()
-            .map(|(i, slope)| {
-                let this = passed - slope * i as f64;
-                passed += slope;
-                this
-            })
-            .collect();
-        let [origin_by, width_by] = &self.grid_by;
-        let derivatives = self.samples.iter().zip(self.columns.places()).map(|(sample, &(segment, _))| {
+        let by_width = |(i, slope): (usize, &f64)| {
+            let this = passed - slope * i as f64;
+            passed += slope;
+            this
+        };
+        let by_width: Vec<f64> = self.linear.slopes.iter().enumerate().map(by_width).collect();
+        self.samples.iter().zip(self.columns.places()).map(move |(sample, &(segment, _))| {
             let (slope, by_width) = (self.linear.slopes[segment], by_width[segment]);
-            std::array::from_fn::<f64, K, _>(|c| {
-                slope * (sample.by[c] - origin_by[c]) + by_width * width_by[c]
-            })
-        });
+            let [origin_by, width_by] = &self.grid_by;
+            std::array::from_fn(|c| slope * (sample.by[c] - origin_by[c]) + by_width * width_by[c])
+        })
+    }
+
+    /// The Jacobian at all unknowns, the coordinates and then the linear coefficients, a row each; a column for each
+    /// row of the recording that counts.
+    pub fn jacobian(&self) -> DMatrix<f64> {
+        let (count, linear) = (self.at.coordinates.len(), self.linear.free.len());
+        let mut jacobian = DMatrix::zeros(count + linear, self.residuals.len());
+        for (row, derivatives) in self.derivatives().enumerate() {
+            let derivatives = derivatives[..count].iter().copied();
+            let columns = (0..linear).map(|column| self.columns.value(row, column));
+            jacobian.column_mut(row).copy_from_slice(&derivatives.chain(columns).collect::<Vec<f64>>());
+        }
+        jacobian
+    }
+
+    /// The sums of products of the model's derivatives by the coordinates, at fixed linear coefficients.
+    fn products(&self) -> Products {
+        let derivatives = self.derivatives();
         let mixed = self.columns.moments(derivatives.clone());
         let mut own = [[0.0; K]; K];
         let mut gradient = [0.0; K];
@@ -139,13 +149,16 @@ impl<'a, const K: usize> Point<'a, K> {
 
     /// The few rows that stand for all: residuals and Jacobian, the free linear columns projected out.
     fn condense(&self) -> (DVector<f64>, DMatrix<f64>) {
-        let Products { mut own, mixed, gradient } = self.products();
+        let Products { mut own, mixed, mut gradient } = self.products();
         let places: Vec<usize> = (0..self.linear.free.len()).filter(|&j| self.linear.free[j]).collect();
         let gram = self.columns.gram.select_rows(&places).select_columns(&places);
         // Segments without a row make ΦᵀΦ singular; the pseudo-inverse leaves them out.
         if let Ok(inverse) = gram.pseudo_inverse(1e-12 * self.residuals.len() as f64) {
-            let mixed = mixed.select_rows(&places);
-            own -= mixed.transpose() * inverse * mixed;
+            let projected = mixed.select_rows(&places).transpose() * inverse;
+            own -= &projected * mixed.select_rows(&places);
+            // The ridge leaves a trace of the linear columns in the residuals.
+            let trace = self.columns.moments(self.residuals.iter().map(|&residual| [residual]));
+            gradient -= projected * trace.column(0).select_rows(&places);
         }
         // Unit diagonal first: the columns differ by orders of magnitude.
         let lengths = own.diagonal().map(|square| if square > 0.0 { square.sqrt() } else { 1.0 });

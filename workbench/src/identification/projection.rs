@@ -6,6 +6,8 @@
 //! before it fully, so that the segments' part of ΦᵀΦ and Φᵀb needs only a few sums per segment: one pass over the
 //! rows, whatever their number is.
 
+use std::cmp::Ordering;
+
 use nalgebra::{Const, DMatrix, DVector, Dyn, OMatrix};
 
 use super::nnls;
@@ -65,6 +67,21 @@ impl<'a> Columns<'a> {
     /// Segment of each row, and the way gone in it.
     pub fn places(&self) -> &[(usize, f64)] {
         &self.places
+    }
+
+    /// The value of a column at a row.
+    pub fn value(&self, row: usize, column: usize) -> f64 {
+        let (place, way) = self.places[row];
+        match column {
+            0 => 1.0,
+            _ if column > self.grid.count => self.added[column - self.grid.count - 1][row],
+            // The way gone in a segment: all of those before the row's own.
+            _ => match (column - 1).cmp(&place) {
+                Ordering::Less => self.grid.width,
+                Ordering::Equal => way,
+                Ordering::Greater => 0.0,
+            },
+        }
     }
 
     fn count(&self) -> usize {

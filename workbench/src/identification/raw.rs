@@ -10,9 +10,10 @@ use model_core::{Kind, ParameterError, cpi, mgpi::MgpiParameters, mpi, sgpi};
 
 use super::data::Span;
 use super::inner::Inner;
+use super::plays::Plays;
 use super::projection::{Grid, Linear};
 use super::structure::Structure;
-use super::{DEAD_ZONES, Density, HostParameters, PLAYS};
+use super::{DEAD_ZONES, Density, HostParameters, PLAYS, Weights};
 
 /// The raw parameters, and the density that those of the plays come from.
 ///
@@ -28,10 +29,7 @@ pub fn parameters(
     let (rising, falling) = inner.envelope.raw(span);
     // Without an envelope the inner coordinate is the input itself, not its share of the span.
     let scale = if rising == EnvelopeParameters::Identity { span.1 } else { 1.0 };
-    let (rho, tau) = inner.plays.rho_and_tau();
-    let density = Density { rho, tau: tau / scale, alpha: inner.plays.alpha * scale };
-    let plays =
-        PlayParameters::exponential(structure.plays, inner.plays.s, density.rho, density.tau, density.alpha)?;
+    let (density, plays) = density(structure, &inner.plays, scale)?;
     let (gain, offset) = (linear.slopes[0] / scale, linear.offset - linear.slopes[0] * grid.origin);
     let input = (span.0, span.0 + span.1);
     let parameters = match structure.kind {
@@ -57,6 +55,31 @@ pub fn parameters(
         }
     };
     Ok((parameters, density))
+}
+
+/// The raw parameters of the plays and what they come from; `scale` is the inner coordinate of 1.
+fn density(
+    structure: &Structure,
+    plays: &Plays,
+    scale: f64,
+) -> Result<(Density, PlayParameters<f64, PLAYS>), ParameterError> {
+    let alpha = plays.alpha * scale;
+    match structure.weights {
+        Weights::Exponential => {
+            let (rho, beta) = plays.rho_and_beta();
+            let (tau, count) = (beta / alpha, structure.plays);
+            let parameters = PlayParameters::exponential(count, plays.q, rho, tau, alpha)?;
+            Ok((Density::Exponential { rho, tau, alpha }, parameters))
+        }
+        Weights::Free => {
+            let parameters = PlayParameters {
+                q: plays.q,
+                thresholds: plays.thresholds.iter().map(|r| r * scale).collect(),
+                weights: plays.weights.iter().copied().collect(),
+            };
+            Ok((Density::Free { alpha }, parameters))
+        }
+    }
 }
 
 fn asymmetric(

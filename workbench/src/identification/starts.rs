@@ -5,6 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::coordinates::Coordinate;
+use super::data::Data;
+use super::inner::Inner;
 
 /// Where a search begins.
 #[derive(Clone, Debug)]
@@ -13,6 +15,16 @@ pub struct Start {
     pub coordinates: Vec<f64>,
     /// Whether the muscle has been through its whole range before the recording.
     pub preconditioned: bool,
+}
+
+impl Start {
+    /// The same point of a model with exponential weights among those with free ones.
+    pub fn freed(&self, data: &Data) -> Self {
+        let mut coordinates = self.coordinates[..data.structure.shape.coordinates().len()].to_vec();
+        let inner = Inner::new(&data.structure, &self.coordinates, data.span);
+        coordinates.extend(inner.plays.free_coordinates());
+        Self { coordinates, ..*self }
+    }
 }
 
 /// The starts at `count` points: each for a fresh muscle and for a preconditioned one, since what was before a recording

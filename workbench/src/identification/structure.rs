@@ -3,10 +3,10 @@
 use model_core::Kind;
 use model_core::memoryless::DEGREE;
 
-use super::Options;
 use super::coordinates::Coordinate;
 use super::envelope::Shape;
 use super::plays;
+use super::{Options, Weights};
 
 /// The parts of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +17,8 @@ pub struct Structure {
     pub shape: Shape,
     /// Number of plays.
     pub plays: usize,
+    /// What their weights are made of.
+    pub weights: Weights,
     /// Number of segments of the memoryless stage behind the plays; 1 for a straight line.
     pub segments: usize,
 }
@@ -32,13 +34,13 @@ impl Structure {
             Kind::Mpi => (Shape::Identity, options.dead_zones),
             Kind::Mgpi => (envelope, options.dead_zones),
         };
-        Self { kind: options.model, shape, plays: options.plays, segments }
+        Self { kind: options.model, shape, plays: options.plays, weights: Weights::Exponential, segments }
     }
 
     /// The nonlinear coordinates: those of the envelope, then those of the plays.
     pub fn coordinates(&self) -> Vec<Coordinate> {
         let mut coordinates = self.shape.coordinates();
-        coordinates.extend(plays::coordinates(self.plays));
+        coordinates.extend(plays::coordinates(self.weights, self.plays));
         coordinates
     }
 

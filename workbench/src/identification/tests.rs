@@ -14,7 +14,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Triangles of decreasing amplitude, 0 to 6 bar: major and minor loops.
-fn triangles() -> Vec<f64> {
+pub fn triangles() -> Vec<f64> {
     let turns = [0.0, 6.0, 0.0, 5.0, 0.0, 4.0, 0.0, 3.0, 1.0, 4.5, 2.0, 5.5, 0.0];
     turns
         .windows(2)
@@ -23,12 +23,16 @@ fn triangles() -> Vec<f64> {
 }
 
 /// A model of the very class that is searched: γ from 0 to 1, knots over all of u.
-fn truth() -> HostModel {
+pub fn truth() -> HostModel {
     truth_with_decay(0.7)
 }
 
 /// The same, the weights of the plays falling from play to play by a factor of exp `beta`.
 fn truth_with_decay(beta: f64) -> HostModel {
+    HostModel::try_new(&truth_parameters(beta)).expect("valid")
+}
+
+fn truth_parameters(beta: f64) -> HostParameters {
     let (a, b): (f64, f64) = (2.2, -0.4);
     let (g0, g1) = (b.tanh(), (a + b).tanh());
     let weights = [0.9, 0.06, 0.03, 0.01];
@@ -42,7 +46,7 @@ fn truth_with_decay(beta: f64) -> HostModel {
         plays.thresholds.push(r).expect("fits");
         plays.weights.push(p).expect("fits");
     }
-    let parameters = HostParameters::Cascade(MgpiParameters {
+    HostParameters::Cascade(MgpiParameters {
         envelope: EnvelopeParameters::Tanh(TanhParameters {
             c0: 1.0 / (g1 - g0),
             c1: a / 6.0,
@@ -58,12 +62,20 @@ fn truth_with_decay(beta: f64) -> HostModel {
         input_min: 0.0,
         input_max: 6.0,
         preconditioned: false,
-    });
-    HostModel::try_new(&parameters).expect("valid")
+    })
 }
 
-fn options() -> Options {
-    Options { model: Kind::Mgpi, knots: None, plays: 4, dead_zones: 4, starts: 8, seed: 1, threads: 1 }
+pub fn options() -> Options {
+    Options {
+        model: Kind::Mgpi,
+        knots: None,
+        weights: Weights::Exponential,
+        plays: 4,
+        dead_zones: 4,
+        starts: 8,
+        seed: 1,
+        threads: 1,
+    }
 }
 
 fn rms(differences: impl Iterator<Item = f64>) -> f64 {
@@ -71,7 +83,7 @@ fn rms(differences: impl Iterator<Item = f64>) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-fn fit(input: &[f64], output: &[f64], options: &Options) -> Result<Fit, IdentificationError> {
+pub fn fit(input: &[f64], output: &[f64], options: &Options) -> Result<Fit, IdentificationError> {
     identify(&Problem { input, output, scored: &vec![true; input.len()] }, options, &|_| ())
 }
 
@@ -87,9 +99,15 @@ fn a_model_of_the_class_is_recovered_from_its_own_output() {
     let fit = fit(&input, &output, &options()).expect("identified");
     let error = rms(fit.simulated.iter().zip(&output).map(|(model, truth)| model - truth));
     assert!(error < 1e-4, "RMSE {error} mm");
-    assert!(fit.termination.converged, "{:?}", fit.termination);
+    assert!(fit.termination.converged(), "{:?}", fit.termination);
     let estimate = |name: &str| {
-        fit.estimates.iter().find(|e| e.parameter.name == name).expect("estimated").parameter.value
+        fit.uncertainty
+            .estimates
+            .iter()
+            .find(|e| e.parameter.name == name)
+            .expect("estimated")
+            .parameter
+            .value
     };
     for (name, value) in [("alpha", 0.06), ("q", 0.4), ("offset", -3.0), ("w1", 40.0), ("c1", 2.2 / 6.0)] {
         assert!(
@@ -107,7 +125,27 @@ fn weights_that_grow_from_play_to_play_are_recovered() {
     let fit = fit(&input, &output, &options()).expect("identified");
     let error = rms(fit.simulated.iter().zip(&output).map(|(model, truth)| model - truth));
     assert!(error < 1e-4, "RMSE {error} mm");
-    assert!((fit.density.tau + 0.4 / 0.06).abs() < 1e-2, "tau {}", fit.density.tau);
+    let Density::Exponential { tau, .. } = fit.density else { panic!("{:?}", fit.density) };
+    assert!((tau + 0.4 / 0.06).abs() < 1e-2, "tau {tau}");
+}
+
+#[test]
+fn free_weights_fit_at_least_as_well_and_recover_those_of_no_density() {
+    let mut truth = truth_parameters(0.7);
+    let HostParameters::Cascade(cascade) = &mut truth else { panic!("a cascade") };
+    let free = [0.05, 0.3, 0.02, 0.23];
+    cascade.plays.weights.iter_mut().zip(free).for_each(|(weight, value)| *weight = value);
+    // The knots are to lie over all of u, as those of the models searched do.
+    let driven = cascade.plays.thresholds.iter().zip(free).map(|(r, p)| p * (1.0 - r));
+    let u_max = cascade.plays.q + driven.sum::<f64>();
+    cascade.dead_zones.thresholds.iter_mut().enumerate().for_each(|(j, d)| *d = j as f64 * u_max / 4.0);
+    let input = triangles();
+    let output = simulate(&HostModel::try_new(&truth).expect("valid"), &input);
+    let of = |weights| fit(&input, &output, &Options { weights, ..options() }).expect("identified");
+    let error = |fit: &Fit| rms(fit.simulated.iter().zip(&output).map(|(model, truth)| model - truth));
+    let (exponential, freed) = (of(Weights::Exponential), of(Weights::Free));
+    println!("RMSE {} mm with a density, {} mm with free weights", error(&exponential), error(&freed));
+    assert!(error(&freed) < 0.1 * error(&exponential));
 }
 
 /// Searches and models must see the same muscle: fresh or preconditioned, with one envelope or two.
@@ -120,7 +158,8 @@ fn u_is_that_of_the_model_which_the_search_ends_in() {
         let options = Options { model, ..options() };
         let data = data(&input, &output, &options);
         for start in starts::starts(&data.coordinates, 8, 2) {
-            let (point, reason) = search::<8>(&data, &start, 1);
+            let (end, Reached { reason, .. }) = search::<8>(&data, &start, 1);
+            let point = Point::<8>::new(&data, end);
             let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
             let Ok(fit) = finish(&problem, &options, &data, &point, &reason) else { continue };
             for (row, (y, residual)) in fit.simulated.iter().zip(&point.residuals).enumerate() {
@@ -166,12 +205,17 @@ fn the_projected_gradient_is_that_of_the_cost() {
         let options = Options { model, knots, ..options() };
         check_gradient(&data(&input, &output, &options), &options);
     }
+    check_gradient_of_free_weights(&data(&input, &output, &options()), &options());
     // Inputs of both signs, and inputs above 0 only: the knots of the dead zones move with them.
     for shift in [-2.5, 1.0] {
         let input: Vec<f64> = input.iter().map(|x| x + shift).collect();
         let options = Options { model: Kind::Mpi, ..options() };
         check_gradient(&data(&input, &output, &options), &options);
     }
+}
+
+fn check_gradient_of_free_weights(data: &Data, options: &Options) {
+    check_gradient(&data.with_free_weights(), options);
 }
 
 fn check_gradient(data: &Data, options: &Options) {
@@ -245,8 +289,8 @@ fn standard_errors_are_those_of_repeated_experiments() {
         // Uniform noise of ±0.2 mm.
         let output: Vec<f64> = clean.iter().map(|y| y + random.random_range(-0.2..0.2)).collect();
         let fit = fit(&input, &output, &options()).expect("identified");
-        values.push(fit.estimates.iter().map(|e| e.parameter.value).collect());
-        claimed = fit.estimates;
+        values.push(fit.uncertainty.estimates.iter().map(|e| e.parameter.value).collect());
+        claimed = fit.uncertainty.estimates;
     }
     for name in ["alpha", "q", "w0", "w3", "offset"] {
         let place = claimed.iter().position(|e| e.parameter.name == name).expect("estimated");

@@ -1,87 +1,170 @@
-//! Standard errors of the raw parameters, from the Jacobian at the minimum.
+//! What is known about the raw parameters, from the Jacobian at the minimum.
 //!
-//! The covariance of coordinates and linear coefficients is σ² (JᵀJ)⁻¹ over those that no bound holds, σ² the
-//! residual variance; the raw parameters are functions of them, and get their errors by first-order
-//! propagation. Residuals are taken as independent: where neighbouring ones are alike, the true errors
-//! are larger.
+//! Coordinates and linear coefficients that no bound holds have the covariance B M B n / (n - p): B = (JᵀJ)⁻¹, and M is
+//! that of Jᵀr, r the n residuals. Where these are white, M = σ² JᵀJ and all is as in a textbook; where neighbouring
+//! ones are alike, M is larger (`autocorrelation`). The fit has hidden p = tr(B M) / σ² rows' worth of the residuals:
+//! with white ones, one for each unknown.
+//!
+//! The raw parameters are functions of these unknowns, and get their covariance by first-order propagation.
 
 use model_core::ParameterError;
 use nalgebra::{DMatrix, DVector};
 
-use super::Estimate;
+use super::autocorrelation::{memory, reach, scatter};
+use super::collinear;
 use super::coordinates::Coordinate;
 use super::data::Data;
 use super::inner::Inner;
 use super::named::{Named, named};
-use super::problem::{Point, Products, grid};
+use super::problem::{Point, grid};
 use super::projection::Linear;
 use super::raw;
 
-/// The raw parameters with their standard errors.
-///
-/// # Errors
-/// The numbers of operators are above the capacity.
-pub fn estimates<const K: usize>(data: &Data, point: &Point<'_, K>) -> Result<Vec<Estimate>, ParameterError> {
-    let coordinates = point.at.coordinates.iter();
-    let at: Vec<f64> = coordinates.clone().copied().chain(point.linear.coefficients()).collect();
-    let is_inside = |(coordinate, value): (&Coordinate, &f64)| !coordinate.is_at_bound(*value);
-    let mut free: Vec<bool> = data.coordinates.iter().zip(coordinates).map(is_inside).collect();
-    free.extend(&point.linear.free);
-    let covariance = covariance(data, point, &free);
-    let values = raw_values::<K>(data, &at)?;
-    let mut jacobian = DMatrix::zeros(values.len(), at.len());
-    for (column, &value) in at.iter().enumerate() {
+/// The share of a parameter's largest derivative by an unknown up to which another unknown, held at a bound, leaves it
+/// free: weights of plays that are next to nothing move the other weights by next to nothing.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// A raw parameter with what is known about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Name, value and dimension.
+    pub parameter: Named,
+    /// Standard error in the same unit; None where a bound binds.
+    pub standard_error: Option<f64>,
+    /// Ends of the 95 % interval in the same unit; None where a bound binds.
+    pub interval: Option<[f64; 2]>,
+}
+
+/// What is known about the raw parameters together.
+#[derive(Clone, Debug)]
+pub struct Uncertainty {
+    /// The raw parameters, each with its errors.
+    pub estimates: Vec<Estimate>,
+    /// Their correlation, in the same order; not a number where a bound binds.
+    pub correlation: DMatrix<f64>,
+    /// Groups of names that the recording hardly separates.
+    pub collinear: Vec<Vec<String>>,
+    /// Over how many rows residuals are alike; 1 if they are white.
+    pub memory: usize,
+}
+
+impl Uncertainty {
+    /// At a minimum.
+    ///
+    /// # Errors
+    /// The numbers of operators are above the capacity.
+    pub fn new<const K: usize>(data: &Data, point: &Point<'_, K>) -> Result<Self, ParameterError> {
+        let (coordinates, coefficients) = (&point.at.coordinates, point.linear.coefficients());
+        let unknowns: Vec<f64> = coordinates.iter().copied().chain(coefficients).collect();
+        let is_inside = |(coordinate, value): (&Coordinate, &f64)| !coordinate.is_at_bound(*value);
+        let is_free = data.coordinates.iter().zip(coordinates).map(is_inside);
+        let is_free: Vec<bool> = is_free.chain(point.linear.free.iter().copied()).collect();
+        let jacobian = point.jacobian();
+        // What no row tells anything of is not free either: a play that nothing drives, for one.
+        let (free, held): (Vec<usize>, Vec<usize>) =
+            (0..unknowns.len()).partition(|&place| is_free[place] && jacobian.row(place).amax() > 0.0);
+        let by_unknowns = raw_by_unknowns::<K>(data, &unknowns)?;
+        let Unknowns { covariance, memory, freedom } =
+            Unknowns::new(jacobian.select_rows(&free), &point.residuals);
+        let by_free = by_unknowns.select_columns(&free);
+        let covariance = &by_free * covariance * by_free.transpose();
+        let error = |row: usize| {
+            let gradient = by_unknowns.row(row);
+            let is_held = held.iter().any(|&place| gradient[place].abs() > NEGLIGIBLE * gradient.amax());
+            if is_held { f64::NAN } else { covariance[(row, row)].sqrt() }
+        };
+        let errors = DVector::from_fn(by_unknowns.nrows(), |row, _| error(row));
+        let estimate = |(parameter, &error): (Named, &f64)| {
+            let reach = reach(freedom) * error;
+            let (value, is_known) = (parameter.value, error.is_finite());
+            Estimate {
+                parameter,
+                standard_error: is_known.then_some(error),
+                interval: is_known.then_some([value - reach, value + reach]),
+            }
+        };
+        let values = raw_values::<K>(data, &unknowns)?;
+        let names: Vec<&str> = values.iter().map(|named| named.name.as_str()).collect();
+        let correlation = covariance.component_div(&(&errors * errors.transpose()));
+        Ok(Self {
+            collinear: collinear::groups(&names, &correlation),
+            correlation,
+            memory,
+            estimates: values.into_iter().zip(&errors).map(estimate).collect(),
+        })
+    }
+
+    /// Whether a parameter is known by itself: at no bound, and in no group that the recording hardly separates.
+    pub fn is_identifiable(&self, estimate: &Estimate) -> bool {
+        estimate.interval.is_some()
+            && !self.collinear.iter().flatten().any(|name| *name == estimate.parameter.name)
+    }
+}
+
+/// What is known about the free ones of coordinates and linear coefficients.
+struct Unknowns {
+    covariance: DMatrix<f64>,
+    /// Over how many rows residuals are alike.
+    memory: usize,
+    /// Degrees of freedom of the covariance: the rows that the fit has left, or, of Bartlett's kernel, one and a half
+    /// for each length of the memory (Priestley 1981).
+    freedom: f64,
+}
+
+impl Unknowns {
+    /// From the Jacobian at the free unknowns, a column for each residual.
+    fn new(mut jacobian: DMatrix<f64>, residuals: &[f64]) -> Self {
+        let count = jacobian.nrows();
+        // Unit length first: the unknowns differ by many orders of magnitude.
+        let scales = DVector::from_fn(count, |j, _| 1.0 / jacobian.row(j).norm());
+        for (mut row, scale) in jacobian.row_iter_mut().zip(&scales) {
+            row *= *scale;
+        }
+        let memory = memory(residuals);
+        let Some(cholesky) = (&jacobian * jacobian.transpose()).cholesky() else {
+            let covariance = DMatrix::from_element(count, count, f64::NAN);
+            return Self { covariance, memory, freedom: 1.0 };
+        };
+        // In directions that are orthonormal over the rows B is 1.
+        let root = cholesky.unpack();
+        root.solve_lower_triangular_mut(&mut jacobian);
+        let scatter = scatter(&jacobian, residuals, memory);
+        let (rows, squares) = (residuals.len() as f64, residuals.iter().map(|r| r * r).sum::<f64>());
+        // Without any residual not a number, and then 1.
+        let left = (rows - rows * scatter.trace() / squares).max(1.0);
+        let one = DMatrix::identity(count, count);
+        let turn = DMatrix::from_diagonal(&scales) * root.tr_solve_lower_triangular(&one).unwrap_or(one);
+        Self {
+            covariance: &turn * scatter * turn.transpose() * (rows / left),
+            memory,
+            freedom: left / (memory as f64 / 1.5).max(1.0),
+        }
+    }
+}
+
+/// The derivatives of the raw parameters by all unknowns, a column for each.
+fn raw_by_unknowns<const K: usize>(data: &Data, unknowns: &[f64]) -> Result<DMatrix<f64>, ParameterError> {
+    let mut columns = Vec::with_capacity(unknowns.len());
+    for (place, &value) in unknowns.iter().enumerate() {
         let step = 1e-6 * value.abs().max(1e-3);
         let moved = |by: f64| {
-            let mut moved = at.clone();
-            moved[column] += by;
+            let mut moved = unknowns.to_vec();
+            moved[place] += by;
             let values = raw_values::<K>(data, &moved)?;
             Ok(DVector::from_iterator(values.len(), values.iter().map(|named| named.value)))
         };
-        jacobian.set_column(column, &((moved(step)? - moved(-step)?) / (2.0 * step)));
+        // A difference as small as rounding is none: the ends of the knots are 0 and 1, wherever the others are.
+        let difference = |up: f64, down: f64| {
+            if (up - down).abs() < 1e-14 * up.abs() { 0.0 } else { (up - down) / (2.0 * step) }
+        };
+        columns.push(moved(step)?.zip_map(&moved(-step)?, difference));
     }
-    let error = |row: usize| {
-        let gradient = jacobian.row(row);
-        let is_bound = (0..at.len()).any(|j| !free[j] && gradient[j] != 0.0);
-        let error = (gradient * &covariance * gradient.transpose())[(0, 0)].sqrt();
-        (!is_bound && error.is_finite()).then_some(error)
-    };
-    let estimate = |(row, parameter): (usize, Named)| Estimate { parameter, standard_error: error(row) };
-    Ok(values.into_iter().enumerate().map(estimate).collect())
-}
-
-/// The covariance of all unknowns; rows and columns of those that are not free are 0.
-fn covariance<const K: usize>(data: &Data, point: &Point<'_, K>, free: &[bool]) -> DMatrix<f64> {
-    let Products { own, mixed, .. } = point.products();
-    let (count, linear) = (own.nrows(), point.linear.free.len());
-    let mut information = DMatrix::zeros(count + linear, count + linear);
-    information.view_mut((0, 0), (count, count)).copy_from(&own);
-    information.view_mut((count, count), (linear, linear)).copy_from(&point.columns.gram);
-    information.view_mut((count, 0), (linear, count)).copy_from(&mixed);
-    information.view_mut((0, count), (count, linear)).copy_from(&mixed.transpose());
-    let places: Vec<usize> = (0..free.len()).filter(|&j| free[j]).collect();
-    let reduced = information.select_rows(&places).select_columns(&places);
-    // Unit diagonal first: the unknowns differ by many orders of magnitude.
-    let scales = reduced.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
-    let scaled = DMatrix::from_fn(places.len(), places.len(), |i, j| reduced[(i, j)] * scales[i] * scales[j]);
-    let freedom = data.rows.len().saturating_sub(places.len()).max(1);
-    let variance = point.cost() / freedom as f64;
-    let mut covariance = DMatrix::zeros(free.len(), free.len());
-    if let Some(inverse) = scaled.try_inverse() {
-        for (i, &row) in places.iter().enumerate() {
-            for (j, &column) in places.iter().enumerate() {
-                covariance[(row, column)] = variance * inverse[(i, j)] * scales[i] * scales[j];
-            }
-        }
-    } else {
-        covariance.fill(f64::NAN);
-    }
-    covariance
+    Ok(DMatrix::from_columns(&columns))
 }
 
 /// The raw parameters at coordinates and linear coefficients.
-fn raw_values<const K: usize>(data: &Data, at: &[f64]) -> Result<Vec<Named>, ParameterError> {
-    let (coordinates, coefficients) = at.split_at(data.coordinates.len());
+fn raw_values<const K: usize>(data: &Data, unknowns: &[f64]) -> Result<Vec<Named>, ParameterError> {
+    let (coordinates, coefficients) = unknowns.split_at(data.coordinates.len());
     let inner = Inner::new(&data.structure, coordinates, data.span);
     let segments = data.structure.segments;
     let (grid, _) = grid::<K>(&inner, segments, coordinates.len());

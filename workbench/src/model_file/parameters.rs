@@ -28,6 +28,8 @@ use crate::identification::{DEAD_ZONES, Density, HostParameters, PLAYS};
 
 const TANH: &str = "tanh";
 const PIECEWISE_LINEAR: &str = "piecewise_linear";
+const EXPONENTIAL: &str = "exponential";
+const FREE: &str = "free";
 
 /// The dimensions of the inner coordinate: those of the input, where there is no envelope.
 struct Inner {
@@ -146,17 +148,31 @@ impl Reader<'_> {
 
     fn plays(&mut self, inner: &Inner) -> Result<(PlayParameters<f64, PLAYS>, Density), Problem> {
         let mut section = self.top.section("plays")?;
-        section.fixed_text("density", "exponential")?;
-        let count = section.count("count")?;
+        let kind = section.text("density")?;
         let q = section.number("q")?;
-        let density = Density {
-            rho: section.number("rho")?,
-            tau: section.number(&self.names.key("tau", inner.reciprocal))?,
-            alpha: section.number(&self.names.key("alpha", inner.threshold))?,
+        let (plays, density) = match kind.as_str() {
+            EXPONENTIAL => {
+                let count = section.count("count")?;
+                let rho = section.number("rho")?;
+                let tau = section.number(&self.names.key("tau", inner.reciprocal))?;
+                let alpha = section.number(&self.names.key("alpha", inner.threshold))?;
+                let plays = PlayParameters::exponential(count, q, rho, tau, alpha);
+                (plays.map_err(|error| self.names.problem(&error))?, Density::Exponential { rho, tau, alpha })
+            }
+            FREE => {
+                let alpha = section.number(&self.names.key("alpha", inner.threshold))?;
+                let weights = numbers(&mut section, "weights", PLAYS)?;
+                let thresholds = (1..=weights.len()).map(|i| alpha * i as f64).collect();
+                let plays = PlayParameters { q, thresholds, weights: weights.into_iter().collect() };
+                (plays, Density::Free { alpha })
+            }
+            _ => {
+                let known = format!("\"{kind}\" is not known, must be \"{EXPONENTIAL}\" or \"{FREE}\"");
+                return Err(section.error("density", &known).into());
+            }
         };
         section.finish()?;
-        let plays = PlayParameters::exponential(count, q, density.rho, density.tau, density.alpha);
-        Ok((plays.map_err(|error| self.names.problem(&error))?, density))
+        Ok((plays, density))
     }
 
     /// The stage behind the plays: dead zones, or the straight line of a single one.
@@ -279,14 +295,23 @@ fn envelope(names: &Names, envelope: &EnvelopeParameters<f64>) -> Value {
 
 fn plays(file: &ModelFile, plays: &PlayParameters<f64, PLAYS>, inner: &Inner) -> Value {
     let names = file.names();
-    table([
-        ("density", "exponential".into()),
-        ("count", count(plays.thresholds.len())),
-        ("q", plays.q.into()),
-        ("rho", file.density.rho.into()),
-        (&names.key("tau", inner.reciprocal), file.density.tau.into()),
-        (&names.key("alpha", inner.threshold), file.density.alpha.into()),
-    ])
+    let alpha_key = names.key("alpha", inner.threshold);
+    match file.density {
+        Density::Exponential { rho, tau, alpha } => table([
+            ("density", EXPONENTIAL.into()),
+            ("count", count(plays.thresholds.len())),
+            ("q", plays.q.into()),
+            ("rho", rho.into()),
+            (&names.key("tau", inner.reciprocal), tau.into()),
+            (&alpha_key, alpha.into()),
+        ]),
+        Density::Free { alpha } => table([
+            ("density", FREE.into()),
+            ("q", plays.q.into()),
+            (&alpha_key, alpha.into()),
+            ("weights", list(&plays.weights)),
+        ]),
+    }
 }
 
 fn line(names: &Names, inner: &Inner, gain: f64, offset: f64) -> Value {

@@ -112,16 +112,6 @@ impl Section {
         }
     }
 
-    /// Refuses all strings but one.
-    pub fn fixed_text(&mut self, key: &str, only: &str) -> Result<(), KeyError> {
-        let text = self.text(key)?;
-        if text == only {
-            Ok(())
-        } else {
-            Err(self.error(key, &format!("\"{text}\" is not known, must be \"{only}\"")))
-        }
-    }
-
     /// An error at a key of this table.
     pub fn error(&self, key: &str, trouble: &str) -> KeyError {
         self.trouble(key, Trouble::Other(trouble.to_owned()))

@@ -22,13 +22,25 @@ pub fn later_cycles(
 ) -> Option<(f64, Figures)> {
     let Recording { drive, output } = recording;
     let first = split(&drive.input.values, &drive.scored)?;
-    let part = |is_first: bool| -> Vec<bool> {
-        let rows = drive.scored.iter().enumerate();
-        rows.map(|(row, &scored)| scored && (row < first) == is_first).collect()
-    };
-    let problem = Problem { scored: &part(true), ..recording.problem() };
+    let problem = Problem { scored: &part(&drive.scored, first, true), ..recording.problem() };
     let fit = identification::identify(&problem, options, progress).ok()?;
-    Some((drive.time_s[first], Figures::of(&output.values, &fit.simulated, &part(false))))
+    let later = part(&drive.scored, first, false);
+    Some((drive.time_s[first], Figures::of(&output.values, &fit.simulated, &later)))
+}
+
+/// The recording with its first part scored only; as it is where there are no two parts.
+pub fn first_part(recording: &Recording) -> Recording {
+    let mut part_of = recording.clone();
+    let drive = &mut part_of.drive;
+    if let Some(first) = split(&drive.input.values, &drive.scored) {
+        drive.scored = part(&drive.scored, first, true);
+    }
+    part_of
+}
+
+/// The scored rows before the row `first`, or those from there on.
+fn part(scored: &[bool], first: usize, before: bool) -> Vec<bool> {
+    scored.iter().enumerate().map(|(row, &scored)| scored && (row < first) == before).collect()
 }
 
 /// The first row of the held-out part; None where no cycle ends between the first and the last quarter of the scored

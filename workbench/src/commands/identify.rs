@@ -8,7 +8,8 @@ use model_core::Kind;
 use serde_json::{Value, json};
 
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
-use crate::holdout::later_cycles;
+use crate::comparison::{self, Comparison, choice};
+use crate::holdout::{self, later_cycles};
 use crate::identification::named::slope_dimension;
 use crate::identification::{self, Fit, Options, Weights, searches};
 use crate::model_file::names::Names;
@@ -81,6 +82,8 @@ enum Model {
     Egpi,
     /// Modified generalized: envelope, plays, dead zones
     Mgpi,
+    /// Whichever of them does best on cycles that it has not seen
+    Auto,
 }
 
 /// Envelopes of the plays.
@@ -110,16 +113,18 @@ impl From<PlayWeights> for Weights {
     }
 }
 
-impl From<Model> for Kind {
-    fn from(model: Model) -> Self {
-        match model {
-            Model::Cpi => Self::Cpi,
-            Model::Sgpi => Self::Sgpi,
-            Model::Agpi => Self::Agpi,
-            Model::Mpi => Self::Mpi,
-            Model::Egpi => Self::Egpi,
-            Model::Mgpi => Self::Mgpi,
-        }
+impl Model {
+    /// The kind; None where it is to be chosen.
+    fn kind(self) -> Option<Kind> {
+        Some(match self {
+            Self::Cpi => Kind::Cpi,
+            Self::Sgpi => Kind::Sgpi,
+            Self::Agpi => Kind::Agpi,
+            Self::Mpi => Kind::Mpi,
+            Self::Egpi => Kind::Egpi,
+            Self::Mgpi => Kind::Mgpi,
+            Self::Auto => return None,
+        })
     }
 }
 
@@ -129,14 +134,17 @@ impl From<Model> for Kind {
 /// A recording is not what it should be, no model can be made of it, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { model_file, report, json, .. } = arguments;
-    arguments.check_envelope()?;
+    arguments.check_choices()?;
     let inputs: Vec<&Path> =
         [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
     let files = [model_file].into_iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
     let (recording, other) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
 
-    let options = arguments.options();
+    let options = match arguments.model.kind() {
+        Some(model) => arguments.options(model),
+        None => arguments.choose(&recording)?,
+    };
     let begin = Instant::now();
     let fit = with_bar(searches(options.starts), |progress| {
         identification::identify(&recording.problem(), &options, progress)
@@ -185,26 +193,49 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
 }
 
 impl Arguments {
-    /// A choice of envelope for a model that has none, or two, would be ignored.
-    fn check_envelope(&self) -> Result<(), Error> {
-        let has = match self.model {
-            Model::Mgpi | Model::Sgpi => return Ok(()),
-            Model::Cpi | Model::Mpi => "has none",
-            Model::Agpi | Model::Egpi => "has two tanh",
+    /// A choice of envelope or weights for a model that has none, or has it chosen, would be ignored.
+    fn check_choices(&self) -> Result<(), Error> {
+        let refused = |option: &str, has: &str| {
+            Err(Error::Usage(format!("{option} is for the models mgpi and sgpi; {has}")))
         };
-        match self.envelope {
-            None => Ok(()),
-            Some(_) => Err(Error::Usage(format!(
-                "--envelope is for the models mgpi and sgpi; {} {has}",
-                Kind::from(self.model)
-            ))),
+        match (self.model, self.envelope, self.weights) {
+            (Model::Cpi, Some(_), _) => refused("--envelope", "cpi has none"),
+            (Model::Mpi, Some(_), _) => refused("--envelope", "mpi has none"),
+            (Model::Agpi, Some(_), _) => refused("--envelope", "agpi has two tanh"),
+            (Model::Egpi, Some(_), _) => refused("--envelope", "egpi has two tanh"),
+            (Model::Auto, Some(_), _) => refused("--envelope", "auto tries both"),
+            (Model::Auto, _, PlayWeights::Free) => {
+                Err(Error::Usage("--weights free is for a model by name; auto tries both".to_owned()))
+            }
+            _ => Ok(()),
         }
     }
 
-    fn options(&self) -> Options {
+    /// Tries the family, on the part of the recording that is not held out, and says how all of it did.
+    fn choose(&self, recording: &Recording) -> Result<Options, Error> {
+        let seen = if self.validate.is_some() || self.no_holdout {
+            recording.clone()
+        } else {
+            holdout::first_part(recording)
+        };
+        let candidates = choice::candidates(&self.options(Kind::Mgpi), self.knots);
+        let heldout = comparison::HeldOut::LaterCycles;
+        let searches = candidates.iter().map(|options| heldout.searches(options)).sum();
+        let comparison = with_bar(searches, |progress| Comparison::of(&seen, heldout, &candidates, progress))
+            .map_err(|source| unidentified(recording, source))?;
+        say!("{}", comparison.heldout_in_words());
+        say!("\n{}\n", comparison.to_text().trim_end());
+        let chosen = comparison.chosen().map(|row| (row.name(), row.options));
+        let (name, options) = chosen.unwrap_or_else(|| ("mgpi".to_owned(), self.options(Kind::Mgpi)));
+        say!("chosen        {name}");
+        Ok(options)
+    }
+
+    fn options(&self, model: Kind) -> Options {
         let Effort { starts, seed, threads } = self.effort;
         Options {
-            model: self.model.into(),
+            model,
+            weights: self.weights.into(),
             knots: matches!(self.envelope, Some(Envelope::Pl)).then_some(self.knots),
             plays: self.plays,
             weights: self.weights.into(),

@@ -3,6 +3,7 @@
 //! Every model is identified by the same search, from the same seed, and tried on the same held-out rows. One that
 //! cannot be made (an extended model without an inverse, say) keeps its row, which says why.
 
+pub mod choice;
 mod table;
 
 use std::time::Instant;

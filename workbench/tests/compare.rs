@@ -18,13 +18,13 @@ fn json(bench: &Bench, name: &str) -> Value {
 #[test]
 fn every_model_has_a_row_in_every_size_and_none_twice() {
     let bench = bench();
-    let printed =
-        bench.succeeds("compare rec.csv -o t.csv --models cpi,mgpi,mgpi-pl --sizes 3/3,4/3,3/4 --starts 2");
+    let printed = bench
+        .succeeds("compare rec.csv -o t.csv --models cpi,sgpi-free,mgpi-pl --sizes 3/3,4/3,3/4 --starts 2");
     let csv = bench.read("t.csv");
     let names: Vec<String> =
         csv.lines().skip(1).map(|line| line.split(',').take(3).collect::<Vec<_>>().join(" ")).collect();
     let expected =
-        ["cpi 3 ", "cpi 4 ", "mgpi 3 3", "mgpi 4 3", "mgpi 3 4", "mgpi-pl 3 3", "mgpi-pl 4 3", "mgpi-pl 3 4"];
+        ["cpi 3 ", "cpi 4 ", "sgpi-free 3 ", "sgpi-free 4 ", "mgpi-pl 3 3", "mgpi-pl 4 3", "mgpi-pl 3 4"];
     assert_eq!(names, expected);
     assert_eq!(printed.lines().filter(|line| line.starts_with("mgpi-pl ")).count(), 3, "{printed}");
 }
@@ -79,7 +79,10 @@ fn without_held_out_rows_the_table_has_no_such_columns() {
 fn unusable_arguments_are_refused() {
     let bench = bench();
     for (arguments, message) in [
-        ("--models agpi-pl", "known are cpi, sgpi, agpi, mpi, egpi, mgpi, sgpi-pl, mgpi-pl"),
+        (
+            "--models agpi-pl",
+            "known are cpi, sgpi, agpi, mpi, egpi, mgpi, sgpi-pl, mgpi-pl, and each with -free",
+        ),
         ("--models pid", "known are cpi"),
         ("--sizes 10", "two numbers N/M are needed: 1 to 128 plays, 1 to 128 dead zones"),
         ("--sizes 0/10", "two numbers N/M are needed"),

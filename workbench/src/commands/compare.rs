@@ -7,7 +7,7 @@ use model_core::Kind;
 
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::Error;
-use crate::comparison::{Comparison, HeldOut, PIECEWISE_LINEAR, has_dead_zones};
+use crate::comparison::{Comparison, FREE_WEIGHTS, HeldOut, PIECEWISE_LINEAR, has_dead_zones};
 use crate::identification::{DEAD_ZONES, Options, PLAYS, Weights};
 use crate::output::Outputs;
 use crate::report::comparison::to_html;
@@ -18,15 +18,15 @@ pub struct Arguments {
     /// The recording
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
-    /// Models; -pl stands for a piecewise-linear envelope, which mgpi and sgpi can have
+    /// Models; -pl: with a piecewise-linear envelope (mgpi, sgpi); -free: with free weights of the plays
     #[arg(
         long,
         value_name = "MODEL,…",
         value_delimiter = ',',
         value_parser = model,
-        default_value = "cpi,sgpi,agpi,mpi,egpi,mgpi,mgpi-pl"
+        default_value = "cpi,sgpi,agpi,mpi,egpi,mgpi,mgpi-pl,mgpi-pl-free"
     )]
-    models: Vec<(Kind, bool)>,
+    models: Vec<Contender>,
     /// Sizes: plays/dead zones; models without dead zones leave the second number out
     #[arg(long, value_name = "N/M,…", value_delimiter = ',', value_parser = size, default_value = "10/10,20/10,10/14")]
     sizes: Vec<(usize, usize)>,
@@ -57,20 +57,27 @@ pub struct Arguments {
     force: bool,
 }
 
-/// A kind of model, and whether its envelope is piecewise-linear.
-fn model(text: &str) -> Result<(Kind, bool), String> {
-    let (name, is_piecewise_linear) =
-        text.strip_suffix(PIECEWISE_LINEAR).map_or((text, false), |name| (name, true));
-    let kind = Kind::ALL.into_iter().find(|kind| kind.name() == name);
-    match kind {
-        Some(Kind::Sgpi | Kind::Mgpi) => {}
-        Some(_) if !is_piecewise_linear => {}
-        _ => {
-            let names = Kind::ALL.map(Kind::name).join(", ");
-            return Err(format!("known are {names}, sgpi{PIECEWISE_LINEAR}, mgpi{PIECEWISE_LINEAR}"));
-        }
-    }
-    kind.map(|kind| (kind, is_piecewise_linear)).ok_or_else(String::new)
+/// A model by its name.
+#[derive(Clone, Copy, Debug)]
+struct Contender {
+    kind: Kind,
+    is_piecewise_linear: bool,
+    weights: Weights,
+}
+
+fn model(text: &str) -> Result<Contender, String> {
+    let end = |text, end| str::strip_suffix(text, end).map_or((text, false), |name| (name, true));
+    let (name, is_free) = end(text, FREE_WEIGHTS);
+    let (name, is_piecewise_linear) = end(name, PIECEWISE_LINEAR);
+    let can_be = |kind: &Kind| !is_piecewise_linear || matches!(kind, Kind::Sgpi | Kind::Mgpi);
+    let kind = Kind::ALL.into_iter().filter(can_be).find(|kind| kind.name() == name).ok_or_else(|| {
+        let names = Kind::ALL.map(Kind::name).join(", ");
+        format!(
+            "known are {names}, sgpi{PIECEWISE_LINEAR}, mgpi{PIECEWISE_LINEAR}, and each with {FREE_WEIGHTS}"
+        )
+    })?;
+    let weights = if is_free { Weights::Free } else { Weights::Exponential };
+    Ok(Contender { kind, is_piecewise_linear, weights })
 }
 
 /// Numbers of plays and of dead zones.
@@ -127,17 +134,26 @@ impl Arguments {
     /// Every model in every size, but none twice.
     fn models(&self) -> Vec<Options> {
         let mut models: Vec<Options> = Vec::new();
-        for &(model, is_piecewise_linear) in &self.models {
+        let Effort { starts, seed, threads } = self.effort;
+        for &Contender { kind, is_piecewise_linear, weights } in &self.models {
             let knots = is_piecewise_linear.then_some(self.knots);
             for &(plays, dead_zones) in &self.sizes {
                 let is_same = |other: &Options| {
-                    let same_zones = !has_dead_zones(model) || other.dead_zones == dead_zones;
-                    (other.model, other.knots, other.plays) == (model, knots, plays) && same_zones
+                    let same_zones = !has_dead_zones(kind) || other.dead_zones == dead_zones;
+                    (other.model, other.knots, other.weights, other.plays) == (kind, knots, weights, plays)
+                        && same_zones
                 };
                 if !models.iter().any(is_same) {
-                    let Effort { starts, seed, threads } = self.effort;
-                    let weights = Weights::Exponential;
-                    models.push(Options { model, knots, weights, plays, dead_zones, starts, seed, threads });
+                    models.push(Options {
+                        model: kind,
+                        knots,
+                        plays,
+                        weights,
+                        dead_zones,
+                        starts,
+                        seed,
+                        threads,
+                    });
                 }
             }
         }

@@ -144,10 +144,10 @@ impl Row {
         Self { options: *options, seconds, outcome }
     }
 
-    /// The model's name; `-pl` at its end stands for a piecewise-linear envelope, `-free` for free weights.
+    /// The model's name, with [`PIECEWISE_LINEAR`] and [`FREE_WEIGHTS`] at its end where it has them.
     pub fn model(&self) -> String {
         let envelope = if self.options.knots.is_some() { PIECEWISE_LINEAR } else { "" };
-        let weights = if self.options.weights == Weights::Free { "-free" } else { "" };
+        let weights = if self.options.weights == Weights::Free { FREE_WEIGHTS } else { "" };
         format!("{}{envelope}{weights}", self.options.model)
     }
 
@@ -172,6 +172,9 @@ impl Outcome {
 
 /// The end of the names of models with a piecewise-linear envelope.
 pub const PIECEWISE_LINEAR: &str = "-pl";
+
+/// The end of the names of models whose plays have free weights; it comes last.
+pub const FREE_WEIGHTS: &str = "-free";
 
 /// Whether a model has dead zones, and so a number of them.
 pub fn has_dead_zones(kind: Kind) -> bool {

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::{Comparison, HeldOut, Row};
 use crate::figures::Figures;
+use crate::identification::Weights;
 use crate::unit::Unit;
 
 /// What stands where there is nothing to say.
@@ -147,6 +148,7 @@ impl Comparison<'_> {
             json!({
                 "model": row.options.model.name(),
                 "knots": row.options.knots,
+                "free_weights": row.options.weights == Weights::Free,
                 "plays": row.options.plays,
                 "dead_zones": row.dead_zones(),
                 "parameters": row.options.unknowns(),

@@ -17,12 +17,14 @@ p { max-width: 42rem } footer { color: var(--faint); font-size: .85rem; overflow
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 30rem), 1fr)); gap: 1rem }
 figure { margin: 0; break-inside: avoid; display: flex; flex-direction: column }
 figure > svg { width: 100%; height: auto; margin-top: auto }
+.plots > div { display: grid; grid-template-rows: subgrid; grid-row: span 2; break-inside: avoid } .plots p { margin-top: 0 }
 polyline { stroke-linejoin: round }
 figcaption { font-weight: 600 } .legend { font-weight: 400 }
 .legend span { margin-right: 1rem; white-space: nowrap } .legend svg { margin-right: .3rem }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums }
 th, td { text-align: right; padding: .15rem .8rem; border-bottom: 1px solid var(--rule) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
+th[colspan] { text-align: center }
 .wide { overflow-x: auto } .best { font-weight: 600 } td:first-child { white-space: nowrap }
 .bars { max-width: 42rem }
 @media print { body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr } }

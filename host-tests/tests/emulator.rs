@@ -10,7 +10,7 @@ use model_core::{Kind, Mode, ModelParameters, paper};
 use wire::Configuration;
 use workbench::child::Stop;
 use workbench::emulator::{Emulator, image};
-use workbench::identification::{Options, Weights};
+use workbench::identification::{Loss, Options, Weights};
 use workbench::pil::results::log;
 
 fn main() {
@@ -74,6 +74,7 @@ fn every_model() -> Result<(), Failed> {
             model,
             knots,
             weights: Weights::Exponential,
+            loss: Loss::Squares,
             plays: 10,
             dead_zones: 10,
             starts: 4,

@@ -7,7 +7,7 @@ use host_tests::{
 };
 use model_core::envelope::EnvelopeParameters;
 use model_core::{Hysteresis, Kind, Mgpi, MgpiParameters, Mode, ModelParameters, paper};
-use workbench::identification::{Options, Weights};
+use workbench::identification::{Loss, Options, Weights};
 
 const SIZE: usize = paper::SIZE;
 /// Lag of the pressure under feedback. Unit: s.
@@ -109,6 +109,7 @@ fn models_identified_with_other_numbers_of_operators_track_their_plant() {
             model: Kind::Mgpi,
             knots: None,
             weights: Weights::Exponential,
+            loss: Loss::Squares,
             plays,
             dead_zones,
             starts: 8,

@@ -4,7 +4,7 @@
 
 use host_tests::{HostBoard, configuration, figures, raised_cosines, rig, run};
 use model_core::{Hysteresis, Kind, Mode};
-use workbench::identification::{Fit, Options, Problem, Weights, identify};
+use workbench::identification::{Fit, Loss, Options, Problem, Weights, identify};
 
 /// The model of the project's own recording, as `mgpi identify` finds it.
 fn identified() -> Fit {
@@ -21,6 +21,7 @@ fn identified() -> Fit {
         model: Kind::Mgpi,
         knots: None,
         weights: Weights::Exponential,
+        loss: Loss::Squares,
         plays: 10,
         dead_zones: 10,
         starts: 16,

@@ -42,6 +42,7 @@ pub fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, se
         "correlation": correlation.collect::<Vec<_>>(),
         "collinear": known.collinear,
         "residual_memory_rows": known.memory,
+        "outlier_rows": fit.outliers,
         "validity": keyed([
             ("input_min", Dimension::Input, range.min()),
             ("input_max", Dimension::Input, range.max()),

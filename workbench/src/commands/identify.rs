@@ -11,7 +11,7 @@ use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::comparison::{self, Comparison, choice};
 use crate::holdout::{self, later_cycles};
 use crate::identification::named::slope_dimension;
-use crate::identification::{self, Fit, Options, Weights, searches};
+use crate::identification::{self, Fit, Loss, Options, Weights, searches};
 use crate::model_file::names::Names;
 use crate::model_file::{HeldOut, Identification, ModelFile, Source};
 use crate::output::Outputs;
@@ -52,6 +52,9 @@ pub struct Arguments {
     /// Also write the figures and parameters as JSON
     #[arg(long, value_name = "FIGURES.json")]
     json: Option<PathBuf>,
+    /// How a residual counts
+    #[arg(long, value_enum, default_value = "squares")]
+    loss: ResidualLoss,
     #[command(flatten)]
     columns: Columns,
     /// Another recording that the model is tried on [default: hold out the second half of the cycles]
@@ -102,6 +105,24 @@ enum PlayWeights {
     Exponential,
     /// Each by itself, for at most 32 plays
     Free,
+}
+
+/// How a residual counts.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ResidualLoss {
+    /// By its square
+    Squares,
+    /// Outliers by their size only; they are listed
+    Huber,
+}
+
+impl From<ResidualLoss> for Loss {
+    fn from(loss: ResidualLoss) -> Self {
+        match loss {
+            ResidualLoss::Squares => Self::Squares,
+            ResidualLoss::Huber => Self::Huber,
+        }
+    }
 }
 
 impl From<PlayWeights> for Weights {
@@ -236,9 +257,9 @@ impl Arguments {
         Options {
             model,
             weights: self.weights.into(),
+            loss: self.loss.into(),
             knots: matches!(self.envelope, Some(Envelope::Pl)).then_some(self.knots),
             plays: self.plays,
-            weights: self.weights.into(),
             dead_zones: self.dead_zones,
             starts,
             seed,
@@ -291,6 +312,12 @@ fn print_summary(
             say!("held out      {} ({})", figures.in_words(stroke, unit), recording.file);
         }
         None => say!("held out      nothing: no second half of cycles, and no other recording (--validate)"),
+    }
+    if let [first, ..] = fit.outliers[..] {
+        let (count, first_s) = (fit.outliers.len(), drive.time_s[first]);
+        say!(
+            "outliers      {count} rows beyond five robust standard deviations, the first at {first_s:.4} s"
+        );
     }
     say!("termination   {}", identification.termination);
     say!(

@@ -44,6 +44,7 @@ mod tests {
     use super::*;
     use crate::comparison::HeldOut;
     use crate::figures::Figures;
+    use crate::identification::Loss;
     use crate::recording::{Choice, Recording};
 
     #[test]
@@ -59,6 +60,7 @@ mod tests {
                     model: Kind::Mgpi,
                     knots: None,
                     weights: Weights::Exponential,
+                    loss: Loss::Squares,
                     plays,
                     dead_zones: plays,
                     starts: 1,
@@ -89,6 +91,7 @@ mod tests {
             model: Kind::Mgpi,
             knots: None,
             weights: Weights::Exponential,
+            loss: Loss::Squares,
             plays: 10,
             dead_zones: 10,
             starts: 1,

@@ -12,6 +12,7 @@
 //! | `problem` | the reduced problem and its Jacobian, for the Levenberg-Marquardt kernel (MINPACK's, crate `levenberg-marquardt`) |
 //! | `starts` | where the searches begin |
 //! | `raw`, [`named`] | the way to the raw parameters, and their names |
+//! | `robust` | Huber's loss |
 //! | `thinning` | a shorter recording that is enough to screen them |
 //! | `uncertainty` | standard errors, intervals and correlation of the raw parameters |
 //! | `autocorrelation`, `collinear` | what makes them larger: residuals that are alike, parameters that are |
@@ -42,6 +43,7 @@ mod plays;
 mod problem;
 mod projection;
 mod raw;
+mod robust;
 mod starts;
 mod structure;
 mod termination;
@@ -56,6 +58,7 @@ use rayon::prelude::*;
 use data::{Data, normalise};
 pub use error::IdentificationError;
 use problem::{Point, Problem as Reduced};
+use robust::Robust;
 use starts::Start;
 use structure::Structure;
 pub use termination::Termination;
@@ -105,6 +108,8 @@ pub struct Options {
     pub weights: Weights,
     /// Number of dead zones, 1 to [`DEAD_ZONES`], for models that have them.
     pub dead_zones: usize,
+    /// How a residual counts.
+    pub loss: Loss,
     /// Number of starts, at least 1.
     pub starts: usize,
     /// Seed of the starts.
@@ -118,6 +123,15 @@ impl Options {
     pub fn unknowns(&self) -> usize {
         Structure { weights: self.weights, ..Structure::new(self) }.unknowns()
     }
+}
+
+/// How a residual counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Loss {
+    /// By its square.
+    Squares,
+    /// By its square while small, by its size where it is an outlier's.
+    Huber,
 }
 
 /// What the weights of the plays are made of.
@@ -165,6 +179,8 @@ pub struct Fit {
     pub termination: Termination,
     /// Number of starts tried.
     pub starts: usize,
+    /// The rows that are outliers, as far as they were looked for ([`Loss::Huber`]).
+    pub outliers: Vec<usize>,
 }
 
 /// Calls a function with the next larger of a few capacities for coordinates: loops over rows have fixed lengths then.
@@ -229,9 +245,16 @@ fn first_model<const K: usize>(
     ends: Vec<End>,
 ) -> Result<Fit, IdentificationError> {
     let mut refusal = IdentificationError::Size("starts", options.starts, [1, usize::MAX]);
-    for (start, Reached { reason, .. }) in ends {
-        match finish(problem, options, data, &Point::<K>::new(data, start), &reason) {
-            Ok(fit) => return Ok(fit),
+    let candidates: Vec<Robust> = match options.loss {
+        Loss::Squares => {
+            let plain = |end| Robust { data: data.clone(), end, outliers: Vec::new() };
+            ends.into_iter().map(plain).collect()
+        }
+        Loss::Huber => robust::of_both_kinds::<K>(data, ends),
+    };
+    for Robust { data, end, outliers } in candidates {
+        match finish::<K>(problem, options, &data, end) {
+            Ok(fit) => return Ok(Fit { outliers, ..fit }),
             Err(error) => refusal = IdentificationError::Invalid(error),
         }
     }
@@ -242,11 +265,15 @@ fn first_model<const K: usize>(
 /// where the recording begins, in a clearly smaller error.
 fn prefer_preconditioned(mut ends: Vec<End>) -> Vec<End> {
     if let Some(place) = ends.iter().position(|(start, _)| start.preconditioned)
-        && ends[place].1.cost * (1.0 - CLEARLY) <= ends[0].1.cost
+        && !is_clearly_better(&ends[0], &ends[place])
     {
         ends[..=place].rotate_right(1);
     }
     ends
+}
+
+fn is_clearly_better((_, fresh): &End, (_, preconditioned): &End) -> bool {
+    fresh.cost < preconditioned.cost * (1.0 - CLEARLY)
 }
 
 /// How many searches [`identify`] makes for a number of starts: all of them briefly, the best ones to the
@@ -300,9 +327,9 @@ fn finish<const K: usize>(
     problem: &Problem<'_>,
     options: &Options,
     data: &Data,
-    point: &Point<'_, K>,
-    reason: &TerminationReason,
+    (start, Reached { reason, .. }): End,
 ) -> Result<Fit, ParameterError> {
+    let point = &Point::<K>::new(data, start);
     let (parameters, density) =
         raw::parameters(&data.structure, &point.inner, &point.columns.grid, &point.linear, data.span)?;
     let parameters = parameters.with_preconditioned(point.at.preconditioned);
@@ -311,8 +338,9 @@ fn finish<const K: usize>(
     Ok(Fit {
         simulated: simulate(&model, problem.input),
         uncertainty: Uncertainty::new(data, point)?,
-        termination: reason.into(),
+        termination: (&reason).into(),
         starts: options.starts,
+        outliers: Vec::new(),
         model,
         parameters,
         density,

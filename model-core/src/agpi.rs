@@ -253,6 +253,8 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseAgpi<T, N> {
         self.state_of(&self.forward.rest_state())
     }
 
+    /// Apart, lest it costs the cascade registers where the model is chosen at run time.
+    #[inline(never)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         let y = finite_input(y)?;
         let (u, last, before) = (self.inner(y), state.last, state.plays.input());

@@ -22,7 +22,7 @@ use crate::dead_zone::{DeadZoneParameters, DeadZones};
 use crate::envelope::{AnyEnvelope, Envelope, EnvelopeParameters};
 use crate::error::{InputError, ParameterError, finite_input};
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
-use crate::play::{PlayBank, PlayParameters};
+use crate::play::{PlayBank, PlayParameters, Reached};
 use crate::range::Range;
 use crate::real::Real;
 
@@ -143,6 +143,7 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
                 "envelope range",
                 "",
             )?,
+            has_few: self.plays.has_few() && self.dead_zones.curve().has_few(),
             forward: self.clone(),
         })
     }
@@ -156,12 +157,39 @@ pub struct InverseCascade<T, E, const N: usize, const M: usize> {
     plays: PlayBank<T, N>,
     /// The image of the input range under the envelope.
     inner_range: Range<T>,
+    /// Whether the curves of plays and dead zones have few segments, see [`crate::curve`].
+    has_few: bool,
 }
 
-impl<T, E, const N: usize, const M: usize> InverseCascade<T, E, N, M> {
+impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, E, N, M> {
     /// The model that this is the inverse of.
     pub fn forward(&self) -> &Cascade<T, E, N, M> {
         &self.forward
+    }
+
+    /// The step for an output that is known to be finite.
+    #[inline(always)]
+    pub(crate) fn answer(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
+        if self.has_few { self.answer_with::<true>(state, y) } else { self.answer_by_loops(state, y) }
+    }
+
+    /// Apart, lest it costs the other case registers.
+    #[inline(never)]
+    fn answer_by_loops(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
+        self.answer_with::<false>(state, y)
+    }
+
+    /// `FEW`: whether the curves of plays and dead zones have few segments.
+    #[inline(always)]
+    fn answer_with<const FEW: bool>(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
+        let u = self.forward.dead_zones.curve().segment_of::<FEW>(y).inverse(y);
+        let (rising, ends) = (state.plays.goes_up_to(u), &self.forward.input_range);
+        match self.plays.move_within::<FEW>(&mut state.plays, u, rising, &self.inner_range) {
+            Reached::Inside(v) => ends.limit(self.forward.envelope.inverse_inside(v)),
+            // The end itself, whatever the envelope's rounding.
+            Reached::End(_) if rising => ends.max(),
+            Reached::End(_) => ends.min(),
+        }
     }
 }
 
@@ -177,18 +205,8 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<
     }
 
     /// Equation (17).
+    #[inline(always)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
-        let u = self.forward.dead_zones.inverse(finite_input(y)?);
-        let rising = u > state.plays.input();
-        let v = self.plays.advance_within(&mut state.plays, u, rising, &self.inner_range);
-        let (ends, inner_ends) = (&self.forward.input_range, &self.inner_range);
-        // At an end the answer is that end itself, whatever the envelope's rounding.
-        Ok(if v >= inner_ends.max() {
-            ends.max()
-        } else if v <= inner_ends.min() {
-            ends.min()
-        } else {
-            ends.limit(self.forward.envelope.inverse(v))
-        })
+        Ok(self.answer(state, finite_input(y)?))
     }
 }

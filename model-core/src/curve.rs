@@ -1,26 +1,39 @@
 //! A strictly increasing piecewise-linear curve, evaluated in both directions by a search for the segment.
 //!
-//! The common form of the dead-zone stage and of the piecewise-linear envelope.
-
-use heapless::Vec;
+//! The common form of the plays' loading curve, the dead-zone stage and the piecewise-linear envelope.
+//!
+//! # The search
+//! Unused places of the array hold segments that never start, so that its length is a constant. Up to 16 segments, which
+//! is more than ten operators need, it is halved in four steps without a branch; more cost a loop. Who evaluates several
+//! curves in a row can decide that once for all of them, by the parameter `FEW` of the searching functions.
 
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
+/// Up to this many segments the search is unrolled. A power of two.
+const FEW_SEGMENTS: usize = 16;
+
+/// A straight piece of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Segment<T> {
+pub(crate) struct Segment<T> {
     /// A point on it: where it starts, or any point of the first segment.
     x: T,
     y: T,
     slope: T,
     reciprocal_slope: T,
+    /// How many segments start before this one.
+    pub(crate) place: usize,
 }
 
 /// A curve of at most `K` + 1 segments; the first and the last go on without end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonotoneCurve<T, const K: usize> {
-    first: Segment<T>,
-    rest: Vec<Segment<T>, K>,
+    /// By rising start. At least the first one is in use, where there is room for it.
+    segments: [Segment<T>; K],
+    /// The segment for which the array has no place.
+    last: Segment<T>,
+    /// How many segments are in use.
+    len: usize,
 }
 
 impl<T: Real, const K: usize> MonotoneCurve<T, K> {
@@ -29,7 +42,10 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
     /// # Errors
     /// The slope, which `check` names, or its reciprocal is not above 0 and finite.
     pub(crate) fn line(point: (T, T), slope: T, check: Check) -> Result<Self, ParameterError> {
-        Ok(Self { first: Segment::try_new(point, slope, check)?, rest: Vec::new() })
+        let never = Segment { x: T::INFINITY, y: T::INFINITY, slope, reciprocal_slope: slope, place: K };
+        let mut curve = Self { segments: [never; K], last: never, len: 0 };
+        curve.push(Segment::try_new(point, slope, check)?, check)?;
+        Ok(curve)
     }
 
     /// Goes on from `point`, a point of the last segment and beyond its start, with another slope.
@@ -37,31 +53,89 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
     /// # Errors
     /// As for [`line`](Self::line); or there is no room for another segment.
     pub(crate) fn bend(&mut self, point: (T, T), slope: T, check: Check) -> Result<(), ParameterError> {
-        let segment = Segment::try_new(point, slope, check)?;
-        self.rest.push(segment).map_err(|_| check.length(K + 2, Requirement::AtMost((K + 1) as f64)))
+        self.push(Segment::try_new(point, slope, check)?, check)
+    }
+
+    fn push(&mut self, segment: Segment<T>, check: Check) -> Result<(), ParameterError> {
+        let free = match self.segments.get_mut(self.len) {
+            Some(free) => free,
+            None if self.len == K => &mut self.last,
+            None => return Err(check.length(K + 2, Requirement::AtMost((K + 1) as f64))),
+        };
+        *free = Segment { place: self.len, ..segment };
+        self.len += 1;
+        Ok(())
+    }
+
+    /// The curve of the inverse function.
+    pub(crate) fn inverted(&self) -> Self {
+        Self { segments: self.segments.map(Segment::inverted), last: self.last.inverted(), len: self.len }
+    }
+
+    /// Whether the unrolled search can be used.
+    pub(crate) fn has_few(&self) -> bool {
+        K >= FEW_SEGMENTS && self.len <= FEW_SEGMENTS
     }
 
     /// y at x.
     pub fn value(&self, x: T) -> T {
-        let segment = self.segment(|segment| segment.x <= x);
-        segment.y + segment.slope * (x - segment.x)
+        if self.has_few() { self.segment_at::<true>(x) } else { self.segment_at::<false>(x) }.value(x)
     }
 
     /// x at y.
     pub fn inverse(&self, y: T) -> T {
-        let segment = self.segment(|segment| segment.y <= y);
-        segment.x + segment.reciprocal_slope * (y - segment.y)
+        if self.has_few() { self.segment_of::<true>(y) } else { self.segment_of::<false>(y) }.inverse(y)
     }
 
     /// The smallest slope.
     pub fn smallest_slope(&self) -> T {
-        self.rest.iter().fold(self.first.slope, |least, s| if s.slope < least { s.slope } else { least })
+        self.segments().fold(T::INFINITY, |least, s| if s.slope < least { s.slope } else { least })
+    }
+
+    /// Number of segments.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// The segments by rising start.
+    pub(crate) fn segments(&self) -> impl Iterator<Item = &Segment<T>> {
+        self.segments.iter().chain([&self.last]).take(self.len)
+    }
+
+    /// The segment at a place; the last one beyond.
+    #[inline(always)]
+    pub(crate) fn segment(&self, place: usize) -> &Segment<T> {
+        self.segments.get(place).unwrap_or(&self.last)
+    }
+
+    /// The segment that x lies on. `FEW`: whether the curve [has few](Self::has_few).
+    #[inline(always)]
+    pub(crate) fn segment_at<const FEW: bool>(&self, x: T) -> &Segment<T> {
+        self.search::<FEW>(|segment| segment.x <= x)
+    }
+
+    /// The segment that y lies on. `FEW`: whether the curve [has few](Self::has_few).
+    #[inline(always)]
+    pub(crate) fn segment_of<const FEW: bool>(&self, y: T) -> &Segment<T> {
+        self.search::<FEW>(|segment| segment.y <= y)
     }
 
     /// The last segment that has started; the first where none has.
-    fn segment(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
-        let started = self.rest.partition_point(started);
-        self.rest.get(started.wrapping_sub(1)).unwrap_or(&self.first)
+    #[inline(always)]
+    fn search<const FEW: bool>(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
+        if let (true, Some(few)) = (FEW, self.segments.first_chunk::<FEW_SEGMENTS>()) {
+            let mut open = few.as_slice();
+            while open.len() > 1 {
+                let (low, high) = open.split_at(open.len() / 2);
+                open = if high.first().is_some_and(&started) { high } else { low };
+            }
+            return open.first().unwrap_or(&self.last);
+        }
+        if started(&self.last) {
+            return &self.last;
+        }
+        let started = self.segments.partition_point(started);
+        self.segment(started.saturating_sub(1))
     }
 }
 
@@ -69,6 +143,31 @@ impl<T: Real> Segment<T> {
     fn try_new((x, y): (T, T), slope: T, check: Check) -> Result<Self, ParameterError> {
         let slope = check.above(slope, T::ZERO)?;
         let reciprocal_slope = check.named("reciprocal slope").finite(T::ONE / slope)?;
-        Ok(Self { x, y, slope, reciprocal_slope })
+        Ok(Self { x, y, slope, reciprocal_slope, place: 0 })
+    }
+
+    fn inverted(self) -> Self {
+        Self { x: self.y, y: self.x, slope: self.reciprocal_slope, reciprocal_slope: self.slope, ..self }
+    }
+
+    /// Where it starts.
+    pub(crate) fn start(&self) -> (T, T) {
+        (self.x, self.y)
+    }
+
+    pub(crate) fn slope(&self) -> T {
+        self.slope
+    }
+
+    /// y at x, on the straight line through the segment.
+    #[inline(always)]
+    pub(crate) fn value(&self, x: T) -> T {
+        self.y + self.slope * (x - self.x)
+    }
+
+    /// x at y, on the straight line through the segment.
+    #[inline(always)]
+    pub(crate) fn inverse(&self, y: T) -> T {
+        self.x + self.reciprocal_slope * (y - self.y)
     }
 }

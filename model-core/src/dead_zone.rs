@@ -143,4 +143,9 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
     pub fn inverse(&self, y: T) -> T {
         self.curve.inverse(y)
     }
+
+    /// The curve from u to y.
+    pub(crate) fn curve(&self) -> &MonotoneCurve<T, M> {
+        &self.curve
+    }
 }

@@ -176,6 +176,8 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseEgpi<T, N> {
         inverse
     }
 
+    /// Apart, lest it costs the cascade registers where the model is chosen at run time.
+    #[inline(never)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         let y = finite_input(y)?;
         let last = state.last;

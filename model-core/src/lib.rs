@@ -10,7 +10,6 @@
 //! |---|---|---|
 //! | [`envelope`] | the tanh curve that shapes every play | (11) |
 //! | [`play`] | bank of weighted plays and its inverse, which is a bank again | (6), (7), (18), (19), (21) |
-//! | [`staircase`] | the same bank for many plays, at a cost that hardly grows | (6), (7) |
 //! | [`dead_zone`] | weighted dead zones and their inverse | (12) to (14), (20) |
 //! | [`cascade`] | the cascade of the three, and the inverse cascade | (16), (17) |
 //! | [`cpi`], [`sgpi`], [`mpi`], [`mgpi`] | the cascades that have a name | (6), (16) |
@@ -54,11 +53,12 @@ pub mod mpi;
 pub mod paper;
 pub mod pid;
 pub mod play;
+mod play_parameters;
 pub mod range;
 pub mod real;
 pub mod sgpi;
-pub mod staircase;
 pub mod tracking;
+mod turning_points;
 
 pub use error::{InputError, ParameterError, Requirement};
 pub use hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};

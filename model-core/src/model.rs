@@ -239,6 +239,7 @@ impl<T: Real, const N: usize, const M: usize> InverseHysteresis<T, N> for Invers
         }
     }
 
+    #[inline(always)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         match self {
             Self::Cascade(cascade) => cascade.step(state, y),

@@ -51,10 +51,10 @@ pub struct Pid<T> {
     kp: T,
     /// ki times the period.
     ki_period: T,
-    kd: T,
-    /// 1/(filter time constant + period): the filter by backward Euler, stable for every time constant.
-    derivative_rate: T,
-    period: T,
+    /// kd over the sum of filter time constant and period: the filter by backward Euler, stable for every time constant.
+    kd_rate: T,
+    /// The share of the way to the measurement that the filter goes in one period.
+    filter_share: T,
     /// The share of the excess that flows back in one period; 0 without integral gain.
     back_calculation: T,
 }
@@ -64,13 +64,14 @@ pub struct Pid<T> {
 pub struct PidState<T> {
     /// Integral part of the output. Unit: bar.
     integral: T,
-    /// Filtered measurement. Unit: mm. None before the first sample.
-    filtered: Option<T>,
+    /// Filtered measurement. Unit: mm.
+    filtered: T,
 }
 
-impl<T: Real> Default for PidState<T> {
-    fn default() -> Self {
-        Self { integral: T::ZERO, filtered: None }
+impl<T: Real> PidState<T> {
+    /// The state at the first sample, whose measurement (mm) is taken for one that has lasted.
+    pub fn starting_at(measurement: T) -> Self {
+        Self { integral: T::ZERO, filtered: measurement }
     }
 }
 
@@ -88,23 +89,23 @@ impl<T: Real> Pid<T> {
         Ok(Self {
             kp: Check::new("kp", "bar/mm").at_least(parameters.kp, T::ZERO)?,
             ki_period: ki * period,
-            kd: Check::new("kd", "bar s/mm").at_least(parameters.kd, T::ZERO)?,
-            derivative_rate: T::ONE / (filter + period),
-            period,
+            kd_rate: Check::new("kd", "bar s/mm").at_least(parameters.kd, T::ZERO)? / (filter + period),
+            filter_share: period / (filter + period),
             back_calculation: if ki > T::ZERO { share } else { T::ZERO },
         })
     }
 
-    /// The output for this period. Reference and measurement: mm; result: bar.
-    pub fn output(&self, state: &mut PidState<T>, reference: T, measurement: T) -> T {
-        let filtered = state.filtered.unwrap_or(measurement);
-        let rate = (measurement - filtered) * self.derivative_rate;
-        state.filtered = Some(filtered + self.period * rate);
-        self.kp * (reference - measurement) + state.integral - self.kd * rate
+    /// The output for this period, from the error (reference minus measurement) and the measurement. Both: mm; result: bar.
+    #[inline(always)]
+    pub fn output(&self, state: &mut PidState<T>, error: T, measurement: T) -> T {
+        let ahead = measurement - state.filtered;
+        state.filtered += self.filter_share * ahead;
+        self.kp * error + state.integral - self.kd_rate * ahead
     }
 
     /// Closes the period: integrates the error (mm), and takes back `excess` (bar), what the limits cut off
     /// the output (applied minus asked).
+    #[inline(always)]
     pub fn settle(&self, state: &mut PidState<T>, error: T, excess: T) {
         state.integral += self.ki_period * error + self.back_calculation * excess;
     }

@@ -3,13 +3,21 @@
 //! The state of play i follows the inner coordinate v at a distance of at most its threshold:
 //! zᵢ ← max(v - rᵢ, min(v + rᵢ, zᵢ)), equation (7) with one envelope; the sum is equation (6).
 //!
+//! # Design
+//! No play is kept by itself. From a turning point (v₀, u₀) on, play i is driven once v is more than 2 rᵢ away from v₀, so
+//! that u moves along one curve, whatever went before:
+//!
+//! u = u₀ ± C(|v - v₀|), C(Δ) = q Δ + Σ pᵢ max(Δ - 2 rᵢ, 0),
+//!
+//! up to the turning point before, where the two are wiped out and the move goes on from the one before that. So a sample
+//! costs one search among the turning points (`turning_points`) and one on the curve ([`crate::curve`]), and its
+//! cost hardly grows with the number of plays. A move that has wiped out all turning points drives all plays:
+//! u = (q + Σ pᵢ) v ∓ Σ pᵢ rᵢ.
+//!
 //! # The inverse
-//! The inverse of such a bank is a bank again, equations (18), (19) and (21): q' = 1/q, thresholds
-//! r'ᵢ = q rᵢ + Σ_{j<i} pⱼ (rᵢ - rⱼ), and weights that make the partial sums of the inverse the reciprocals of
-//! those of the bank. [`PlayBank::inverse`] makes it, and [`PlayBank::inverse_state`] maps a state to the
-//! one that the inverse has after the same history,
-//! z'ᵢ = (q + Σ_{j≤i} pⱼ) zᵢ + Σ_{j>i} pⱼ zⱼ. The paper is silent about that; a zero in its place costs up to
-//! 0.7 bar until it is wiped out.
+//! v and u change places: the inverse curve, and the same turning points with both coordinates exchanged. It is a bank
+//! again, that of equations (18), (19) and (21). The paper is silent about the state of the inverse; a zero in its place
+//! costs up to 0.7 bar until it is wiped out.
 //!
 //! # Validity
 //! q and every partial sum q + p₁ + … + pᵢ positive: then u is strictly increasing in v from every state,
@@ -17,105 +25,58 @@
 
 use heapless::Vec;
 
-use crate::convert;
+use crate::curve::{MonotoneCurve, Segment};
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
 use crate::range::Range;
 use crate::real::Real;
+use crate::turning_points::{Turn, admissible};
 
-/// Raw parameters of a bank of at most `N` plays.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
-)]
-pub struct PlayParameters<T, const N: usize> {
-    /// Weight of the direct term. Unit: 1, above 0.
-    pub q: T,
-    /// Thresholds r, strictly increasing and above 0. Unit: that of the inner coordinate (1).
-    pub thresholds: Vec<T, N>,
-    /// Weights p, as many as thresholds. Unit: 1.
-    pub weights: Vec<T, N>,
+pub use crate::play_parameters::PlayParameters;
+pub use crate::turning_points::PlayState;
+
+/// How far a move is to go: to the input `v`, but no farther than to the output `end`.
+struct Target<T> {
+    v: T,
+    end: Option<T>,
 }
 
-impl<T: Real, const N: usize> PlayParameters<T, N> {
-    /// Equally spaced thresholds rᵢ = α i, equation (9), with weights pᵢ = ρ exp(-τ rᵢ), equation (10), for
-    /// i = 1 … `count`.
-    ///
-    /// # Errors
-    /// `count` is above the capacity `N`.
-    pub fn exponential(count: usize, q: T, rho: T, tau: T, alpha: T) -> Result<Self, ParameterError> {
-        let mut parameters = Self { q, thresholds: Vec::new(), weights: Vec::new() };
-        let too_many = |_| Check::new("plays", "").length(count, Requirement::AtMost(N as f64));
-        for i in 1..=count {
-            let threshold = alpha * T::from_f64(i as f64);
-            parameters.thresholds.push(threshold).map_err(too_many)?;
-            parameters.weights.push(rho * (-tau * threshold).exp()).map_err(too_many)?;
-        }
-        Ok(parameters)
-    }
-
-    /// The same parameters in another number type or capacity.
-    ///
-    /// # Errors
-    /// The other capacity is too small.
-    pub fn convert<U: Real, const N2: usize>(&self) -> Result<PlayParameters<U, N2>, ParameterError> {
-        Ok(PlayParameters {
-            q: convert::number(self.q),
-            thresholds: convert::list("plays", &self.thresholds)?,
-            weights: convert::list("plays", &self.weights)?,
-        })
-    }
+/// The output after a move.
+pub(crate) enum Reached<T> {
+    /// Where it was to go.
+    Inside(T),
+    /// The end of the range.
+    End(T),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Play<T> {
-    threshold: T,
-    weight: T,
-    /// q + Σ of the weights up to and with this one: the slope of u over v when the plays up to here are driven.
-    slope: T,
-    reciprocal_slope: T,
-    /// Σ of weight times threshold up to and with this one.
-    moment: T,
+/// What a move follows: the curve from the point that it comes from, and there a segment.
+struct Branch<'a, T> {
+    from: Turn<T>,
+    segment: &'a Segment<T>,
+    /// How many turning points the move wipes out, each with its partner.
+    passed: usize,
+    /// Whether that point takes the place of the turning point that the move came from.
+    is_new: bool,
 }
 
 /// A validated bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayBank<T, const N: usize> {
-    q: T,
-    reciprocal_q: T,
-    plays: Vec<Play<T>, N>,
-}
-
-/// What a bank of plays remembers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlayState<T, const N: usize> {
-    /// The outputs z of the plays. Unit: that of the bank's input.
-    outputs: Vec<T, N>,
-    /// The last input.
-    input: T,
-}
-
-impl<T: Real, const N: usize> PlayState<T, N> {
-    /// The outputs of the plays, by rising threshold.
-    pub fn outputs(&self) -> &[T] {
-        &self.outputs
-    }
-
-    /// The last input of the bank. Unit: that of its input.
-    pub fn input(&self) -> T {
-        self.input
-    }
-}
-
-/// Where a bank stands after a move: the first `driven` plays follow the input, the others stand still.
-struct Cut<T> {
-    driven: usize,
-    /// The part of u of the plays that stand still.
-    still: T,
+    /// C: how far u moves when v moves from a turning point. Its i-th bend is at twice the i-th threshold.
+    curve: MonotoneCurve<T, N>,
+    /// The last segment of the curve, on which all plays are driven.
+    all: Segment<T>,
+    /// Where a falling move that drives all plays can be thought to come from: the last segment's line goes through it.
+    /// A rising one comes from the same point on the other side of 0.
+    origin_of_all: Turn<T>,
 }
 
 impl<T: Real, const N: usize> PlayBank<T, N> {
+    fn new(curve: MonotoneCurve<T, N>) -> Self {
+        let all = *curve.segment(curve.len() - 1);
+        let (v, u) = all.start();
+        Self { curve, all, origin_of_all: Turn { v: half(v), u: half(u), driven: 0 } }
+    }
+
     /// # Errors
     /// Lists of different length; a threshold that is not above the one before (or above 0); q or a
     /// partial sum of the weights that is not above 0; anything not finite.
@@ -125,48 +86,53 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             let requirement = Requirement::Exactly(thresholds.len() as f64);
             return Err(Check::new("number of play weights", "").length(weights.len(), requirement));
         }
-        let q = Check::new("q", "").above(*q, T::ZERO)?;
-        let reciprocal_q = Check::new("1/q", "").finite(T::ONE / q)?;
-        let mut bank = Self { q, reciprocal_q, plays: Vec::new() };
-        let (mut last, mut slope, mut moment) = (T::ZERO, q, T::ZERO);
+        let mut curve = MonotoneCurve::line((T::ZERO, T::ZERO), *q, Check::new("q", ""))?;
+        let (mut last, mut slope, mut point) = (T::ZERO, *q, (T::ZERO, T::ZERO));
         for (i, (&threshold, &weight)) in thresholds.iter().zip(weights).enumerate() {
             last = Check::at("play thresholds", i, "").above(threshold, last)?;
             Check::at("play weights", i, "").finite(weight)?;
-            let check = Check::at("partial sums of q and play weights", i, "");
-            slope = check.above(slope + weight, T::ZERO)?;
-            let reciprocal_slope =
-                check.named("reciprocal partial sums of play weights").finite(T::ONE / slope)?;
-            moment += weight * threshold;
-            // A play more than the capacity cannot come out of a list of that capacity.
-            let _ = bank.plays.push(Play { threshold, weight, slope, reciprocal_slope, moment });
+            let bend = threshold + threshold;
+            point = (bend, point.1 + slope * (bend - point.0));
+            slope += weight;
+            curve.bend(point, slope, Check::at("partial sums of q and play weights", i, ""))?;
         }
-        Ok(bank)
+        Ok(Self::new(curve))
+    }
+
+    /// Whether the curve [has few](MonotoneCurve::has_few) segments.
+    pub(crate) fn has_few(&self) -> bool {
+        self.curve.has_few()
     }
 
     /// Number of plays.
     pub fn len(&self) -> usize {
-        self.plays.len()
+        self.curve.len() - 1
     }
 
     /// Whether the bank is the direct term alone.
     pub fn is_empty(&self) -> bool {
-        self.plays.is_empty()
+        self.len() == 0
     }
 
     /// The smallest slope of u over v, the distance from being non-invertible. Unit: 1.
     pub fn smallest_slope(&self) -> T {
-        self.plays.iter().fold(self.q, |least, play| if play.slope < least { play.slope } else { least })
+        self.curve.smallest_slope()
+    }
+
+    /// The thresholds of the plays.
+    fn thresholds(&self) -> impl Iterator<Item = T> {
+        self.curve.segments().skip(1).map(|segment| half(segment.start().0))
     }
 
     /// The largest slope of u over v. Unit: 1.
     pub fn largest_slope(&self) -> T {
-        self.plays.iter().fold(self.q, |most, play| if play.slope > most { play.slope } else { most })
+        self.curve.segments().fold(T::ZERO, |most, s| if s.slope() > most { s.slope() } else { most })
     }
 
     /// The state of a bank that rested at 0 and was then brought to `v`: the paper's initial state,
     /// equation (1) with w = 0.
     pub fn rest_state(&self, v: T) -> PlayState<T, N> {
-        let mut state = PlayState { outputs: list(self.plays.iter().map(|_| T::ZERO)), input: T::ZERO };
+        let mut state = self.state_with(|_| T::ZERO, T::ZERO);
         self.advance(&mut state, v);
         state
     }
@@ -177,12 +143,47 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// # Errors
     /// Names the first output that no history can reach.
     pub fn try_state(&self, outputs: &[T], v: T) -> Result<PlayState<T, N>, ParameterError> {
-        if outputs.len() != self.plays.len() {
-            let requirement = Requirement::Exactly(self.plays.len() as f64);
+        if outputs.len() != self.len() {
+            let requirement = Requirement::Exactly(self.len() as f64);
             return Err(Check::new("number of play outputs", "").length(outputs.len(), requirement));
         }
-        admissible(self.plays.iter().map(|play| play.threshold), outputs, v)?;
-        Ok(PlayState { outputs: list(outputs.iter().copied()), input: v })
+        admissible(self.thresholds(), outputs, v)?;
+        Ok(self.state_with(|play| outputs.get(play).copied().unwrap_or(T::ZERO), v))
+    }
+
+    /// The state at the input `v` with these outputs of the plays: a history of one turning point for each, from the
+    /// largest threshold on.
+    fn state_with(&self, output: impl Fn(usize) -> T, v: T) -> PlayState<T, N> {
+        let mut state = PlayState::new(Turn { v, u: T::ZERO, driven: 0 }, false);
+        // What the plays of the larger thresholds add to u.
+        let mut still = T::ZERO;
+        for play in (0..self.len()).rev() {
+            let (segment, z) = (self.curve.segment(play + 1), output(play));
+            let threshold = half(segment.start().0);
+            state.rising = !state.rising;
+            let turn = if state.rising { z - threshold } else { z + threshold };
+            let moment = half(segment.slope() * segment.start().0 - segment.start().1);
+            let u = segment.slope() * turn + still + if state.rising { moment } else { -moment };
+            // As many as plays: it fits.
+            let _ = state.push(Turn { v: turn, u, driven: play + 1 });
+            still += (segment.slope() - self.curve.segment(play).slope()) * z;
+        }
+        state.last.u = self.curve.segment(0).slope() * v + still;
+        state
+    }
+
+    /// The outputs of the plays, by rising threshold.
+    pub fn outputs(&self, state: &PlayState<T, N>) -> Vec<T, N> {
+        let mut outputs: Vec<T, N> = Vec::new();
+        for threshold in self.thresholds() {
+            let _ = outputs.push(state.last.v - if state.rising { threshold } else { -threshold });
+        }
+        for (turn, is_high) in state.outermost_first().chain([(state.last, state.rising)]) {
+            for (z, threshold) in outputs.iter_mut().zip(self.thresholds()).take(turn.driven) {
+                *z = turn.v - if is_high { threshold } else { -threshold };
+            }
+        }
+        outputs
     }
 
     /// One sample: moves the plays to the input `v` and answers u. Equations (6), (7).
@@ -195,13 +196,23 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// [`step`](Self::step) for an input that is known to be finite.
     pub(crate) fn advance(&self, state: &mut PlayState<T, N>, v: T) -> T {
-        self.advance_toward(state, v, v > state.input)
+        let rising = state.goes_up_to(v);
+        self.advance_toward(state, v, rising)
     }
 
     /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps, against the
     /// direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
-        if rising { self.drive::<true>(state, v, None) } else { self.drive::<false>(state, v, None) }
+        let to = Target { v, end: None };
+        let reached = match (rising, self.curve.has_few()) {
+            (true, true) => self.drive::<true, true>(state, to),
+            (true, false) => self.drive::<true, false>(state, to),
+            (false, true) => self.drive::<false, true>(state, to),
+            (false, false) => self.drive::<false, false>(state, to),
+        };
+        match reached {
+            Reached::Inside(u) | Reached::End(u) => u,
+        }
     }
 
     /// As [`advance_toward`](Self::advance_toward), but goes no farther than u stays within the range: the input
@@ -213,153 +224,159 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         rising: bool,
         range: &Range<T>,
     ) -> T {
-        if rising {
-            self.drive::<true>(state, v, Some(range.max()))
+        let reached = if self.curve.has_few() {
+            self.move_within::<true>(state, v, rising, range)
         } else {
-            self.drive::<false>(state, v, Some(range.min()))
+            self.move_within::<false>(state, v, rising, range)
+        };
+        match reached {
+            Reached::Inside(u) | Reached::End(u) => u,
         }
     }
 
-    /// Moves in one direction, in which only one of a play's two bounds can bind, to `v` or to where u
-    /// reaches `end`.
-    ///
-    /// The driven plays are always those of the smallest thresholds, so that the walk goes down from the
-    /// largest threshold and ends at the first driven play: what follows the input needs no sum of its
-    /// own, and what stands still no store.
+    /// [`advance_within`](Self::advance_within), with what has been reached. `FEW`: whether the bank's curve
+    /// [has few](MonotoneCurve::has_few) segments.
     #[inline(always)]
-    fn drive<const RISING: bool>(&self, state: &mut PlayState<T, N>, v: T, end: Option<T>) -> T {
-        let mut cut = Cut { driven: self.plays.len(), still: T::ZERO };
-        self.shorten(
-            &mut cut,
-            state,
-            |_, play, z| {
-                if RISING { v - play.threshold > z } else { v + play.threshold < z }
-            },
-        );
-        let mut u = self.output::<RISING>(&cut, v);
-        let mut v = v;
-        if let Some(end) = end
-            && if RISING { u > end } else { u < end }
-        {
-            // Only those plays are driven that start to be before the end is reached.
-            self.shorten(&mut cut, state, |cut, play, z| {
-                let start = if RISING { z + play.threshold } else { z - play.threshold };
-                let u = self.output::<RISING>(cut, start);
-                if RISING { u < end } else { u > end }
-            });
-            v = self.input::<RISING>(&cut, end);
-            u = end;
-        }
-        for (play, z) in self.plays.iter().zip(&mut state.outputs).take(cut.driven) {
-            *z = if RISING { v - play.threshold } else { v + play.threshold };
-        }
-        state.input = v;
-        u
-    }
-
-    /// Takes plays out of a cut, from the largest threshold on, up to the first one that is driven.
-    #[inline(always)]
-    fn shorten(
+    pub(crate) fn move_within<const FEW: bool>(
         &self,
-        cut: &mut Cut<T>,
-        state: &PlayState<T, N>,
-        is_driven: impl Fn(&Cut<T>, &Play<T>, T) -> bool,
+        state: &mut PlayState<T, N>,
+        v: T,
+        rising: bool,
+        range: &Range<T>,
+    ) -> Reached<T> {
+        if rising {
+            self.drive::<true, FEW>(state, Target { v, end: Some(range.max()) })
+        } else {
+            self.drive::<false, FEW>(state, Target { v, end: Some(range.min()) })
+        }
+    }
+
+    /// Moves in one direction, as far as the target.
+    #[inline(always)]
+    fn drive<const RISING: bool, const FEW: bool>(
+        &self,
+        state: &mut PlayState<T, N>,
+        to: Target<T>,
+    ) -> Reached<T> {
+        if state.rising != RISING {
+            self.turn::<RISING>(state);
+        }
+        let Target { v, end } = to;
+        let passed = state.passed::<RISING, FEW>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
+        let branch = self.branch::<RISING>(state, passed, |from| {
+            self.curve.segment_at::<FEW>(way::<T, RISING>(from.v, v))
+        });
+        let u = go::<T, RISING>(branch.from.u, branch.segment.value(way::<T, RISING>(branch.from.v, v)));
+        if let Some(end) = end
+            && if RISING { u >= end } else { u <= end }
+        {
+            self.stop_at::<RISING, FEW>(state, passed, end);
+            return Reached::End(end);
+        }
+        state.leave::<RISING>(branch.passed, branch.is_new.then_some(branch.from));
+        state.last = Turn { v, u, driven: branch.segment.place };
+        Reached::Inside(u)
+    }
+
+    /// Ends a move, which passes at most so many turning points, where u reaches `end`. Apart, lest it costs the other moves
+    /// registers.
+    #[inline(never)]
+    fn stop_at<const RISING: bool, const FEW: bool>(
+        &self,
+        state: &mut PlayState<T, N>,
+        mut passed: usize,
+        end: T,
     ) {
-        for (play, &z) in self.plays.iter().zip(&state.outputs).take(cut.driven).rev() {
-            if is_driven(cut, play, z) {
-                break;
+        // A state may know turning points beyond the end, which the move then does not reach.
+        if state.ahead::<RISING>(passed).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
+        {
+            passed = state.passed::<RISING, FEW>(|turn| if RISING { turn.u <= end } else { turn.u >= end });
+        }
+        let branch = self.branch::<RISING>(state, passed, |from| {
+            self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end))
+        });
+        let v = go::<T, RISING>(branch.from.v, branch.segment.inverse(way::<T, RISING>(branch.from.u, end)));
+        state.leave::<RISING>(branch.passed, branch.is_new.then_some(branch.from));
+        state.last = Turn { v, u: end, driven: branch.segment.place };
+    }
+
+    /// What a move follows that passes so many turning points, and on which segment of the curve it ends.
+    #[inline(always)]
+    fn branch<'a, const RISING: bool>(
+        &'a self,
+        state: &PlayState<T, N>,
+        passed: usize,
+        segment: impl Fn(&Turn<T>) -> &'a Segment<T>,
+    ) -> Branch<'a, T> {
+        let Some(from) = state.behind::<RISING>(passed) else {
+            return self.branch_of_all::<RISING>(passed);
+        };
+        let segment = segment(from);
+        if segment.place != from.driven {
+            return Branch { from: *from, segment, passed, is_new: false };
+        }
+        // The move has driven all that the one before it drove: no play depends any more on where that turned.
+        match (state.ahead::<RISING>(passed + 1), state.behind::<RISING>(passed + 1)) {
+            (Some(ahead), _) if ahead.driven != from.driven => {
+                let (v, u) = self.curve.segment(segment.place + 1).start();
+                let (v, u) = (go::<T, RISING>(ahead.v, -v), go::<T, RISING>(ahead.u, -u));
+                Branch { from: Turn { v, u, driven: segment.place }, segment, passed, is_new: true }
             }
-            cut.still += play.weight * z;
-            cut.driven -= 1;
+            (Some(_), Some(from)) => Branch { from: *from, segment, passed: passed + 1, is_new: false },
+            _ => self.branch_of_all::<RISING>(passed + 1),
         }
     }
 
-    /// The last play that a cut drives: slope, its reciprocal and moment; those of the direct term without one.
+    /// What a move follows that drives all plays.
     #[inline(always)]
-    fn front(&self, cut: &Cut<T>) -> (T, T, T) {
-        match self.plays.get(cut.driven.wrapping_sub(1)) {
-            Some(play) => (play.slope, play.reciprocal_slope, play.moment),
-            None => (self.q, self.reciprocal_q, T::ZERO),
+    fn branch_of_all<const RISING: bool>(&self, passed: usize) -> Branch<'_, T> {
+        let Turn { v, u, driven } = self.origin_of_all;
+        let from = if RISING { Turn { v: -v, u: -u, driven } } else { self.origin_of_all };
+        Branch { from, segment: &self.all, passed, is_new: false }
+    }
+
+    /// The move ends in a turning point, and one in the direction `RISING` begins.
+    #[inline(always)]
+    fn turn<const RISING: bool>(&self, state: &mut PlayState<T, N>) {
+        state.rising = RISING;
+        let last = state.last;
+        let (behind, ahead) = state.sides::<RISING>();
+        if behind.push(last).is_err() {
+            // Only a second turning point that drove no play finds no place, and then neither is needed.
+            ahead.pop();
         }
-    }
-
-    /// u at the input `v`.
-    #[inline(always)]
-    fn output<const RISING: bool>(&self, cut: &Cut<T>, v: T) -> T {
-        let (slope, _, moment) = self.front(cut);
-        slope * v + if RISING { cut.still - moment } else { cut.still + moment }
-    }
-
-    /// The input at the output `u`.
-    #[inline(always)]
-    fn input<const RISING: bool>(&self, cut: &Cut<T>, u: T) -> T {
-        let (_, reciprocal_slope, moment) = self.front(cut);
-        (u - if RISING { cut.still - moment } else { cut.still + moment }) * reciprocal_slope
     }
 
     /// The inverse bank, from u to v. Equation (21).
     ///
     /// # Errors
-    /// A parameter of the inverse is not finite, or its thresholds coincide, in this number type.
+    /// Thresholds of the inverse coincide, or are not finite, in this number type.
     pub fn inverse(&self) -> Result<Self, ParameterError> {
-        let mut parameters =
-            PlayParameters { q: T::ONE / self.q, thresholds: Vec::new(), weights: Vec::new() };
-        let (mut slope, mut last, mut image) = (self.q, T::ZERO, T::ZERO);
-        for play in &self.plays {
-            // The threshold's image under the bank's initial loading curve; its slope up to here is `slope`.
-            image += slope * (play.threshold - last);
-            last = play.threshold;
-            // As many as plays: both pushes fit.
-            let _ = parameters.thresholds.push(image);
-            let _ = parameters.weights.push(-play.weight * play.reciprocal_slope / slope);
-            slope = play.slope;
+        let mut last = T::ZERO;
+        for (i, segment) in self.curve.segments().skip(1).enumerate() {
+            last = Check::at("play thresholds of the inverse", i, "").above(segment.start().1, last)?;
         }
-        Self::try_new(&parameters)
+        Ok(Self::new(self.curve.inverted()))
     }
 
     /// The state that the inverse bank has where this bank has `state`.
     pub fn inverse_state(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
-        let mut outputs = state.outputs.clone();
-        // Σ_{j>i} pⱼ zⱼ, gathered from the last play to the first.
-        let mut tail = T::ZERO;
-        for (play, z) in self.plays.iter().zip(&mut outputs).rev() {
-            let output = *z;
-            *z = play.slope * output + tail;
-            tail += play.weight * output;
-        }
-        PlayState { outputs, input: self.q * state.input + tail }
+        state.inverted()
     }
 }
 
-/// Refuses outputs of plays that no history can reach at the input `v`: |v - z₁| ≤ r₁ and
-/// |zᵢ - zᵢ₊₁| ≤ rᵢ₊₁ - rᵢ, with a tolerance of a few roundings. As many outputs as thresholds.
-pub(crate) fn admissible<T: Real>(
-    thresholds: impl Iterator<Item = T>,
-    outputs: &[T],
-    v: T,
-) -> Result<(), ParameterError> {
-    let mut before = (Check::new("v", "").finite(v)?, T::ZERO);
-    for (i, (threshold, &output)) in thresholds.zip(outputs).enumerate() {
-        let check = Check::at("play outputs", i, "");
-        check.finite(output)?;
-        let tolerance = T::from_f64(8.0) * T::EPSILON * (v.abs() + threshold);
-        let reach = threshold - before.1 + tolerance;
-        if output > before.0 + reach {
-            return Err(check.error(output.to_f64(), Requirement::AtMost((before.0 + reach).to_f64())));
-        }
-        if output < before.0 - reach {
-            return Err(check.error(output.to_f64(), Requirement::AtLeast((before.0 - reach).to_f64())));
-        }
-        before = (output, threshold);
-    }
-    Ok(())
+/// How far it is from one coordinate to another, in the direction of a move.
+#[inline(always)]
+fn way<T: Real, const RISING: bool>(from: T, to: T) -> T {
+    if RISING { to - from } else { from - to }
 }
 
-/// The values as a list, as many as fit. `collect` would panic on one too many, also where there is none.
-fn list<T, const N: usize>(values: impl Iterator<Item = T>) -> Vec<T, N> {
-    let mut list = Vec::new();
-    for value in values.take(N) {
-        let _ = list.push(value);
-    }
-    list
+/// The coordinate that far from another, in the direction of a move.
+#[inline(always)]
+fn go<T: Real, const RISING: bool>(from: T, way: T) -> T {
+    if RISING { from + way } else { from - way }
+}
+
+fn half<T: Real>(value: T) -> T {
+    T::from_f64(0.5) * value
 }

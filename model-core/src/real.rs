@@ -28,6 +28,8 @@ pub trait Real:
     const ZERO: Self;
     /// 1
     const ONE: Self;
+    /// Above every finite number.
+    const INFINITY: Self;
     /// The distance from 1 to the next larger number.
     const EPSILON: Self;
 
@@ -39,22 +41,26 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// Hyperbolic tangent.
     fn tanh(self) -> Self;
-    /// Inverse hyperbolic tangent inside -1 to 1.
-    fn atanh(self) -> Self;
+    /// atanh((a - b)/(a + b)) = ½ ln(a/b) for a and b above 0, below a quarter of the largest number.
+    fn atanh_of_ratio(a: Self, b: Self) -> Self;
     /// Exponential function.
     fn exp(self) -> Self;
+
+    /// This number, or the limits that it passes. NaN stays NaN.
+    fn limit(self, min: Self, max: Self) -> Self {
+        if self < min { min } else { self.at_most(max) }
+    }
 
     /// This number, or the limit that it passes. NaN stays NaN.
     ///
     /// Compare and select: on a Cortex-M4F `f32::max` and `min` are library calls, this is not.
-    fn limit(self, min: Self, max: Self) -> Self {
-        if self < min {
-            min
-        } else if self > max {
-            max
-        } else {
-            self
-        }
+    fn at_most(self, max: Self) -> Self {
+        if self > max { max } else { self }
+    }
+
+    /// This number, or the limit that it falls below. NaN stays NaN.
+    fn at_least(self, min: Self) -> Self {
+        if self < min { min } else { self }
     }
 
     /// Magnitude.
@@ -64,10 +70,11 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($float:ident, $tanh:path, $atanh:path, $exp:path) => {
+    ($float:ident, $tanh:path, $atanh_of_ratio:path, $exp:path) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
+            const INFINITY: Self = $float::INFINITY;
             const EPSILON: Self = $float::EPSILON;
 
             fn from_f64(value: f64) -> Self {
@@ -82,8 +89,9 @@ macro_rules! real {
             fn tanh(self) -> Self {
                 $tanh(self)
             }
-            fn atanh(self) -> Self {
-                $atanh(self)
+            #[inline(always)]
+            fn atanh_of_ratio(a: Self, b: Self) -> Self {
+                $atanh_of_ratio(a, b)
             }
             fn exp(self) -> Self {
                 $exp(self)
@@ -92,5 +100,10 @@ macro_rules! real {
     };
 }
 
-real!(f32, libm::tanhf, crate::atanh::atanh, libm::expf);
-real!(f64, libm::tanh, libm::atanh, libm::exp);
+real!(f32, libm::tanhf, crate::atanh::atanh_of_ratio, libm::expf);
+real!(f64, libm::tanh, atanh_of_ratio, libm::exp);
+
+/// In double precision, where the ratio itself may leave the number type.
+fn atanh_of_ratio(a: f64, b: f64) -> f64 {
+    0.5 * (libm::log(a) - libm::log(b))
+}

@@ -13,10 +13,12 @@
 //! # Limits
 //! The slew limit and the command limits act on the sum; what they cut off flows back into the integral.
 //! The inverse remembers the feed-forward that it asked for, not the total command, as in the paper: the
-//! feedback is a correction of the plant's deviation from the model.
+//! feedback is a correction of the plant's deviation from the model. The feedback sees reference and contraction
+//! limited to the model's output range and a tenth of it on either side: a wild sample moves the integral no more than
+//! a real one could.
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
-use crate::hysteresis::{HysteresisState, InverseHysteresis, Invertible};
+use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
 use crate::model::{InverseModel, Model, ModelParameters};
 use crate::pid::{Pid, PidParameters, PidState};
 use crate::range::Range;
@@ -59,11 +61,16 @@ pub struct TrackingParameters<T, const N: usize, const M: usize> {
     pub period_s: T,
 }
 
+/// How far beyond the model's output range feedback still sees, as a share of the range.
+const MARGIN: f64 = 0.1;
+
 /// A validated tracking controller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tracking<T, const N: usize, const M: usize> {
     inverse: InverseModel<T, N, M>,
     pid: Pid<T>,
+    /// What the feedback sees of reference and contraction. Unit: mm.
+    plausible: Range<T>,
     limits: Range<T>,
     /// Largest change of the command in one period. Unit: bar.
     largest_change: T,
@@ -76,7 +83,10 @@ pub struct Tracking<T, const N: usize, const M: usize> {
 pub struct TrackingState<T, const N: usize> {
     inverse: HysteresisState<T, N>,
     pid: PidState<T>,
-    mode: Mode,
+    /// That of the last sample; none before the first one.
+    mode: Option<Mode>,
+    /// That of the start.
+    first_mode: Mode,
     /// Unit: bar.
     command: T,
     /// Unit: bar.
@@ -102,8 +112,12 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     pub fn try_new(parameters: &TrackingParameters<T, N, M>) -> Result<Self, ParameterError> {
         let period = Check::new("period_s", "s").above(parameters.period_s, T::ZERO)?;
         let slew = Check::new("slew_bar_per_s", "bar/s").above(parameters.slew_bar_per_s, T::ZERO)?;
+        let model = Model::try_new(&parameters.model)?;
+        let (low, high) = model.output_range();
+        let margin = T::from_f64(MARGIN) * (high - low);
         Ok(Self {
-            inverse: Model::try_new(&parameters.model)?.inverse()?,
+            inverse: model.inverse()?,
+            plausible: Range::try_new(low - margin, high + margin, "output range", "mm")?,
             pid: Pid::try_new(&parameters.pid, period)?,
             limits: Range::try_new(parameters.command_min, parameters.command_max, "command range", "bar")?,
             largest_change: slew * period,
@@ -120,11 +134,18 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     pub fn rest_state(&self, mode: Mode) -> TrackingState<T, N> {
         TrackingState {
             inverse: self.inverse.rest_state(),
-            pid: PidState::default(),
-            mode,
+            pid: PidState::starting_at(T::ZERO),
+            mode: None,
+            first_mode: mode,
             command: self.limits.min(),
             transfer: T::ZERO,
         }
+    }
+
+    /// The step of the inverse, apart: in one function with the rest there are too few registers.
+    #[inline(never)]
+    fn feedforward(&self, state: &mut HysteresisState<T, N>, reference: T) -> Result<T, InputError> {
+        self.inverse.step(state, reference)
     }
 
     /// One sample. Reference and contraction: mm.
@@ -138,19 +159,22 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         reference: T,
         contraction: T,
     ) -> Result<Command<T>, InputError> {
-        let (reference, contraction) = (finite_input(reference)?, finite_input(contraction)?);
-        let changed = mode != state.mode;
-        if changed {
-            state.pid = PidState::default();
-            state.mode = mode;
-        }
+        let contraction = finite_input(contraction)?;
         // The inverse follows the reference in every mode, so that its memory is right when it is needed.
-        let inverse = self.inverse.step(&mut state.inverse, reference)?;
+        let inverse = self.feedforward(&mut state.inverse, reference)?;
+        // What no muscle of this model does is no error to be integrated.
+        let contraction = self.plausible.limit(contraction);
+        let error = self.plausible.limit(reference) - contraction;
+        let goes_on = state.mode == Some(mode);
+        if !goes_on {
+            state.pid = PidState::starting_at(contraction);
+        }
         let (feedforward, feedback) = match mode {
-            Mode::Both => (inverse, self.pid.output(&mut state.pid, reference, contraction)),
+            Mode::Both => (inverse, self.pid.output(&mut state.pid, error, contraction)),
             Mode::FeedforwardOnly => (inverse, T::ZERO),
-            Mode::FeedbackOnly => (T::ZERO, self.pid.output(&mut state.pid, reference, contraction)),
+            Mode::FeedbackOnly => (T::ZERO, self.pid.output(&mut state.pid, error, contraction)),
             Mode::Hold => {
+                state.mode = Some(mode);
                 state.transfer = T::ZERO;
                 return Ok(Command {
                     command: state.command,
@@ -161,14 +185,26 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
             }
         };
         let sum = feedforward + feedback;
-        state.transfer = if changed { state.command - sum } else { state.transfer * self.transfer_decay };
+        state.transfer = if goes_on {
+            state.transfer * self.transfer_decay
+        } else if state.mode.unwrap_or(state.first_mode) == mode {
+            T::ZERO
+        } else {
+            state.command - sum
+        };
+        state.mode = Some(mode);
         let asked = sum + state.transfer;
-        let slewed = asked.limit(state.command - self.largest_change, state.command + self.largest_change);
-        let command = self.limits.limit(slewed);
+        // The last command is within the limits: only those in the direction of the change can bind.
+        let command = if asked > state.command {
+            asked.at_most(state.command + self.largest_change).at_most(self.limits.max())
+        } else {
+            asked.at_least(state.command - self.largest_change).at_least(self.limits.min())
+        };
         state.command = command;
+        let excess = command - asked;
         if mode != Mode::FeedforwardOnly {
-            self.pid.settle(&mut state.pid, reference - contraction, command - asked);
+            self.pid.settle(&mut state.pid, error, excess);
         }
-        Ok(Command { command, feedforward, feedback, limited: command != asked })
+        Ok(Command { command, feedforward, feedback, limited: excess != T::ZERO })
     }
 }

@@ -129,9 +129,9 @@ fn a_non_finite_sample_is_refused_and_changes_nothing() {
 fn the_derivative_acts_on_the_measurement_and_is_filtered() {
     let gains = PidParameters { kp: 0.0, ki: 0.0, kd: 2.0, derivative_filter_s: 0.05, tracking_time_s: 1.0 };
     let pid = Pid::try_new(&gains, PERIOD_S).expect("valid");
-    let mut state = PidState::default();
-    assert_eq!(pid.output(&mut state, 0.0, 10.0), 0.0);
-    assert_eq!(pid.output(&mut state, 100.0, 10.0), 0.0, "a step of the reference must not kick");
+    let mut state = PidState::starting_at(10.0);
+    assert_eq!(pid.output(&mut state, -10.0, 10.0), 0.0);
+    assert_eq!(pid.output(&mut state, 90.0, 10.0), 0.0, "a step of the reference must not kick");
     // A ramp of 3 mm/s: after several filter constants -kd times the rate.
     let mut output = 0.0;
     for tick in 0..1000 {

@@ -1,5 +1,7 @@
 //! How far a model, or a tracked muscle, is from what was measured, or wanted.
 
+use serde_json::{Map, Value};
+
 use crate::unit::Unit;
 
 /// Root mean square, mean absolute and maximum error. Unit: that of the compared values.
@@ -32,6 +34,11 @@ impl Figures {
     pub fn keyed(&self, unit: Unit) -> [(String, f64); 3] {
         [("rmse", self.rmse), ("mae", self.mae), ("max_error", self.max_error)]
             .map(|(name, value)| (format!("{name}_{}", unit.suffix()), value))
+    }
+
+    /// The three under their names with the unit, for programs.
+    pub fn to_json(&self, unit: Unit) -> Value {
+        self.keyed(unit).into_iter().map(|(key, value)| (key, value.into())).collect::<Map<_, _>>().into()
     }
 
     /// The three for people, with their shares of the stroke.

@@ -4,14 +4,36 @@
 //! scored rows. What turns back by less than a tenth of the input's span is no cycle. The second part is never
 //! looked at before the model of the first stands; only its input has been, as the range of the recording.
 
+use crate::figures::Figures;
+use crate::identification::{self, Options, Problem};
+use crate::recording::Recording;
+
 /// The least height of a cycle, as a share of the input's span.
 const LEAST_HEIGHT: f64 = 0.1;
 /// The least share of the scored rows on either side.
 const LEAST_SHARE: f64 = 0.25;
 
+/// The time of the split, and the figures of a model of the first part on the second; None where there are no two parts,
+/// or the first is too short for the model. Units: s, output unit.
+pub fn later_cycles(
+    recording: &Recording,
+    options: &Options,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Option<(f64, Figures)> {
+    let Recording { drive, output } = recording;
+    let first = split(&drive.input.values, &drive.scored)?;
+    let part = |is_first: bool| -> Vec<bool> {
+        let rows = drive.scored.iter().enumerate();
+        rows.map(|(row, &scored)| scored && (row < first) == is_first).collect()
+    };
+    let problem = Problem { scored: &part(true), ..recording.problem() };
+    let fit = identification::identify(&problem, options, progress).ok()?;
+    Some((drive.time_s[first], Figures::of(&output.values, &fit.simulated, &part(false))))
+}
+
 /// The first row of the held-out part; None where no cycle ends between the first and the last quarter of the scored
 /// rows.
-pub fn split(input: &[f64], scored: &[bool]) -> Option<usize> {
+fn split(input: &[f64], scored: &[bool]) -> Option<usize> {
     let total = scored.iter().filter(|&&scored| scored).count() as f64;
     let mut before = 0.0;
     let shares: Vec<f64> = scored

@@ -15,6 +15,7 @@ macro_rules! say {
 
 pub mod child;
 pub mod commands;
+pub mod comparison;
 pub mod emulator;
 pub mod error;
 pub mod figures;

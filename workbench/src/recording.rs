@@ -17,6 +17,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::figures::{Figures, stroke};
+use crate::identification::Problem;
 use crate::model_file::ModelFile;
 use crate::table::{DataError, DataProblem, Place, Table, VALID};
 use crate::unit::Channel;
@@ -113,6 +115,22 @@ impl Recording {
     pub fn read(path: &Path, choice: &Choice) -> Result<Self, DataError> {
         let table = Table::read(path)?;
         Ok(Self { drive: Drive::of(&table, choice)?, output: output(&table, choice)? })
+    }
+
+    /// What is to be identified.
+    pub fn problem(&self) -> Problem<'_> {
+        let Self { drive, output } = self;
+        Problem { input: &drive.input.values, output: &output.values, scored: &drive.scored }
+    }
+
+    /// Highest less lowest scored output. Output unit.
+    pub fn stroke(&self) -> f64 {
+        stroke(&self.output.values, &self.drive.scored)
+    }
+
+    /// The figures of a model that answers the input with `simulated`, a value a row, output unit.
+    pub fn figures(&self, simulated: &[f64]) -> Figures {
+        Figures::of(&self.output.values, simulated, &self.drive.scored)
     }
 
     /// Names of the input and output columns, as words.

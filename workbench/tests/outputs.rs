@@ -126,10 +126,37 @@ fn the_report_is_one_file_that_needs_nothing_from_outside() {
     let bench = bench();
     bench.succeeds("identify rec.csv -o model.toml --report r.html --starts 2");
     let page = bench.read("r.html");
-    assert_self_contained(&page, 4);
-    for text in ["Loops: contraction over pressure", "Error over time", "standard error", "c0"] {
+    assert_self_contained(&page, 8);
+    for text in [
+        "Loops: contraction over pressure",
+        "Error over time",
+        "Error over the input",
+        "Envelope of the plays",
+        "Weights of the plays",
+        "Dead-zone map",
+        "standard error",
+        "c0",
+    ] {
         assert!(page.contains(text), "{text} is missing");
     }
+}
+
+#[test]
+fn the_report_shows_the_parts_that_a_model_has() {
+    let bench = bench();
+    let drawings = |options: &str| {
+        bench.succeeds(&format!(
+            "identify rec.csv -o m.toml --report r.html --starts 2 --force --no-holdout {options}"
+        ));
+        let page = bench.read("r.html");
+        ["Envelope of", "Envelopes of", "Weights of", "Dead-zone map", "Added function"]
+            .map(|part| page.contains(&format!("<title>{part}")))
+    };
+    assert_eq!(drawings("--model cpi"), [false, false, true, false, false]);
+    assert_eq!(drawings("--model mpi"), [false, false, true, true, false]);
+    assert_eq!(drawings("--model sgpi --envelope pl"), [true, false, true, false, false]);
+    assert_eq!(drawings("--model agpi"), [false, true, true, false, false]);
+    assert_eq!(drawings("--model egpi"), [false, true, true, false, true]);
 }
 
 #[test]

@@ -96,6 +96,15 @@ impl<T: Real> Envelope<T> for AnyEnvelope<T> {
         }
     }
 
+    #[inline(always)]
+    fn inverse_inside(&self, v: T) -> T {
+        match self {
+            Self::Identity(envelope) => envelope.inverse_inside(v),
+            Self::Tanh(envelope) => envelope.inverse_inside(v),
+            Self::PiecewiseLinear(envelope) => envelope.inverse_inside(v),
+        }
+    }
+
     fn least_slope(&self, range: &Range<T>) -> T {
         match self {
             Self::Identity(envelope) => envelope.least_slope(range),

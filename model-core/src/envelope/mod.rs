@@ -25,6 +25,13 @@ pub trait Envelope<T: Real> {
     /// γ⁻¹(v). Input: inner coordinate; result: input unit, finite for every finite v.
     fn inverse(&self, v: T) -> T;
 
+    /// [`inverse`](Self::inverse) for v strictly between two values of the envelope, where it needs no care for its
+    /// ends. Elsewhere the answer is meaningless.
+    #[inline(always)]
+    fn inverse_inside(&self, v: T) -> T {
+        self.inverse(v)
+    }
+
     /// A lower bound, above 0, of the slope of γ over a range of inputs. Unit: 1/input unit.
     fn least_slope(&self, range: &Range<T>) -> T;
 }

@@ -4,8 +4,8 @@
 //! muscle does, and carries no memory.
 //!
 //! # Limits
-//! The inverse exists inside (c3 - c0, c3 + c0) only. Outside, and closer to the ends than the number type
-//! can resolve, its argument is clamped, so that the answer is always finite.
+//! The inverse exists inside (c3 - c0, c3 + c0) only. Values and arguments of the inverse are kept a few roundings inside
+//! it, so that the answer is always finite.
 
 use crate::envelope::Envelope;
 use crate::error::{Check, ParameterError};
@@ -30,38 +30,48 @@ pub struct TanhParameters<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TanhEnvelope<T> {
     parameters: TanhParameters<T>,
-    reciprocal_c0: T,
+    /// The largest and smallest values, a few roundings inside c3 - c0 and c3 + c0.
+    low: T,
+    high: T,
     reciprocal_c1: T,
-    /// The largest argument of atanh whose value is finite and still means something.
-    largest_argument: T,
+    /// The input at the middle of the height, -c2/c1.
+    centre: T,
 }
 
 impl<T: Real> TanhEnvelope<T> {
     /// # Errors
-    /// c0 or c1 not above 0, or any of the four (or a reciprocal) not finite.
+    /// c0 or c1 not above 0, any of the four (or -c2/c1, 1/c1) not finite, or a height lost in the rounding of c3.
     pub fn try_new(parameters: TanhParameters<T>) -> Result<Self, ParameterError> {
         let TanhParameters { c0, c1, c2, c3 } = parameters;
         let c0 = Check::new("c0", "").above(c0, T::ZERO)?;
         let c1 = Check::new("c1", "1/input unit").above(c1, T::ZERO)?;
-        Check::new("c2", "").finite(c2)?;
-        Check::new("c3", "").finite(c3)?;
-        let reciprocal_c0 = Check::new("1/c0", "").finite(T::ONE / c0)?;
+        let c2 = Check::new("c2", "").finite(c2)?;
+        let c3 = Check::new("c3", "").finite(c3)?;
         let reciprocal_c1 = Check::new("1/c1", "input unit").finite(T::ONE / c1)?;
-        Ok(Self { parameters, reciprocal_c0, reciprocal_c1, largest_argument: T::ONE - T::EPSILON })
+        let centre = Check::new("-c2/c1", "input unit").finite(-c2 / c1)?;
+        let margin = T::from_f64(4.0) * T::EPSILON * (c0 + c3.abs());
+        let low = Check::new("c3 - c0", "").finite(c3 - c0 + margin)?;
+        let high = Check::new("c3 + c0", "").above(c3 + c0 - margin, low)?;
+        Ok(Self { parameters, low, high, reciprocal_c1, centre })
     }
 }
 
 impl<T: Real> Envelope<T> for TanhEnvelope<T> {
     fn value(&self, x: T) -> T {
         let TanhParameters { c0, c1, c2, c3 } = self.parameters;
-        c0 * (c1 * x + c2).tanh() + c3
+        (c0 * (c1 * x + c2).tanh() + c3).limit(self.low, self.high)
     }
 
-    /// γ⁻¹(v) = (atanh((v - c3)/c0) - c2)/c1.
     fn inverse(&self, v: T) -> T {
-        let argument = ((v - self.parameters.c3) * self.reciprocal_c0)
-            .limit(-self.largest_argument, self.largest_argument);
-        (argument.atanh() - self.parameters.c2) * self.reciprocal_c1
+        self.inverse_inside(v.limit(self.low, self.high))
+    }
+
+    /// γ⁻¹(v) = (atanh((v - c3)/c0) - c2)/c1. Half the distances from the two ends, c0 + (v - c3) and c0 - (v - c3), take the
+    /// place of the quotient; summed in this order they lose least where the curve is flat.
+    #[inline(always)]
+    fn inverse_inside(&self, v: T) -> T {
+        let TanhParameters { c0, c3, .. } = self.parameters;
+        T::atanh_of_ratio((c0 + v) - c3, (c0 - v) + c3) * self.reciprocal_c1 + self.centre
     }
 
     /// γ' = c0 c1 (1 - tanh²) has its least value at one of the ends.

@@ -1,10 +1,12 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
+pub mod compare;
 pub mod emulate;
 mod identified_json;
 pub mod identify;
 pub mod pil;
 pub mod report;
+mod search;
 pub mod simulate;
 
 use clap::{Parser, Subcommand};
@@ -22,6 +24,7 @@ pub struct CommandLine {
 #[derive(Debug, Subcommand)]
 enum Command {
     Identify(identify::Arguments),
+    Compare(compare::Arguments),
     Simulate(simulate::Arguments),
     Report(report::Arguments),
     Pil(Box<pil::Arguments>),
@@ -36,6 +39,7 @@ impl CommandLine {
     pub fn run(self) -> Result<(), Error> {
         match self.command {
             Command::Identify(arguments) => identify::run(&arguments),
+            Command::Compare(arguments) => compare::run(&arguments),
             Command::Simulate(arguments) => simulate::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
             Command::Pil(arguments) => pil::run(&arguments),

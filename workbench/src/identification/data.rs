@@ -92,7 +92,7 @@ pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, Ident
     let structure = Structure::new(options);
     let coordinates = structure.coordinates();
     let rows: Vec<usize> = (0..scored.len()).filter(|&row| scored[row]).collect();
-    let parameters = coordinates.len() + structure.linear() + free_weights(options).unwrap_or_default();
+    let parameters = options.unknowns();
     if rows.len() <= parameters {
         return Err(IdentificationError::TooFewRows { rows: rows.len(), parameters });
     }

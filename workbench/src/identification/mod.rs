@@ -57,6 +57,7 @@ use data::{Data, normalise};
 pub use error::IdentificationError;
 use problem::{Point, Problem as Reduced};
 use starts::Start;
+use structure::Structure;
 pub use termination::Termination;
 pub use uncertainty::{Estimate, Uncertainty};
 
@@ -110,6 +111,13 @@ pub struct Options {
     pub seed: u64,
     /// Threads; 0 for one a core.
     pub threads: usize,
+}
+
+impl Options {
+    /// How many independent numbers are found: the raw parameters less those that scalings of the model leave open.
+    pub fn unknowns(&self) -> usize {
+        Structure { weights: self.weights, ..Structure::new(self) }.unknowns()
+    }
 }
 
 /// What the weights of the plays are made of.

@@ -53,4 +53,9 @@ impl Structure {
     pub fn linear(&self) -> usize {
         1 + self.segments + self.added()
     }
+
+    /// Number of all unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.coordinates().len() + self.linear()
+    }
 }

@@ -62,7 +62,7 @@ impl Uncertainty {
         let jacobian = point.jacobian();
         // What no row tells anything of is not free either: a play that nothing drives, for one.
         let (free, held): (Vec<usize>, Vec<usize>) =
-            (0..unknowns.len()).partition(|&place| is_free[place] && jacobian.row(place).amax() > 0.0);
+            (0..unknowns.len()).partition(|&place| is_free[place] && jacobian.row(place).norm() > 0.0);
         let by_unknowns = raw_by_unknowns::<K>(data, &unknowns)?;
         let unknown = Unknowns::new(jacobian.select_rows(&free), &point.residuals);
         let by_free = by_unknowns.select_columns(&free);

@@ -1,6 +1,6 @@
 //! What the runs leave: logs and figures, in which nothing depends on how fast the machine is.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::lock_step::{Run, Sample};
 use crate::figures::Figures;
@@ -36,9 +36,7 @@ pub fn json<'a>(runs: impl IntoIterator<Item = (&'a str, &'a Run)>, unit: Unit) 
     let mut json = json!({"ticks": 0, "overruns": 0});
     let mut overruns = 0;
     for (name, run) in runs {
-        let figures: Map<String, Value> =
-            figures(run).keyed(unit).into_iter().map(|(key, value)| (key, value.into())).collect();
-        json[name] = figures.into();
+        json[name] = figures(run).to_json(unit);
         json["ticks"] = run.samples.len().into();
         overruns += run.overruns;
     }

@@ -1,4 +1,4 @@
-//! Report of an identification: loop, time series, error, parameters.
+//! Report of an identification: loops, time series, errors, the parts of the model, parameters.
 
 use maud::{Markup, html};
 
@@ -6,6 +6,8 @@ use super::DrawingError;
 use super::model_run::ModelRun;
 use super::page::page;
 use super::parameters::parameters;
+use super::parts::parts;
+use super::plot::Plot;
 use crate::identification::Uncertainty;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::recording::Recording;
@@ -33,14 +35,32 @@ impl Identified<'_> {
         let run = ModelRun::new(self.recording, self.simulated);
         let (input, output) = (self.model.input.words(), self.model.output.words());
         let plots = [
-            run.loops(&format!("Loops: {output} over {input}")),
-            run.error("Error over time"),
-            run.output(&format!("Output: {output} over time")),
-            run.input(&format!("Input: {input} over time")),
+            (
+                run.loops(&format!("Loops: {output} over {input}")),
+                "Where the two lines part, the model has the wrong shape.",
+            ),
+            (
+                run.error("Error over time"),
+                "What comes back alike in every cycle is the model's fault; what grows with time \
+                is drift or creep, which these models do not have.",
+            ),
+            (
+                run.error_over_input("Error over the input"),
+                "Apart by direction: the loop has the wrong width there. \
+                Both alike: the middle of the loop is wrong. A narrow band about 0 is noise.",
+            ),
+            (
+                run.output(&format!("Output: {output} over time")),
+                "Rows that are not scored are shown here, too.",
+            ),
+            (run.input(&format!("Input: {input} over time")), "What drove the muscle, and the model."),
         ];
+        let parts = parts(self.model)?;
         let body = html! {
             (self.figures())
-            div.plots { @for plot in &plots { (plot.figure()?) } }
+            (explained(&plots)?)
+            h2 { "The parts of the model" }
+            (explained(&parts.iter().map(|part| (part.plot(), part.words)).collect::<Vec<_>>())?)
             (parameters(self.uncertainty, &self.model.names()))
         };
         let file = self.recording.drive.file.file_name().unwrap_or_default().display().to_string();
@@ -74,4 +94,13 @@ impl Identified<'_> {
             }
         }
     }
+}
+
+/// Plots, each with a few words below.
+fn explained(plots: &[(Plot<'_>, &str)]) -> Result<Markup, DrawingError> {
+    let figures = plots
+        .iter()
+        .map(|(plot, words)| Ok(html! { div { (plot.figure()?) p { (words) } } }))
+        .collect::<Result<Vec<_>, DrawingError>>()?;
+    Ok(html! { div.plots { @for figure in &figures { (figure) } } })
 }

@@ -1,5 +1,6 @@
 //! A model beside a recording, as plots.
 
+use super::direction::rising;
 use super::plot::{Line, Plot, Style};
 use crate::recording::Recording;
 
@@ -10,6 +11,8 @@ pub struct ModelRun<'a> {
     measured_scored: Vec<f64>,
     simulated_scored: Vec<f64>,
     errors: Vec<f64>,
+    /// The errors while the input rises, and while it falls.
+    errors_by_direction: [Vec<f64>; 2],
 }
 
 impl<'a> ModelRun<'a> {
@@ -20,8 +23,13 @@ impl<'a> ModelRun<'a> {
             rows.map(|(&value, &scored)| if scored { value } else { f64::NAN }).collect()
         };
         let (measured_scored, simulated_scored) = (scored(&recording.output.values), scored(simulated));
-        let errors = measured_scored.iter().zip(&simulated_scored).map(|(a, b)| a - b).collect();
-        Self { recording, simulated, measured_scored, simulated_scored, errors }
+        let errors: Vec<f64> = measured_scored.iter().zip(&simulated_scored).map(|(a, b)| a - b).collect();
+        let rising = rising(&recording.drive.input.values);
+        let errors_by_direction = [true, false].map(|way| {
+            let rows = errors.iter().zip(&rising);
+            rows.map(|(&error, &rising)| if rising == way { error } else { f64::NAN }).collect()
+        });
+        Self { recording, simulated, measured_scored, simulated_scored, errors, errors_by_direction }
     }
 
     /// The input over time.
@@ -61,6 +69,20 @@ impl<'a> ModelRun<'a> {
     pub fn error(&self, title: &str) -> Plot<'_> {
         let line = self.over_time("measured less model", Style::Error, &self.errors);
         self.time_plot(title, format!("error ({})", self.recording.output.channel.unit), vec![line])
+    }
+
+    /// Measured less model over the input, by direction.
+    pub fn error_over_input(&self, title: &str) -> Plot<'_> {
+        let input = &self.recording.drive.input;
+        let line = |name, style, y| Line { name, style, x: &input.values, y };
+        let [rising, falling] = &self.errors_by_direction;
+        Plot {
+            title: title.to_owned(),
+            x: input.channel.to_string(),
+            y: format!("error ({})", self.recording.output.channel.unit),
+            lines: vec![line("rising", Style::Measured, rising), line("falling", Style::Model, falling)],
+            ..Plot::default()
+        }
     }
 
     fn over_time<'b>(&'b self, name: &'b str, style: Style, y: &'b [f64]) -> Line<'b> {

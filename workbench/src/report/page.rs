@@ -23,7 +23,8 @@ figcaption { font-weight: 600 } .legend { font-weight: 400 }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums }
 th, td { text-align: right; padding: .15rem .8rem; border-bottom: 1px solid var(--rule) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
-.wide { overflow-x: auto }
+.wide { overflow-x: auto } .best { font-weight: 600 } td:first-child { white-space: nowrap }
+.bars { max-width: 42rem }
 @media print { body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr } }
 ";
 

@@ -6,7 +6,7 @@ use super::DrawingError;
 use super::model_run::ModelRun;
 use super::page::page;
 use super::plot::{Line, Plot, Style};
-use crate::figures::{Figures, stroke};
+use crate::figures::Figures;
 use crate::recording::Recording;
 use crate::table::{DataError, Table};
 
@@ -110,16 +110,14 @@ pub fn to_html(
     source: &str,
 ) -> Result<String, DrawingError> {
     let run = ModelRun::new(recording, simulated);
-    let (drive, output) = (&recording.drive, &recording.output);
-    let stroke = stroke(&output.values, &drive.scored);
-    let fit = Figures::of(&output.values, simulated, &drive.scored);
+    let (fit, stroke) = (recording.figures(simulated), recording.stroke());
     let model = [
         run.input("(a) Input"),
         run.loops("(b) Hysteresis loops"),
         run.output("(c) Length"),
         run.error("(d) Error"),
     ];
-    let unit = output.channel.unit;
+    let unit = recording.output.channel.unit;
     let missed = tracking.figures();
     let body = html! {
         (section("Fig. 8: the model beside the recording", &model)?)

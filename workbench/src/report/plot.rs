@@ -32,6 +32,13 @@ pub struct DrawingError {
     reason: String,
 }
 
+impl DrawingError {
+    /// That something cannot be drawn, and why.
+    pub(super) fn new(title: &str, reason: impl std::fmt::Display) -> Self {
+        Self { title: title.to_owned(), reason: reason.to_string() }
+    }
+}
+
 /// What a line stands for, and so how it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
@@ -65,6 +72,11 @@ impl Style {
         self.colours().0
     }
 
+    /// The colour on a light background, as SVG writes it.
+    pub fn hex(self) -> String {
+        hex(self.light())
+    }
+
     /// Width of a line. Unit: pixels.
     fn width(self) -> u32 {
         match self {
@@ -93,7 +105,7 @@ impl Line<'_> {
         html! {
             span {
                 svg width="36" height="10" aria-hidden="true" {
-                    line x1="0" x2="36" y1="5" y2="5" stroke=(hex(self.style.light()))
+                    line x1="0" x2="36" y1="5" y2="5" stroke=(self.style.hex())
                         stroke-width=(self.style.width()) {}
                 }
                 (self.name)
@@ -163,16 +175,14 @@ impl Plot<'_> {
 
     /// The content of the drawing: the library's own element has neither a role nor a name.
     fn drawing(&self) -> Result<String, DrawingError> {
-        let svg = self
-            .svg()
-            .map_err(|error| DrawingError { title: self.title.clone(), reason: error.to_string() })?;
+        let svg = self.svg().map_err(|error| DrawingError::new(&self.title, error))?;
         let drawing = svg.split_once('>').map_or("", |(_, content)| content);
         Ok(drawing.trim_end().trim_end_matches("</svg>").to_owned())
     }
 
     /// The plot below its title and legend, as a part of a sheet.
     fn panel(&self) -> Result<Markup, DrawingError> {
-        let ink = hex(Style::Ink.light());
+        let ink = Style::Ink.hex();
         let middle = SIZE.0 / 2;
         let keys: Vec<_> = if self.has_legend() { self.named().collect() } else { Vec::new() };
         let mut places = Vec::new();
@@ -187,7 +197,7 @@ impl Plot<'_> {
                 text x=(middle) y="20" text-anchor="middle" font-weight="600" { (self.title) }
                 @for (line, place) in keys.iter().zip(&places) {
                     g transform=(format!("translate({},42)", start + place)) {
-                        line x1="0" x2="30" y1="-5" y2="-5" stroke=(hex(line.style.light()))
+                        line x1="0" x2="30" y1="-5" y2="-5" stroke=(line.style.hex())
                             stroke-width=(line.style.width()) {}
                         text x="36" { (line.name) }
                     }
@@ -302,7 +312,7 @@ fn hex(colour: RGBColor) -> String {
 
 /// The style rule that dashes the model's lines.
 fn dashes() -> String {
-    format!("[stroke=\"{}\"]{{stroke-dasharray:7 3}}\n", hex(Style::Model.light()))
+    format!("[stroke=\"{}\"]{{stroke-dasharray:7 3}}\n", Style::Model.hex())
 }
 
 /// Style rules of the plots: dashes for the model, and the colours for dark backgrounds.

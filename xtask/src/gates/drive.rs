@@ -78,12 +78,18 @@ fn receive(mut link: &UnixStream, receiver: &mut Receiver) -> Result<Response> {
     }
 }
 
-/// Drives the image `control_law` by its own protocol.
+/// Drives the image `control_law` by its own protocol; `envelope` is that protocol's number for the one of `parameters`.
 ///
 /// # Errors
 /// It does not answer, or otherwise than the same code does on the host.
-pub fn control_law(mut link: &UnixStream, parameters: &Parameters, samples: &[Sample]) -> Result<()> {
+pub fn control_law(
+    mut link: &UnixStream,
+    envelope: u8,
+    parameters: &Parameters,
+    samples: &[Sample],
+) -> Result<()> {
     link.read_exact(&mut [0]).context("it is not ready")?;
+    link.write_all(&[envelope])?;
     let tracking = BoardTracking::try_new(parameters)?;
     let inverse = tracking.inverse();
     let (mut inverse_state, mut state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));

@@ -11,7 +11,8 @@
 //! | [`accuracy`] | `f32` against `f64` |
 //! | [`bounds`] | what the figures have to be |
 //!
-//! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`.
+//! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`, with
+//! either envelope.
 //!
 //! # Limits
 //! Instructions are not cycles: the emulator has no cycle counter. One run at a time in a target directory: the spoilt
@@ -28,7 +29,7 @@ use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use firmware::law::paper_parameters;
+use firmware::law::{paper_parameters, piecewise_parameters};
 use model_core::{Hysteresis, Mgpi, paper};
 
 use crate::board_compiler::BoardCompiler;
@@ -108,16 +109,24 @@ fn costs(
     parameters: &Parameters,
     samples: &[Sample],
 ) -> Result<Vec<Figure>> {
-    let (controller, tick) = (emulated.function(CONTROLLER)?, emulated.function(TICK)?);
-    let of_law = counted::run(law, plugin, &[law.function(INVERSE)?], |link| {
-        drive::control_law(link, parameters, samples)
-    })?;
+    let (inverse, controller, tick) =
+        (law.function(INVERSE)?, emulated.function(CONTROLLER)?, emulated.function(TICK)?);
+    let of_law = |envelope, parameters: &Parameters| {
+        counted::run(law, plugin, &[inverse], |link| drive::control_law(link, envelope, parameters, samples))
+    };
+    let mut of_inverses = of_law(0, parameters)?;
+    of_inverses.extend(of_law(1, &piecewise_parameters()?)?);
     let of_emulated = counted::run(emulated, plugin, &[controller, tick], |link| {
         drive::emulated(link, parameters, samples)
     })?;
-    let titles = ["inverse", "controller (inverse, PID, limits)", "whole tick of the image emulated"];
+    let titles = [
+        "inverse",
+        "inverse, piecewise-linear envelope",
+        "controller (inverse, PID, limits)",
+        "whole tick of the image emulated",
+    ];
     let mut figures = Vec::new();
-    for (title, cost) in titles.into_iter().zip(of_law.into_iter().chain(of_emulated)) {
+    for (title, cost) in titles.into_iter().zip(of_inverses.into_iter().chain(of_emulated)) {
         ensure!(cost.calls == samples.len(), "{title}: {} calls in {} samples", cost.calls, samples.len());
         figures.extend(instructions(title, &cost, samples));
     }
@@ -155,18 +164,19 @@ fn judge(compiler: &str, figures: &[Figure], bless: bool) -> Result<Vec<String>>
         bounds = bounds.blessed(compiler, figures);
         bounds.write(&file, figures)?;
     }
-    println!("\n{:<58} {:>9} {:>8} {:>8} {:>8}", "", "measured", "lower", "upper", "at most");
+    println!("\n{:<58} {:>9} {:>8} {:>8} {:>8}", "", "measured", "lower", "upper", "goal");
     for Figure { name, value, remark } in figures {
         let bound = bounds.figures.get(name);
         let cell = |number: Option<u64>| number.map_or_else(|| "-".to_owned(), |number| number.to_string());
         let [lower, upper] = [bound.map(|bound| bound.lower), bound.map(|bound| bound.upper)].map(cell);
-        let at_most = cell(bound.and_then(|bound| bound.at_most));
-        let line = format!("{name:<58} {value:>9.1} {lower:>8} {upper:>8} {at_most:>8}  {remark}");
+        let goal = cell(bound.and_then(|bound| bound.goal));
+        let line = format!("{name:<58} {value:>9.1} {lower:>8} {upper:>8} {goal:>8}  {remark}");
         println!("{}", line.trim_end());
     }
-    let mut violations = bounds.violations(figures);
-    if !violations.is_empty() && compiler != bounds.compiler {
-        violations.push(format!("the bounds are those of {}, this is {compiler}", bounds.compiler));
+    bounds.missed(figures).iter().for_each(|missed| println!("goal missed: {missed}"));
+    if compiler != bounds.compiler {
+        println!("the bounds are those of {}, this is {compiler}: not held against them", bounds.compiler);
+        return Ok(Vec::new());
     }
-    Ok(violations)
+    Ok(bounds.violations(figures))
 }

@@ -5,13 +5,14 @@
 //! * **Cost of the inverse alone**, which the other images contain only as a part of the controller.
 //!
 //! # Protocol
-//! A zero byte on USART2 says that the board is ready. Then, for each sample, the host sends mode (one byte, 0 to 3 as
-//! in [`MODES`]), reference and contraction (mm), and gets back the inverse's answer and the controller's command (bar);
-//! numbers are `f32`, little-endian. A refused sample is answered by NaN.
+//! A zero byte on USART2 says that the board is ready. The host answers by a byte for the envelope, 0 for the paper's and 1
+//! for the piecewise-linear one. Then, for each sample, it sends mode (one byte, 0 to 3 as in [`MODES`]), reference and
+//! contraction (mm), and gets back the inverse's answer and the controller's command (bar); numbers are `f32`,
+//! little-endian. A refused sample is answered by NaN.
 //!
 //! # Limits
 //! The waits for the port are unbounded: it stands for the host's program and is no part of the law. A model that is
-//! refused stops the image before it is ready.
+//! refused stops the image before the first sample.
 #![no_std]
 #![no_main]
 
@@ -20,9 +21,9 @@ mod port;
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
-use firmware::law::{BoardInverse, controller_step, inverse_step, paper_parameters};
+use firmware::law::{BoardInverse, controller_step, inverse_step, paper_parameters, piecewise_parameters};
 use firmware::order::BoardTracking;
-use model_core::{HysteresisState, InverseHysteresis, Invertible, Mode, ParameterError, TrackingState};
+use model_core::{HysteresisState, InverseHysteresis, Mode, ParameterError, TrackingState};
 use wire::PLAYS;
 
 use port::Port;
@@ -40,8 +41,9 @@ struct Law {
 
 impl Law {
     /// The paper's model and gains, at rest.
-    fn paper() -> Result<Self, ParameterError> {
-        let tracking = BoardTracking::try_new(&black_box(paper_parameters()?))?;
+    fn paper(piecewise: bool) -> Result<Self, ParameterError> {
+        let parameters = if piecewise { piecewise_parameters()? } else { paper_parameters()? };
+        let tracking = BoardTracking::try_new(&black_box(parameters))?;
         let inverse = tracking.inverse().clone();
         let (inverse_state, state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));
         Ok(Self { inverse, inverse_state, tracking, state })
@@ -60,8 +62,8 @@ impl Law {
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let port = Port::open();
-    if let Ok(mut law) = Law::paper() {
-        port.send_byte(0);
+    port.send_byte(0);
+    if let Ok(mut law) = Law::paper(port.receive_byte() != 0) {
         loop {
             law.sample(&port);
             #[cfg(feature = "deliberate_panic")]

@@ -1,0 +1,53 @@
+//! The raw parameters of a bank of plays, see [`crate::play`].
+
+use heapless::Vec;
+
+use crate::convert;
+use crate::error::{Check, ParameterError, Requirement};
+use crate::real::Real;
+
+/// Raw parameters of a bank of at most `N` plays.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
+pub struct PlayParameters<T, const N: usize> {
+    /// Weight of the direct term. Unit: 1, above 0.
+    pub q: T,
+    /// Thresholds r, strictly increasing and above 0. Unit: that of the inner coordinate (1).
+    pub thresholds: Vec<T, N>,
+    /// Weights p, as many as thresholds. Unit: 1.
+    pub weights: Vec<T, N>,
+}
+
+impl<T: Real, const N: usize> PlayParameters<T, N> {
+    /// Equally spaced thresholds rᵢ = α i, equation (9), with weights pᵢ = ρ exp(-τ rᵢ), equation (10), for
+    /// i = 1 … `count`.
+    ///
+    /// # Errors
+    /// `count` is above the capacity `N`.
+    pub fn exponential(count: usize, q: T, rho: T, tau: T, alpha: T) -> Result<Self, ParameterError> {
+        let mut parameters = Self { q, thresholds: Vec::new(), weights: Vec::new() };
+        let too_many = |_| Check::new("plays", "").length(count, Requirement::AtMost(N as f64));
+        for i in 1..=count {
+            let threshold = alpha * T::from_f64(i as f64);
+            parameters.thresholds.push(threshold).map_err(too_many)?;
+            parameters.weights.push(rho * (-tau * threshold).exp()).map_err(too_many)?;
+        }
+        Ok(parameters)
+    }
+
+    /// The same parameters in another number type or capacity.
+    ///
+    /// # Errors
+    /// The other capacity is too small.
+    pub fn convert<U: Real, const N2: usize>(&self) -> Result<PlayParameters<U, N2>, ParameterError> {
+        Ok(PlayParameters {
+            q: convert::number(self.q),
+            thresholds: convert::list("plays", &self.thresholds)?,
+            weights: convert::list("plays", &self.weights)?,
+        })
+    }
+}

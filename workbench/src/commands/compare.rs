@@ -1,0 +1,146 @@
+//! `mgpi compare`: the models side by side, on any recording.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use model_core::Kind;
+
+use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
+use crate::Error;
+use crate::comparison::{Comparison, HeldOut, PIECEWISE_LINEAR, has_dead_zones};
+use crate::identification::{DEAD_ZONES, Options, PLAYS, Weights};
+use crate::output::Outputs;
+use crate::report::comparison::to_html;
+
+/// Compares models and sizes on a recording, as the paper's Tables 3 and 4 do.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// The recording
+    #[arg(value_name = "REC.csv")]
+    recording: PathBuf,
+    /// Models; -pl stands for a piecewise-linear envelope, which mgpi and sgpi can have
+    #[arg(
+        long,
+        value_name = "MODEL,…",
+        value_delimiter = ',',
+        value_parser = model,
+        default_value = "cpi,sgpi,agpi,mpi,egpi,mgpi,mgpi-pl"
+    )]
+    models: Vec<(Kind, bool)>,
+    /// Sizes: plays/dead zones; models without dead zones leave the second number out
+    #[arg(long, value_name = "N/M,…", value_delimiter = ',', value_parser = size, default_value = "10/10,20/10,10/14")]
+    sizes: Vec<(usize, usize)>,
+    /// Number of knots of piecewise-linear envelopes
+    #[arg(long, default_value_t = 12, value_name = "K")]
+    knots: usize,
+    /// Another recording that the models are tried on [default: hold out the second half of the cycles]
+    #[arg(long, value_name = "REC2.csv")]
+    validate: Option<PathBuf>,
+    /// Hold nothing out where there is no other recording
+    #[arg(long, conflicts_with = "validate")]
+    no_holdout: bool,
+    /// Also write the table as CSV
+    #[arg(short = 'o', value_name = "TABLE.csv")]
+    table: Option<PathBuf>,
+    /// Also write a report (one HTML file)
+    #[arg(long, value_name = "REPORT.html")]
+    report: Option<PathBuf>,
+    /// Also write the table as JSON
+    #[arg(long, value_name = "TABLE.json")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
+    #[command(flatten)]
+    effort: Effort,
+    /// Overwrite existing outputs
+    #[arg(long)]
+    force: bool,
+}
+
+/// A kind of model, and whether its envelope is piecewise-linear.
+fn model(text: &str) -> Result<(Kind, bool), String> {
+    let (name, is_piecewise_linear) =
+        text.strip_suffix(PIECEWISE_LINEAR).map_or((text, false), |name| (name, true));
+    let kind = Kind::ALL.into_iter().find(|kind| kind.name() == name);
+    match kind {
+        Some(Kind::Sgpi | Kind::Mgpi) => {}
+        Some(_) if !is_piecewise_linear => {}
+        _ => {
+            let names = Kind::ALL.map(Kind::name).join(", ");
+            return Err(format!("known are {names}, sgpi{PIECEWISE_LINEAR}, mgpi{PIECEWISE_LINEAR}"));
+        }
+    }
+    kind.map(|kind| (kind, is_piecewise_linear)).ok_or_else(String::new)
+}
+
+/// Numbers of plays and of dead zones.
+fn size(text: &str) -> Result<(usize, usize), String> {
+    let size = text.split_once('/').and_then(|(n, m)| Some((n.parse().ok()?, m.parse().ok()?)));
+    size.filter(|(n, m)| (1..=PLAYS).contains(n) && (1..=DEAD_ZONES).contains(m)).ok_or_else(|| {
+        format!("two numbers N/M are needed: 1 to {PLAYS} plays, 1 to {DEAD_ZONES} dead zones")
+    })
+}
+
+/// Compares.
+///
+/// # Errors
+/// A recording is not what it should be, no model can be made of it, or an output cannot be written.
+pub fn run(arguments: &Arguments) -> Result<(), Error> {
+    let Arguments { table, report, json, .. } = arguments;
+    let inputs: Vec<&Path> =
+        [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
+    let files = table.iter().chain(report).chain(json);
+    let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
+    let (recording, other) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
+    let heldout = match &other {
+        Some(other) => HeldOut::Recording(other),
+        None if arguments.no_holdout => HeldOut::Nothing,
+        None => HeldOut::LaterCycles,
+    };
+
+    let models = arguments.models();
+    let searches = models.iter().map(|options| heldout.searches(options)).sum();
+    let comparison = with_bar(searches, |progress| Comparison::of(&recording, heldout, &models, progress))
+        .map_err(|source| unidentified(&recording, source))?;
+
+    if let Some(file) = table {
+        outputs.stage(file, comparison.to_csv().as_bytes())?;
+    }
+    if let Some(file) = report {
+        outputs.stage(file, to_html(&comparison)?.as_bytes())?;
+    }
+    if let Some(file) = json {
+        outputs.stage(file, format!("{:#}\n", comparison.to_json()).as_bytes())?;
+    }
+    outputs.commit()?;
+    say!("{}, from {}", recording.columns(), recording.drive.file.display());
+    say!("stroke {:.3} {}", recording.stroke(), recording.output.channel.unit);
+    say!("{}", comparison.heldout_in_words());
+    say!("\n{}", comparison.to_text().trim_end());
+    if let Some((_, best)) = comparison.best() {
+        warn_of_poor_fit(&recording, &best.training);
+    }
+    Ok(())
+}
+
+impl Arguments {
+    /// Every model in every size, but none twice.
+    fn models(&self) -> Vec<Options> {
+        let mut models: Vec<Options> = Vec::new();
+        for &(model, is_piecewise_linear) in &self.models {
+            let knots = is_piecewise_linear.then_some(self.knots);
+            for &(plays, dead_zones) in &self.sizes {
+                let is_same = |other: &Options| {
+                    let same_zones = !has_dead_zones(model) || other.dead_zones == dead_zones;
+                    (other.model, other.knots, other.plays) == (model, knots, plays) && same_zones
+                };
+                if !models.iter().any(is_same) {
+                    let Effort { starts, seed, threads } = self.effort;
+                    let weights = Weights::Exponential;
+                    models.push(Options { model, knots, weights, plays, dead_zones, starts, seed, threads });
+                }
+            }
+        }
+        models
+    }
+}

@@ -1,0 +1,130 @@
+//! What the commands that search for models share: columns, effort, progress, and words where it went badly.
+
+use std::path::Path;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::Error;
+use crate::figures::Figures;
+use crate::identification::IdentificationError;
+use crate::recording::{Choice, Recording};
+
+/// Which columns of a recording are used.
+#[derive(Args, Debug)]
+pub struct Columns {
+    /// Input column [default: pressure_bar, else command_bar]
+    #[arg(long, value_name = "COLUMN")]
+    input: Option<String>,
+    /// Output column [default: contraction_mm]
+    #[arg(long, value_name = "COLUMN")]
+    output: Option<String>,
+    /// The muscle's length at rest in mm, if the recording has length_mm
+    #[arg(long, value_name = "MM", conflicts_with = "output")]
+    rest_length: Option<f64>,
+    /// Range of the input (of the valve, say), in its unit; a value outside is refused
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    input_range: Option<(f64, f64)>,
+}
+
+/// How much is searched.
+#[derive(Args, Debug)]
+pub struct Effort {
+    /// Number of starts of the search
+    #[arg(long, default_value_t = 24, value_name = "N")]
+    pub starts: usize,
+    /// Seed of the starts
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// Threads, 0 for one a core
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub threads: usize,
+}
+
+impl Columns {
+    /// Reads a recording and another one that models are tried on.
+    ///
+    /// # Errors
+    /// Those of [`Recording::read`].
+    pub fn read(
+        &self,
+        training: &Path,
+        heldout: Option<&Path>,
+    ) -> Result<(Recording, Option<Recording>), Error> {
+        let choice = Choice {
+            input: self.input.clone(),
+            output: self.output.clone(),
+            rest_length_mm: self.rest_length,
+            input_range: self.input_range,
+        };
+        let training = Recording::read(training, &choice)?;
+        // The same columns, also where the choice was left open and the other file offers others.
+        let choice = Choice {
+            input: Some(training.drive.input.channel.name.clone()),
+            output: Some(training.output.channel.name.clone()),
+            ..choice
+        };
+        let heldout = heldout.map(|file| Recording::read(file, &choice)).transpose()?;
+        Ok((training, heldout))
+    }
+}
+
+fn range(text: &str) -> Result<(f64, f64), String> {
+    let limits = text.split_once(',').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
+    match limits {
+        Some((low, high)) if low < high => Ok((low, high)),
+        _ => Err("two numbers LOW,HIGH are needed, the lower first".to_owned()),
+    }
+}
+
+/// Searches with a bar that shows how many of a number of searches are done.
+pub fn with_bar<T>(searches: usize, search: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
+    let style = ProgressStyle::with_template("identifying {wide_bar} {pos}/{len} searches, {eta} left");
+    let bar =
+        ProgressBar::new(searches as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let result = search(&|done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    result
+}
+
+/// That no model can be made of a recording, with the recording's name.
+pub fn unidentified(recording: &Recording, source: IdentificationError) -> Error {
+    Error::Identification {
+        file: recording.drive.file.clone(),
+        columns: recording.columns(),
+        source: Box::new(source),
+    }
+}
+
+/// Share of the stroke that an error has to reach for the fit to be called poor: ten times what a muscle leaves.
+const POOR_FIT: f64 = 0.1;
+
+/// A plain word where the model does not describe the recording.
+pub fn warn_of_poor_fit(recording: &Recording, training: &Figures) {
+    let share = training.rmse / recording.stroke();
+    if share < POOR_FIT {
+        return;
+    }
+    let Recording { drive, output } = recording;
+    let (input, output, scored) = (&drive.input.values, &output.values, &drive.scored);
+    let reason = if covariance(input, output, scored) < 0.0 {
+        "the output falls as the input rises, and these models rise: give one of the columns the other sign"
+    } else {
+        "the output is not a rising hysteresis curve of the input alone: another column, speed or time acts as well"
+    };
+    eprintln!(
+        "warning: {}: this model does not describe the recording, its error is {:.0} % of the stroke; {reason}",
+        drive.file.display(),
+        100.0 * share
+    );
+}
+
+/// Covariance of two columns over the scored rows, in the product of their units.
+fn covariance(a: &[f64], b: &[f64], scored: &[bool]) -> f64 {
+    let rows: Vec<(f64, f64)> =
+        a.iter().zip(b).zip(scored).filter(|(_, scored)| **scored).map(|((a, b), _)| (*a, *b)).collect();
+    let count = rows.len() as f64;
+    let (mean_a, mean_b) =
+        rows.iter().fold((0.0, 0.0), |(sum_a, sum_b), (a, b)| (sum_a + a / count, sum_b + b / count));
+    rows.iter().map(|(a, b)| (a - mean_a) * (b - mean_b)).sum::<f64>() / count
+}

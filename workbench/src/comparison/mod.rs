@@ -1,0 +1,177 @@
+//! Models by sizes on one recording: Tables 3 and 4 of the paper for any recording.
+//!
+//! Every model is identified by the same search, from the same seed, and tried on the same held-out rows. One that
+//! cannot be made (an extended model without an inverse, say) keeps its row, which says why.
+
+mod table;
+
+use std::time::Instant;
+
+use model_core::Kind;
+
+use crate::figures::Figures;
+use crate::holdout::later_cycles;
+use crate::identification::{self, Fit, IdentificationError, Options};
+use crate::recording::Recording;
+
+/// Models on a recording; at least one could be made.
+pub struct Comparison<'a> {
+    /// What they were identified from.
+    pub recording: &'a Recording,
+    /// What they were tried on.
+    pub heldout: HeldOut<'a>,
+    /// A model each.
+    pub rows: Vec<Row>,
+}
+
+/// What models are tried on that they have not seen.
+#[derive(Clone, Copy, Debug)]
+pub enum HeldOut<'a> {
+    /// Another recording.
+    Recording(&'a Recording),
+    /// The later cycles of the recording, by a second model of the first ones ([`crate::holdout`]).
+    LaterCycles,
+    /// Nothing.
+    Nothing,
+}
+
+/// A model, and what has become of it.
+pub struct Row {
+    /// The model, its sizes and how it was searched.
+    pub options: Options,
+    /// Duration of the search. Unit: s.
+    pub seconds: f64,
+    /// The identified model's figures, or why there is none.
+    pub outcome: Result<Outcome, IdentificationError>,
+}
+
+/// What an identified model is worth.
+pub struct Outcome {
+    /// On what it was identified from. Output unit.
+    pub training: Figures,
+    /// On what it was tried on. Output unit.
+    pub heldout: Option<Figures>,
+    /// How the search ended.
+    pub termination: String,
+    /// Its output for every row of the recording. Output unit.
+    pub simulated: Vec<f64>,
+}
+
+impl<'a> Comparison<'a> {
+    /// Identifies each model. `progress` is called with the number of searches done, of all models together.
+    ///
+    /// # Errors
+    /// That of the first model, if none can be made.
+    pub fn of(
+        recording: &'a Recording,
+        heldout: HeldOut<'a>,
+        models: &[Options],
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Result<Self, IdentificationError> {
+        let mut rows = Vec::new();
+        let mut before = 0;
+        for options in models {
+            rows.push(Row::of(recording, heldout, options, &|done| progress(before + done)));
+            before += heldout.searches(options);
+        }
+        match rows.first() {
+            Some(Row { outcome: Err(error), .. }) if rows.iter().all(|row| row.outcome.is_err()) => {
+                Err(error.clone())
+            }
+            _ => Ok(Self { recording, heldout, rows }),
+        }
+    }
+
+    /// Whether there are figures of what the models have not seen.
+    pub fn has_heldout(&self) -> bool {
+        self.made().any(|(_, outcome)| outcome.heldout.is_some())
+    }
+
+    /// The models that could be made, with what they are worth.
+    pub fn made(&self) -> impl Iterator<Item = (&Row, &Outcome)> {
+        self.rows.iter().filter_map(|row| Some((row, row.outcome.as_ref().ok()?)))
+    }
+
+    /// The model of the smallest root mean square error: held out, if there is such a figure.
+    pub fn best(&self) -> Option<(&Row, &Outcome)> {
+        self.made().min_by(|(_, one), (_, other)| one.judged().rmse.total_cmp(&other.judged().rmse))
+    }
+}
+
+impl HeldOut<'_> {
+    /// How many searches a model takes.
+    pub fn searches(self, options: &Options) -> usize {
+        let models = if matches!(self, Self::LaterCycles) { 2 } else { 1 };
+        models * identification::searches(options.starts)
+    }
+
+    fn figures(
+        self,
+        fit: &Fit,
+        recording: &Recording,
+        options: &Options,
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Option<Figures> {
+        match self {
+            Self::Recording(other) => {
+                Some(other.figures(&identification::simulate(&fit.model, &other.drive.input.values)))
+            }
+            Self::LaterCycles => later_cycles(recording, options, progress).map(|(_, figures)| figures),
+            Self::Nothing => None,
+        }
+    }
+}
+
+impl Row {
+    fn of(
+        recording: &Recording,
+        heldout: HeldOut<'_>,
+        options: &Options,
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Self {
+        let begin = Instant::now();
+        let fit = identification::identify(&recording.problem(), options, progress);
+        let seconds = begin.elapsed().as_secs_f64();
+        let outcome = fit.map(|fit| Outcome {
+            training: recording.figures(&fit.simulated),
+            heldout: heldout.figures(&fit, recording, options, &|done| {
+                progress(identification::searches(options.starts) + done);
+            }),
+            termination: fit.termination.to_string(),
+            simulated: fit.simulated,
+        });
+        Self { options: *options, seconds, outcome }
+    }
+
+    /// The model's name; `-pl` at its end stands for a piecewise-linear envelope.
+    pub fn model(&self) -> String {
+        let envelope = if self.options.knots.is_some() { PIECEWISE_LINEAR } else { "" };
+        format!("{}{envelope}", self.options.model)
+    }
+
+    /// Number of dead zones of a model that has them.
+    pub fn dead_zones(&self) -> Option<usize> {
+        has_dead_zones(self.options.model).then_some(self.options.dead_zones)
+    }
+
+    /// Name and sizes: `mgpi 10/10`, `sgpi 10`.
+    pub fn name(&self) -> String {
+        let dead_zones = self.dead_zones().map_or(String::new(), |count| format!("/{count}"));
+        format!("{} {}{dead_zones}", self.model(), self.options.plays)
+    }
+}
+
+impl Outcome {
+    /// The figures that models are chosen by.
+    fn judged(&self) -> &Figures {
+        self.heldout.as_ref().unwrap_or(&self.training)
+    }
+}
+
+/// The end of the names of models with a piecewise-linear envelope.
+pub const PIECEWISE_LINEAR: &str = "-pl";
+
+/// Whether a model has dead zones, and so a number of them.
+pub fn has_dead_zones(kind: Kind) -> bool {
+    matches!(kind, Kind::Mpi | Kind::Mgpi)
+}

@@ -190,3 +190,20 @@ fn raw_values<const K: usize>(data: &Data, unknowns: &[f64]) -> Result<Vec<Named
     let (parameters, density) = raw::parameters(&data.structure, &inner, &grid, &linear, data.span)?;
     Ok(named(&parameters, &density))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_unknowns_that_act_alike_only_the_sum_is_told() {
+        let alike = |row: usize| (0.1 * row as f64).sin();
+        let jacobian = DMatrix::from_fn(3, 200, |i, row| if i < 2 { alike(row) } else { alike(row * row) });
+        let residuals: Vec<f64> = (0..200).map(|row| f64::from(row * row % 7 < 3) - 0.4).collect();
+        let unknown = Unknowns::new(jacobian, &residuals);
+        assert!(unknown.is_told(&RowDVector::from_row_slice(&[1.0, 1.0, 0.0])));
+        assert!(unknown.is_told(&RowDVector::from_row_slice(&[0.0, 0.0, 1.0])));
+        assert!(!unknown.is_told(&RowDVector::from_row_slice(&[1.0, 0.0, 0.0])));
+        assert!(unknown.covariance.iter().all(|c| c.is_finite()));
+    }
+}

@@ -3,7 +3,6 @@
 use model_core::Hysteresis;
 use serde_json::{Map, Value, json};
 
-use crate::figures::Figures;
 use crate::identification::Fit;
 use crate::identification::named::{Dimension, slope_dimension};
 use crate::model_file::{Identification, ModelFile};
@@ -11,9 +10,6 @@ use crate::model_file::{Identification, ModelFile};
 /// Figures and parameters of an identification; the keys carry the units of the model's columns.
 pub fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, seconds: f64) -> Value {
     let (names, unit) = (model.names(), model.output.unit);
-    let figures = |figures: &Figures| -> Map<String, Value> {
-        figures.keyed(unit).into_iter().map(|(key, value)| (key, value.into())).collect()
-    };
     let known = &fit.uncertainty;
     let parameters = known.estimates.iter().map(|estimate| {
         json!({
@@ -34,8 +30,8 @@ pub fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, se
             .collect()
     };
     let mut json = json!({
-        "training": figures(&identification.training),
-        "heldout": identification.heldout.as_ref().map(|heldout| figures(&heldout.figures)),
+        "training": identification.training.to_json(unit),
+        "heldout": identification.heldout.as_ref().map(|heldout| heldout.figures.to_json(unit)),
         "heldout_from_s": identification.heldout.as_ref().and_then(|heldout| heldout.from_s),
         "parameters": parameters.collect::<Vec<_>>(),
         // In the order of the parameters; serialisation makes null of what is not a number.

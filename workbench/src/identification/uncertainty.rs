@@ -62,7 +62,7 @@ impl Uncertainty {
         let jacobian = point.jacobian();
         // What no row tells anything of is not free either: a play that nothing drives, for one.
         let (free, held): (Vec<usize>, Vec<usize>) =
-            (0..unknowns.len()).partition(|&place| is_free[place] && jacobian.row(place).amax() > 0.0);
+            (0..unknowns.len()).partition(|&place| is_free[place] && jacobian.row(place).norm() > 0.0);
         let by_unknowns = raw_by_unknowns::<K>(data, &unknowns)?;
         let unknown = Unknowns::new(jacobian.select_rows(&free), &point.residuals);
         let by_free = by_unknowns.select_columns(&free);
@@ -189,4 +189,21 @@ fn raw_values<const K: usize>(data: &Data, unknowns: &[f64]) -> Result<Vec<Named
     let linear = Linear::new(coefficients, segments, Vec::new());
     let (parameters, density) = raw::parameters(&data.structure, &inner, &grid, &linear, data.span)?;
     Ok(named(&parameters, &density))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_unknowns_that_act_alike_only_the_sum_is_told() {
+        let alike = |row: usize| (0.1 * row as f64).sin();
+        let jacobian = DMatrix::from_fn(3, 200, |i, row| if i < 2 { alike(row) } else { alike(row * row) });
+        let residuals: Vec<f64> = (0..200).map(|row| f64::from(row * row % 7 < 3) - 0.4).collect();
+        let unknown = Unknowns::new(jacobian, &residuals);
+        assert!(unknown.is_told(&RowDVector::from_row_slice(&[1.0, 1.0, 0.0])));
+        assert!(unknown.is_told(&RowDVector::from_row_slice(&[0.0, 0.0, 1.0])));
+        assert!(!unknown.is_told(&RowDVector::from_row_slice(&[1.0, 0.0, 0.0])));
+        assert!(unknown.covariance.iter().all(|c| c.is_finite()));
+    }
 }

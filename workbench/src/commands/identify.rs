@@ -238,7 +238,6 @@ impl Arguments {
             weights: self.weights.into(),
             knots: matches!(self.envelope, Some(Envelope::Pl)).then_some(self.knots),
             plays: self.plays,
-            weights: self.weights.into(),
             dead_zones: self.dead_zones,
             starts,
             seed,

@@ -2,7 +2,8 @@
 //!
 //! Variable projection (Golub and Pereyra 1973) with Kaufman's Jacobian (1975), whose gradient is exact: the
 //! derivative of the model at fixed linear coefficients, less its part in the span of the free linear
-//! columns. Coefficients that stand at their bound do not take part.
+//! columns. Coefficients that stand at their bound do not take part. At its end the gradient by all unknowns together
+//! vanishes (a test): nothing is left for a joint polish.
 //!
 //! Levenberg-Marquardt needs of residuals r and Jacobian J only |r|, Jᵀr and JᵀJ. So a recording's thousands
 //! of rows are summed up once, and the kernel gets one row more than coordinates, of the same norm and products: a

@@ -131,6 +131,27 @@ fn weights_that_grow_from_play_to_play_are_recovered() {
 }
 
 #[test]
+fn at_the_end_nothing_is_left_for_a_joint_polish() {
+    let input = triangles();
+    let output: Vec<f64> = simulate(&truth(), &input).iter().map(|y| y + 0.5 * (0.3 * y).sin()).collect();
+    for model in Kind::ALL {
+        let options = Options { model, ..options() };
+        let data = data(&input, &output, &options);
+        let count = || ();
+        let (start, _) = search_everywhere::<8>(&data, &options, &count).swap_remove(0);
+        let point = Point::<8>::new(&data, start);
+        let (jacobian, residuals) = (point.jacobian(), nalgebra::DVector::from_vec(point.residuals.clone()));
+        let at = data.coordinates.iter().zip(&point.at.coordinates);
+        let is_free = at.map(|(coordinate, value)| !coordinate.is_at_bound(*value));
+        for (place, is_free) in is_free.chain(point.linear.free.iter().copied()).enumerate() {
+            let row = jacobian.row(place);
+            let cosine = (row * &residuals)[0] / (row.norm() * residuals.norm());
+            assert!(!is_free || cosine.abs() < 1e-3, "{model}, unknown {place}: {cosine}");
+        }
+    }
+}
+
+#[test]
 fn huber_finds_the_outliers_and_is_not_moved_by_them() {
     let input = triangles();
     let truth = simulate(&truth(), &input);

@@ -60,11 +60,14 @@ struct Products {
     gradient: DVector<f64>,
 }
 
-/// The grid of the memoryless stage over all that u reaches on the first loading, and the derivatives of
+/// The grid of the memoryless stage over all that u reaches on a cycle through the whole range, and the derivatives of
 /// its origin and width by the coordinates. No knot lies at u = 0 but the origin.
 pub fn grid<const K: usize>(inner: &Inner, count: usize, coordinates: usize) -> (Grid, [[f64; K]; 2]) {
     let (lowest, highest) = inner.envelope.ends();
-    let ((low, low_by), (high, high_by)) = (inner.plays.loading(lowest), inner.plays.loading(highest));
+    let (first, back) = (inner.plays.loading(lowest), inner.plays.returning(lowest, highest));
+    // With negative weights u comes back lower than it went.
+    let ((low, low_by), (high, high_by)) =
+        (if back.0 < first.0 { back } else { first }, inner.plays.loading(highest));
     let width = (high - low) / count as f64;
     // From the lowest u on; where u has both signs, half a segment to each side of 0.
     let segments_below = (low < 0.0 && high > 0.0).then(|| (-low / width - 0.5).round() + 0.5);

@@ -51,6 +51,7 @@ fn the_figures_have_the_agreed_keys() {
         "heldout",
         "heldout_from_s",
         "invertible",
+        "outlier_rows",
         "parameters",
         "preconditioned",
         "residual_memory_rows",

@@ -4,6 +4,7 @@
 //! cannot be made (an extended model without an inverse, say) keeps its row, which says why.
 
 pub mod choice;
+mod instructions;
 mod table;
 
 use std::time::Instant;
@@ -154,6 +155,11 @@ impl Row {
     /// Number of dead zones of a model that has them.
     pub fn dead_zones(&self) -> Option<usize> {
         has_dead_zones(self.options.model).then_some(self.options.dead_zones)
+    }
+
+    /// The most instructions of a tick on the board with this model; None where that has not been measured.
+    pub fn tick_instructions(&self) -> Option<u64> {
+        instructions::of_tick(&self.name())
     }
 
     /// Name and sizes: `mgpi 10/10`, `sgpi 10`.

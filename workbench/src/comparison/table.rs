@@ -26,7 +26,7 @@ impl Comparison<'_> {
         if self.has_heldout() {
             groups.push(("held out", figures));
         }
-        groups.push(("", vec!["seconds".to_owned()]));
+        groups.push(("", vec!["seconds".to_owned(), "tick".to_owned()]));
         groups
     }
 
@@ -54,6 +54,7 @@ impl Comparison<'_> {
             cells.extend(figures(made.and_then(|outcome| outcome.heldout.as_ref())));
         }
         cells.push(format!("{:.2}", row.seconds));
+        cells.push(row.tick_instructions().map_or(NOTHING.to_owned(), |count| count.to_string()));
         cells
     }
 
@@ -115,7 +116,7 @@ impl Comparison<'_> {
                 ["max_error", "mae", "rmse"].map(|name| format!("{before}{name}_{}", unit.suffix()));
             names.extend(of_unit.into_iter().chain([format!("{before}rmse_percent")]));
         }
-        names.push("seconds".to_owned());
+        names.extend(["seconds", "tick_instructions"].map(str::to_owned));
         let mut text = names.join(",") + "\n";
         for row in &self.rows {
             let made = row.outcome.as_ref().ok();
@@ -135,6 +136,7 @@ impl Comparison<'_> {
             fields.extend(figures(made.map(|outcome| &outcome.training)));
             fields.extend(figures(made.and_then(|outcome| outcome.heldout.as_ref())));
             fields.push(row.seconds.to_string());
+            fields.push(row.tick_instructions().map_or(String::new(), |count| count.to_string()));
             text += &(fields.join(",") + "\n");
         }
         text
@@ -155,6 +157,7 @@ impl Comparison<'_> {
                 "training": made.map(|outcome| outcome.training.to_json(unit)),
                 "heldout": made.and_then(|outcome| Some(outcome.heldout?.to_json(unit))),
                 "seconds": row.seconds,
+                "tick_instructions": row.tick_instructions(),
                 "starts": row.options.starts,
                 "termination": match &row.outcome {
                     Ok(outcome) => outcome.termination.clone(),

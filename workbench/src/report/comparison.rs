@@ -22,7 +22,8 @@ pub fn to_html(comparison: &Comparison<'_>) -> Result<String, DrawingError> {
         p { "n plays, m dead zones; parameters: the independent numbers that were found. ME is the largest absolute "
             "error, MAE the mean one, RMSE the root of the mean square; per cent refer to the stroke of "
             (format!("{stroke:.2}")) " " (unit) ". -pl: a piecewise-linear envelope, else tanh; -free: each play has a weight of its own, else an exponential \
-            density." }
+            density. Tick: the most instructions of the controller on the board, where that has been measured \
+            (cargo xtask gates)." }
         @for (row, error) in comparison.refused() { p { (row.name()) ": " (error) "." } }
         (errors(comparison))
         (loops(comparison)?)

@@ -9,6 +9,7 @@
 //! | [`counted`] | an image in the emulator under the instruction counter |
 //! | [`elf`] | functions, sizes and panics of an image |
 //! | [`accuracy`] | `f32` against `f64` |
+//! | [`models`] | the models whose tick is counted |
 //! | [`bounds`] | what the figures have to be |
 //!
 //! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`, with
@@ -24,6 +25,7 @@ mod counted;
 mod drive;
 mod elf;
 mod inputs;
+mod models;
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
@@ -61,6 +63,8 @@ pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     let parameters = paper_parameters()?;
     let samples = inputs::samples(Mgpi::try_new(&paper::mgpi()?)?.output_range());
     let mut figures = run::step("instructions", || costs(&plugin, &law, &emulated, &parameters, &samples))?;
+    figures
+        .extend(run::step("instructions of each model", || costs_of_models(&plugin, &emulated, &samples))?);
     figures.extend(sizes("emulated", &emulated));
     figures.extend(sizes("stm32f405", &production));
     let (error, sample) = accuracy::inverse_error(&parameters, &samples)?;
@@ -129,6 +133,25 @@ fn costs(
     for (title, cost) in titles.into_iter().zip(of_inverses.into_iter().chain(of_emulated)) {
         ensure!(cost.calls == samples.len(), "{title}: {} calls in {} samples", cost.calls, samples.len());
         figures.extend(instructions(title, &cost, samples));
+    }
+    Ok(figures)
+}
+
+/// The most instructions of the controller with each model of the family; `mgpi compare` shows them.
+fn costs_of_models(plugin: &Path, emulated: &Image, samples: &[Sample]) -> Result<Vec<Figure>> {
+    let controller = emulated.function(CONTROLLER)?;
+    let mut figures = Vec::new();
+    for (name, parameters) in models::models()? {
+        let costs =
+            counted::run(emulated, plugin, &[controller], |link| drive::emulated(link, &parameters, samples))
+                .with_context(|| name.clone())?;
+        for cost in costs {
+            figures.push(Figure {
+                name: format!("controller with {name}, most instructions"),
+                value: cost.max,
+                remark: place(cost.max_call, samples),
+            });
+        }
     }
     Ok(figures)
 }

@@ -128,6 +128,51 @@ fn every_model_of_the_family_is_identified_written_read_and_simulated() {
 }
 
 #[test]
+fn a_model_can_be_chosen_out_of_the_family() {
+    let bench = Bench::new();
+    recording(&bench, "rec.csv");
+    let summary =
+        bench.succeeds("identify rec.csv -o model.toml --model auto --starts 2 --plays 4 --dead-zones 4");
+    for model in ["cpi", "sgpi", "agpi", "mpi", "egpi", "mgpi", "mgpi-pl-free"] {
+        assert!(summary.lines().any(|line| line.starts_with(&format!("{model} "))), "{model}: {summary}");
+    }
+    let chosen = summary.lines().find_map(|line| line.strip_prefix("chosen        ")).expect("a choice");
+    let file = ModelFile::read(&bench.path("model.toml")).expect("valid");
+    assert!(chosen.starts_with(file.parameters.kind().name()), "{chosen}");
+    // Held out of the choice, too.
+    assert!(file.identification.is_some_and(|identification| identification.heldout.is_some()));
+}
+
+#[test]
+fn free_weights_are_written_and_read_again() {
+    let bench = Bench::new();
+    recording(&bench, "rec.csv");
+    bench.succeeds("identify rec.csv -o model.toml --weights free --starts 2 --no-holdout");
+    let text = bench.read("model.toml");
+    assert!(text.contains("density = \"free\""), "{text}");
+    assert_eq!(ModelFile::read(&bench.path("model.toml")).expect("valid").to_toml(), text);
+}
+
+#[test]
+fn outliers_are_listed() {
+    let bench = Bench::new();
+    recording(&bench, "clean.csv");
+    let spoil = |(row, line): (usize, &str)| {
+        let (front, contraction) = line.rsplit_once(',').expect("fields");
+        match contraction.parse::<f64>() {
+            Ok(mm) if row == 400 => format!("{front},{}\n", mm + 30.0),
+            _ => format!("{line}\n"),
+        }
+    };
+    bench.write("rec.csv", bench.read("clean.csv").lines().enumerate().map(spoil).collect::<String>());
+    let summary =
+        bench.succeeds("identify rec.csv -o model.toml --json r.json --loss huber --starts 4 --no-holdout");
+    assert!(summary.contains("the first at"), "{summary}");
+    // Row 400 of the file, its header being row 0.
+    assert!(bench.read("r.json").contains("399"));
+}
+
+#[test]
 fn a_model_of_another_kind_is_refused() {
     assert_eq!(
         refusal("kind = \"mgpi\"", "kind = \"preisach\""),

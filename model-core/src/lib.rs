@@ -58,6 +58,7 @@ pub mod range;
 pub mod real;
 pub mod sgpi;
 pub mod tracking;
+mod turn_stack;
 mod turning_points;
 
 pub use error::{InputError, ParameterError, Requirement};

@@ -29,6 +29,7 @@ use crate::curve::{MonotoneCurve, Segment};
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
 use crate::range::Range;
 use crate::real::Real;
+use crate::turn_stack::{FEW_TURNS, TurnStack};
 use crate::turning_points::{Turn, admissible};
 
 pub use crate::play_parameters::PlayParameters;
@@ -48,14 +49,38 @@ pub(crate) enum Reached<T> {
     End(T),
 }
 
+/// The heights of the turning points that a move leaves, see [`TurnStack`].
+#[derive(Clone, Copy)]
+struct Kept {
+    /// Of where it comes from; where that is the base, it drives all plays.
+    behind: usize,
+    /// Of the innermost that it goes towards.
+    ahead: usize,
+}
+
 /// What a move follows: the curve from the point that it comes from, and there a segment.
 struct Branch<'a, T> {
     from: Turn<T>,
     segment: &'a Segment<T>,
-    /// How many turning points the move wipes out, each with its partner.
-    passed: usize,
+    /// The turning points that the move leaves.
+    kept: Kept,
     /// Whether that point takes the place of the turning point that the move came from.
     is_new: bool,
+}
+
+impl<T: Real> Branch<'_, T> {
+    /// Ends the move at `v` and `u`: forgets what it wipes out.
+    #[inline(always)]
+    fn leave<const RISING: bool, const N: usize>(&self, state: &mut PlayState<T, N>, v: T, u: T) {
+        let (behind, ahead) = state.sides_mut::<RISING>();
+        ahead.truncate(self.kept.ahead);
+        if self.is_new {
+            behind.replace(self.kept.behind, self.from);
+        } else {
+            behind.truncate(self.kept.behind);
+        }
+        state.last = Turn { v, u, driven: self.segment.place };
+    }
 }
 
 /// A validated bank of at most `N` plays.
@@ -99,9 +124,10 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         Ok(Self::new(curve))
     }
 
-    /// Whether the curve [has few](MonotoneCurve::has_few) segments.
+    /// Whether the curve [has few](MonotoneCurve::has_few) segments, and there is room for the search among the turning
+    /// points that goes with it.
     pub(crate) fn has_few(&self) -> bool {
-        self.curve.has_few()
+        N >= FEW_TURNS && self.curve.has_few()
     }
 
     /// Number of plays.
@@ -154,7 +180,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The state at the input `v` with these outputs of the plays: a history of one turning point for each, from the
     /// largest threshold on.
     fn state_with(&self, output: impl Fn(usize) -> T, v: T) -> PlayState<T, N> {
-        let mut state = PlayState::new(Turn { v, u: T::ZERO, driven: 0 }, false);
+        let mut state = PlayState::new(Turn { v, u: T::ZERO, driven: 0 }, false, self.has_few());
         // What the plays of the larger thresholds add to u.
         let mut still = T::ZERO;
         for play in (0..self.len()).rev() {
@@ -204,7 +230,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
         let to = Target { v, end: None };
-        let reached = match (rising, self.curve.has_few()) {
+        let reached = match (rising, self.has_few()) {
             (true, true) => self.drive::<true, true>(state, to),
             (true, false) => self.drive::<true, false>(state, to),
             (false, true) => self.drive::<false, true>(state, to),
@@ -224,7 +250,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         rising: bool,
         range: &Range<T>,
     ) -> T {
-        let reached = if self.curve.has_few() {
+        let reached = if self.has_few() {
             self.move_within::<true>(state, v, rising, range)
         } else {
             self.move_within::<false>(state, v, rising, range)
@@ -234,8 +260,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// [`advance_within`](Self::advance_within), with what has been reached. `FEW`: whether the bank's curve
-    /// [has few](MonotoneCurve::has_few) segments.
+    /// [`advance_within`](Self::advance_within), with what has been reached. `FEW`: whether the bank
+    /// [has few](Self::has_few).
     #[inline(always)]
     pub(crate) fn move_within<const FEW: bool>(
         &self,
@@ -262,77 +288,98 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             self.turn::<RISING>(state);
         }
         let Target { v, end } = to;
-        let passed = state.passed::<RISING, FEW>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
-        let branch = self.branch::<RISING>(state, passed, |from| {
+        let kept = Self::kept::<RISING, FEW>(state, |turn| if RISING { turn.v <= v } else { turn.v >= v });
+        let branch = self.branch::<RISING, FEW>(state, kept, |from| {
             self.curve.segment_at::<FEW>(way::<T, RISING>(from.v, v))
         });
         let u = go::<T, RISING>(branch.from.u, branch.segment.value(way::<T, RISING>(branch.from.v, v)));
         if let Some(end) = end
             && if RISING { u >= end } else { u <= end }
         {
-            self.stop_at::<RISING, FEW>(state, passed, end);
+            self.stop_at::<RISING, FEW>(state, kept, end);
             return Reached::End(end);
         }
-        state.leave::<RISING>(branch.passed, branch.is_new.then_some(branch.from));
-        state.last = Turn { v, u, driven: branch.segment.place };
+        branch.leave::<RISING, N>(state, v, u);
         Reached::Inside(u)
     }
 
-    /// Ends a move, which passes at most so many turning points, where u reaches `end`. Apart, lest it costs the other moves
-    /// registers.
+    /// Ends a move, which leaves at least so many turning points, where u reaches `end`. Apart, lest it costs the other
+    /// moves registers.
     #[inline(never)]
     fn stop_at<const RISING: bool, const FEW: bool>(
         &self,
         state: &mut PlayState<T, N>,
-        mut passed: usize,
+        mut kept: Kept,
         end: T,
     ) {
+        let (_, ahead) = state.sides::<RISING>();
         // A state may know turning points beyond the end, which the move then does not reach.
-        if state.ahead::<RISING>(passed).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
+        if kept.ahead < ahead.height()
+            && ahead
+                .at::<FEW>(kept.ahead + 1)
+                .is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
         {
-            passed = state.passed::<RISING, FEW>(|turn| if RISING { turn.u <= end } else { turn.u >= end });
+            kept =
+                Self::kept::<RISING, FEW>(state, |turn| if RISING { turn.u <= end } else { turn.u >= end });
         }
-        let branch = self.branch::<RISING>(state, passed, |from| {
+        let branch = self.branch::<RISING, FEW>(state, kept, |from| {
             self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end))
         });
         let v = go::<T, RISING>(branch.from.v, branch.segment.inverse(way::<T, RISING>(branch.from.u, end)));
-        state.leave::<RISING>(branch.passed, branch.is_new.then_some(branch.from));
-        state.last = Turn { v, u: end, driven: branch.segment.place };
+        branch.leave::<RISING, N>(state, v, end);
     }
 
-    /// What a move follows that passes so many turning points, and on which segment of the curve it ends.
+    /// The turning points that a move leaves: it passes those ahead, from the innermost on, that it `passes`, each with its
+    /// partner.
     #[inline(always)]
-    fn branch<'a, const RISING: bool>(
+    fn kept<const RISING: bool, const FEW: bool>(
+        state: &PlayState<T, N>,
+        passes: impl Fn(&Turn<T>) -> bool,
+    ) -> Kept {
+        let (behind, all_ahead) = state.sides::<RISING>();
+        let ahead = all_ahead.height_of_kept::<FEW>(passes);
+        // The innermost is behind: there are as many on that side, or one more.
+        Kept { behind: behind.height().wrapping_sub(all_ahead.height()).wrapping_add(ahead), ahead }
+    }
+
+    /// What a move follows that leaves so many turning points, and on which segment of the curve it ends.
+    #[inline(always)]
+    fn branch<'a, const RISING: bool, const FEW: bool>(
         &'a self,
         state: &PlayState<T, N>,
-        passed: usize,
+        kept: Kept,
         segment: impl Fn(&Turn<T>) -> &'a Segment<T>,
     ) -> Branch<'a, T> {
-        let Some(from) = state.behind::<RISING>(passed) else {
-            return self.branch_of_all::<RISING>(passed);
+        let (behind, ahead) = state.sides::<RISING>();
+        let Some(from) = behind.at::<FEW>(kept.behind) else {
+            return self.branch_of_all::<RISING, FEW>();
         };
         let segment = segment(from);
         if segment.place != from.driven {
-            return Branch { from: *from, segment, passed, is_new: false };
+            return Branch { from: *from, segment, kept, is_new: false };
         }
         // The move has driven all that the one before it drove: no play depends any more on where that turned.
-        match (state.ahead::<RISING>(passed + 1), state.behind::<RISING>(passed + 1)) {
+        match (ahead.at::<FEW>(kept.ahead), behind.at::<FEW>(kept.behind.wrapping_sub(1))) {
             (Some(ahead), _) if ahead.driven != from.driven => {
                 let (v, u) = self.curve.segment(segment.place + 1).start();
                 let (v, u) = (go::<T, RISING>(ahead.v, -v), go::<T, RISING>(ahead.u, -u));
-                Branch { from: Turn { v, u, driven: segment.place }, segment, passed, is_new: true }
+                Branch { from: Turn { v, u, driven: segment.place }, segment, kept, is_new: true }
             }
-            (Some(_), Some(from)) => Branch { from: *from, segment, passed: passed + 1, is_new: false },
-            _ => self.branch_of_all::<RISING>(passed + 1),
+            (Some(_), Some(from)) => {
+                let kept = Kept { behind: kept.behind.wrapping_sub(1), ahead: kept.ahead.wrapping_sub(1) };
+                Branch { from: *from, segment, kept, is_new: false }
+            }
+            _ => self.branch_of_all::<RISING, FEW>(),
         }
     }
 
     /// What a move follows that drives all plays.
     #[inline(always)]
-    fn branch_of_all<const RISING: bool>(&self, passed: usize) -> Branch<'_, T> {
+    fn branch_of_all<const RISING: bool, const FEW: bool>(&self) -> Branch<'_, T> {
         let Turn { v, u, driven } = self.origin_of_all;
+        let base = TurnStack::<T, N>::base::<FEW>();
         let from = if RISING { Turn { v: -v, u: -u, driven } } else { self.origin_of_all };
-        Branch { from, segment: &self.all, passed, is_new: false }
+        Branch { from, segment: &self.all, kept: Kept { behind: base, ahead: base }, is_new: false }
     }
 
     /// The move ends in a turning point, and one in the direction `RISING` begins.
@@ -340,10 +387,10 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     fn turn<const RISING: bool>(&self, state: &mut PlayState<T, N>) {
         state.rising = RISING;
         let last = state.last;
-        let (behind, ahead) = state.sides::<RISING>();
-        if behind.push(last).is_err() {
+        let (behind, ahead) = state.sides_mut::<RISING>();
+        if !behind.push(last) {
             // Only a second turning point that drove no play finds no place, and then neither is needed.
-            ahead.pop();
+            ahead.truncate(ahead.height().saturating_sub(1));
         }
     }
 

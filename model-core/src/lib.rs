@@ -53,6 +53,7 @@ pub mod mpi;
 pub mod paper;
 pub mod pid;
 pub mod play;
+mod play_move;
 mod play_parameters;
 pub mod range;
 pub mod real;

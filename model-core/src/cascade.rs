@@ -170,19 +170,28 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
     /// The step for an output that is known to be finite.
     #[inline(always)]
     pub(crate) fn answer(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
-        if self.has_few { self.answer_with::<true>(state, y) } else { self.answer_by_loops(state, y) }
+        if self.has_few { self.answer_with::<true, true>(state, y) } else { self.answer_by_loops(state, y) }
     }
 
     /// Apart, lest it costs the other case registers.
     #[inline(never)]
     fn answer_by_loops(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
-        self.answer_with::<false>(state, y)
+        // The memory of few plays is searched as that of few, whatever the dead zones.
+        if self.plays.has_few() {
+            self.answer_with::<false, true>(state, y)
+        } else {
+            self.answer_with::<false, false>(state, y)
+        }
     }
 
-    /// `FEW`: whether the curves of plays and dead zones have few segments.
+    /// `FEW_ZONES`: whether the curve of the dead zones has few segments. `FEW`: whether the plays are few.
     #[inline(always)]
-    fn answer_with<const FEW: bool>(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
-        let u = self.forward.dead_zones.curve().segment_of::<FEW>(y).inverse(y);
+    fn answer_with<const FEW_ZONES: bool, const FEW: bool>(
+        &self,
+        state: &mut HysteresisState<T, N>,
+        y: T,
+    ) -> T {
+        let u = self.forward.dead_zones.curve().segment_of::<FEW_ZONES>(y).inverse(y);
         let (rising, ends) = (state.plays.goes_up_to(u), &self.forward.input_range);
         match self.plays.move_within::<FEW>(&mut state.plays, u, rising, &self.inner_range) {
             Reached::Inside(v) => ends.limit(self.forward.envelope.inverse_inside(v)),

@@ -11,7 +11,7 @@ use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
 /// Up to this many segments the search is unrolled. A power of two.
-const FEW_SEGMENTS: usize = 16;
+pub(crate) const FEW_SEGMENTS: usize = 16;
 
 /// A straight piece of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,12 +124,7 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
     #[inline(always)]
     fn search<const FEW: bool>(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
         if let (true, Some(few)) = (FEW, self.segments.first_chunk::<FEW_SEGMENTS>()) {
-            let mut open = few.as_slice();
-            while open.len() > 1 {
-                let (low, high) = open.split_at(open.len() / 2);
-                open = if high.first().is_some_and(&started) { high } else { low };
-            }
-            return open.first().unwrap_or(&self.last);
+            return halve(few, started);
         }
         if started(&self.last) {
             return &self.last;
@@ -137,6 +132,18 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
         let started = self.segments.partition_point(started);
         self.segment(started.saturating_sub(1))
     }
+}
+
+/// The last of these that has started; the first where none has. Halved without a branch.
+#[inline(always)]
+pub(crate) fn halve<S>(few: &[S; FEW_SEGMENTS], started: impl Fn(&S) -> bool) -> &S {
+    let [first, ..] = few;
+    let mut open = few.as_slice();
+    while open.len() > 1 {
+        let (low, high) = open.split_at(open.len() / 2);
+        open = if high.first().is_some_and(&started) { high } else { low };
+    }
+    open.first().unwrap_or(first)
 }
 
 impl<T: Real> Segment<T> {

@@ -53,11 +53,13 @@ pub mod mpi;
 pub mod paper;
 pub mod pid;
 pub mod play;
+mod play_move;
 mod play_parameters;
 pub mod range;
 pub mod real;
 pub mod sgpi;
 pub mod tracking;
+mod turn_stack;
 mod turning_points;
 
 pub use error::{InputError, ParameterError, Requirement};

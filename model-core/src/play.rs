@@ -27,47 +27,26 @@ use heapless::Vec;
 
 use crate::curve::{MonotoneCurve, Segment};
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
+use crate::play_move::Target;
 use crate::range::Range;
 use crate::real::Real;
+use crate::turn_stack::FEW_TURNS;
 use crate::turning_points::{Turn, admissible};
 
+pub(crate) use crate::play_move::Reached;
 pub use crate::play_parameters::PlayParameters;
 pub use crate::turning_points::PlayState;
-
-/// How far a move is to go: to the input `v`, but no farther than to the output `end`.
-struct Target<T> {
-    v: T,
-    end: Option<T>,
-}
-
-/// The output after a move.
-pub(crate) enum Reached<T> {
-    /// Where it was to go.
-    Inside(T),
-    /// The end of the range.
-    End(T),
-}
-
-/// What a move follows: the curve from the point that it comes from, and there a segment.
-struct Branch<'a, T> {
-    from: Turn<T>,
-    segment: &'a Segment<T>,
-    /// How many turning points the move wipes out, each with its partner.
-    passed: usize,
-    /// Whether that point takes the place of the turning point that the move came from.
-    is_new: bool,
-}
 
 /// A validated bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayBank<T, const N: usize> {
     /// C: how far u moves when v moves from a turning point. Its i-th bend is at twice the i-th threshold.
-    curve: MonotoneCurve<T, N>,
+    pub(crate) curve: MonotoneCurve<T, N>,
     /// The last segment of the curve, on which all plays are driven.
-    all: Segment<T>,
+    pub(crate) all: Segment<T>,
     /// Where a falling move that drives all plays can be thought to come from: the last segment's line goes through it.
     /// A rising one comes from the same point on the other side of 0.
-    origin_of_all: Turn<T>,
+    pub(crate) origin_of_all: Turn<T>,
 }
 
 impl<T: Real, const N: usize> PlayBank<T, N> {
@@ -99,9 +78,10 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         Ok(Self::new(curve))
     }
 
-    /// Whether the curve [has few](MonotoneCurve::has_few) segments.
+    /// Whether the curve [has few](MonotoneCurve::has_few) segments, and there is room for the search among the turning
+    /// points that goes with it.
     pub(crate) fn has_few(&self) -> bool {
-        self.curve.has_few()
+        N >= FEW_TURNS && self.curve.has_few()
     }
 
     /// Number of plays.
@@ -154,7 +134,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The state at the input `v` with these outputs of the plays: a history of one turning point for each, from the
     /// largest threshold on.
     fn state_with(&self, output: impl Fn(usize) -> T, v: T) -> PlayState<T, N> {
-        let mut state = PlayState::new(Turn { v, u: T::ZERO, driven: 0 }, false);
+        let mut state = PlayState::new(Turn { v, u: T::ZERO, driven: 0 }, false, self.has_few());
         // What the plays of the larger thresholds add to u.
         let mut still = T::ZERO;
         for play in (0..self.len()).rev() {
@@ -204,7 +184,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
         let to = Target { v, end: None };
-        let reached = match (rising, self.curve.has_few()) {
+        let reached = match (rising, self.has_few()) {
             (true, true) => self.drive::<true, true>(state, to),
             (true, false) => self.drive::<true, false>(state, to),
             (false, true) => self.drive::<false, true>(state, to),
@@ -224,7 +204,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         rising: bool,
         range: &Range<T>,
     ) -> T {
-        let reached = if self.curve.has_few() {
+        let reached = if self.has_few() {
             self.move_within::<true>(state, v, rising, range)
         } else {
             self.move_within::<false>(state, v, rising, range)
@@ -234,8 +214,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// [`advance_within`](Self::advance_within), with what has been reached. `FEW`: whether the bank's curve
-    /// [has few](MonotoneCurve::has_few) segments.
+    /// [`advance_within`](Self::advance_within), with what has been reached. `FEW`: whether the bank
+    /// [has few](Self::has_few).
     #[inline(always)]
     pub(crate) fn move_within<const FEW: bool>(
         &self,
@@ -248,102 +228,6 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             self.drive::<true, FEW>(state, Target { v, end: Some(range.max()) })
         } else {
             self.drive::<false, FEW>(state, Target { v, end: Some(range.min()) })
-        }
-    }
-
-    /// Moves in one direction, as far as the target.
-    #[inline(always)]
-    fn drive<const RISING: bool, const FEW: bool>(
-        &self,
-        state: &mut PlayState<T, N>,
-        to: Target<T>,
-    ) -> Reached<T> {
-        if state.rising != RISING {
-            self.turn::<RISING>(state);
-        }
-        let Target { v, end } = to;
-        let passed = state.passed::<RISING, FEW>(|turn| if RISING { turn.v <= v } else { turn.v >= v });
-        let branch = self.branch::<RISING>(state, passed, |from| {
-            self.curve.segment_at::<FEW>(way::<T, RISING>(from.v, v))
-        });
-        let u = go::<T, RISING>(branch.from.u, branch.segment.value(way::<T, RISING>(branch.from.v, v)));
-        if let Some(end) = end
-            && if RISING { u >= end } else { u <= end }
-        {
-            self.stop_at::<RISING, FEW>(state, passed, end);
-            return Reached::End(end);
-        }
-        state.leave::<RISING>(branch.passed, branch.is_new.then_some(branch.from));
-        state.last = Turn { v, u, driven: branch.segment.place };
-        Reached::Inside(u)
-    }
-
-    /// Ends a move, which passes at most so many turning points, where u reaches `end`. Apart, lest it costs the other moves
-    /// registers.
-    #[inline(never)]
-    fn stop_at<const RISING: bool, const FEW: bool>(
-        &self,
-        state: &mut PlayState<T, N>,
-        mut passed: usize,
-        end: T,
-    ) {
-        // A state may know turning points beyond the end, which the move then does not reach.
-        if state.ahead::<RISING>(passed).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
-        {
-            passed = state.passed::<RISING, FEW>(|turn| if RISING { turn.u <= end } else { turn.u >= end });
-        }
-        let branch = self.branch::<RISING>(state, passed, |from| {
-            self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end))
-        });
-        let v = go::<T, RISING>(branch.from.v, branch.segment.inverse(way::<T, RISING>(branch.from.u, end)));
-        state.leave::<RISING>(branch.passed, branch.is_new.then_some(branch.from));
-        state.last = Turn { v, u: end, driven: branch.segment.place };
-    }
-
-    /// What a move follows that passes so many turning points, and on which segment of the curve it ends.
-    #[inline(always)]
-    fn branch<'a, const RISING: bool>(
-        &'a self,
-        state: &PlayState<T, N>,
-        passed: usize,
-        segment: impl Fn(&Turn<T>) -> &'a Segment<T>,
-    ) -> Branch<'a, T> {
-        let Some(from) = state.behind::<RISING>(passed) else {
-            return self.branch_of_all::<RISING>(passed);
-        };
-        let segment = segment(from);
-        if segment.place != from.driven {
-            return Branch { from: *from, segment, passed, is_new: false };
-        }
-        // The move has driven all that the one before it drove: no play depends any more on where that turned.
-        match (state.ahead::<RISING>(passed + 1), state.behind::<RISING>(passed + 1)) {
-            (Some(ahead), _) if ahead.driven != from.driven => {
-                let (v, u) = self.curve.segment(segment.place + 1).start();
-                let (v, u) = (go::<T, RISING>(ahead.v, -v), go::<T, RISING>(ahead.u, -u));
-                Branch { from: Turn { v, u, driven: segment.place }, segment, passed, is_new: true }
-            }
-            (Some(_), Some(from)) => Branch { from: *from, segment, passed: passed + 1, is_new: false },
-            _ => self.branch_of_all::<RISING>(passed + 1),
-        }
-    }
-
-    /// What a move follows that drives all plays.
-    #[inline(always)]
-    fn branch_of_all<const RISING: bool>(&self, passed: usize) -> Branch<'_, T> {
-        let Turn { v, u, driven } = self.origin_of_all;
-        let from = if RISING { Turn { v: -v, u: -u, driven } } else { self.origin_of_all };
-        Branch { from, segment: &self.all, passed, is_new: false }
-    }
-
-    /// The move ends in a turning point, and one in the direction `RISING` begins.
-    #[inline(always)]
-    fn turn<const RISING: bool>(&self, state: &mut PlayState<T, N>) {
-        state.rising = RISING;
-        let last = state.last;
-        let (behind, ahead) = state.sides::<RISING>();
-        if behind.push(last).is_err() {
-            // Only a second turning point that drove no play finds no place, and then neither is needed.
-            ahead.pop();
         }
     }
 
@@ -363,18 +247,6 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     pub fn inverse_state(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
         state.inverted()
     }
-}
-
-/// How far it is from one coordinate to another, in the direction of a move.
-#[inline(always)]
-fn way<T: Real, const RISING: bool>(from: T, to: T) -> T {
-    if RISING { to - from } else { from - to }
-}
-
-/// The coordinate that far from another, in the direction of a move.
-#[inline(always)]
-fn go<T: Real, const RISING: bool>(from: T, way: T) -> T {
-    if RISING { from + way } else { from - way }
 }
 
 fn half<T: Real>(value: T) -> T {

@@ -165,34 +165,66 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         // What no muscle of this model does is no error to be integrated.
         let contraction = self.plausible.limit(contraction);
         let error = self.plausible.limit(reference) - contraction;
-        let goes_on = state.mode == Some(mode);
-        if !goes_on {
-            state.pid = PidState::starting_at(contraction);
-        }
-        let (feedforward, feedback) = match mode {
-            Mode::Both => (inverse, self.pid.output(&mut state.pid, error, contraction)),
-            Mode::FeedforwardOnly => (inverse, T::ZERO),
-            Mode::FeedbackOnly => (T::ZERO, self.pid.output(&mut state.pid, error, contraction)),
-            Mode::Hold => {
-                state.mode = Some(mode);
-                state.transfer = T::ZERO;
-                return Ok(Command {
-                    command: state.command,
-                    feedforward: T::ZERO,
-                    feedback: T::ZERO,
-                    limited: false,
-                });
-            }
-        };
-        let sum = feedforward + feedback;
-        state.transfer = if goes_on {
-            state.transfer * self.transfer_decay
-        } else if state.mode.unwrap_or(state.first_mode) == mode {
-            T::ZERO
+        Ok(if state.mode == Some(mode) {
+            self.act(state, mode, inverse, (error, contraction), |state, _| {
+                state.transfer * self.transfer_decay
+            })
         } else {
-            state.command - sum
-        };
+            self.change_to(state, mode, inverse, (error, contraction))
+        })
+    }
+
+    /// The first sample of a mode.
+    #[inline(always)]
+    fn change_to(
+        &self,
+        state: &mut TrackingState<T, N>,
+        mode: Mode,
+        inverse: T,
+        (error, contraction): (T, T),
+    ) -> Command<T> {
+        let starts = state.mode.unwrap_or(state.first_mode) == mode;
         state.mode = Some(mode);
+        state.pid = PidState::starting_at(contraction);
+        self.act(state, mode, inverse, (error, contraction), |state, sum| {
+            if starts { T::ZERO } else { state.command - sum }
+        })
+    }
+
+    /// What a mode does with the inverse's answer (bar), and error and contraction (mm). `transfer`: the transfer term, given
+    /// the sum of feed-forward and feedback.
+    #[inline(always)]
+    fn act(
+        &self,
+        state: &mut TrackingState<T, N>,
+        mode: Mode,
+        inverse: T,
+        seen: (T, T),
+        transfer: impl Fn(&TrackingState<T, N>, T) -> T,
+    ) -> Command<T> {
+        match mode {
+            Mode::Both => self.add_up::<true>(state, inverse, seen, transfer),
+            Mode::FeedforwardOnly => self.add_up::<false>(state, inverse, seen, transfer),
+            Mode::FeedbackOnly => self.add_up::<true>(state, T::ZERO, seen, transfer),
+            Mode::Hold => {
+                state.transfer = T::ZERO;
+                Command { command: state.command, feedforward: T::ZERO, feedback: T::ZERO, limited: false }
+            }
+        }
+    }
+
+    /// The command from its parts, within slew and limits. `FEEDBACK`: whether the PID acts.
+    #[inline(always)]
+    fn add_up<const FEEDBACK: bool>(
+        &self,
+        state: &mut TrackingState<T, N>,
+        feedforward: T,
+        (error, contraction): (T, T),
+        transfer: impl Fn(&TrackingState<T, N>, T) -> T,
+    ) -> Command<T> {
+        let feedback = if FEEDBACK { self.pid.output(&mut state.pid, error, contraction) } else { T::ZERO };
+        let sum = feedforward + feedback;
+        state.transfer = transfer(state, sum);
         let asked = sum + state.transfer;
         // The last command is within the limits: only those in the direction of the change can bind.
         let command = if asked > state.command {
@@ -202,9 +234,9 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         };
         state.command = command;
         let excess = command - asked;
-        if mode != Mode::FeedforwardOnly {
+        if FEEDBACK {
             self.pid.settle(&mut state.pid, error, excess);
         }
-        Ok(Command { command, feedforward, feedback, limited: excess != T::ZERO })
+        Command { command, feedforward, feedback, limited: excess != T::ZERO }
     }
 }

@@ -13,10 +13,9 @@
 //! forgotten altogether. So no more than two turning points are kept for each number of driven plays, one for all plays;
 //! with one for none, that is at most N highs and N lows.
 
-use heapless::Vec;
-
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
+use crate::turn_stack::TurnStack;
 
 /// A point that the input has turned at, or where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,9 +39,9 @@ impl<T> Turn<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayState<T, const N: usize> {
     /// By falling input: each within the ones before.
-    pub(crate) highs: Vec<Turn<T>, N>,
+    pub(crate) highs: TurnStack<T, N>,
     /// By rising input.
-    pub(crate) lows: Vec<Turn<T>, N>,
+    pub(crate) lows: TurnStack<T, N>,
     /// Where the input stands.
     pub(crate) last: Turn<T>,
     /// Whether the input rose, or rested after it had risen: the innermost turning point is then a low.
@@ -55,14 +54,21 @@ impl<T: Real, const N: usize> PlayState<T, N> {
         self.last.v
     }
 
-    /// Without turning points: all plays were driven.
-    pub(crate) fn new(last: Turn<T>, rising: bool) -> Self {
-        Self { highs: Vec::new(), lows: Vec::new(), last, rising }
+    /// Without turning points: all plays were driven. `few`: see [`TurnStack::new`].
+    pub(crate) fn new(last: Turn<T>, rising: bool, few: bool) -> Self {
+        Self { highs: TurnStack::new(few), lows: TurnStack::new(few), last, rising }
     }
 
-    /// The turning points that the present move comes from and goes towards, if it rises; else the other way round.
+    /// The turning points that a rising move comes from and those that it goes towards; for a falling one the other way
+    /// round.
     #[inline(always)]
-    pub(crate) fn sides<const RISING: bool>(&mut self) -> (&mut Vec<Turn<T>, N>, &mut Vec<Turn<T>, N>) {
+    pub(crate) fn sides<const RISING: bool>(&self) -> (&TurnStack<T, N>, &TurnStack<T, N>) {
+        if RISING { (&self.lows, &self.highs) } else { (&self.highs, &self.lows) }
+    }
+
+    /// As [`sides`](Self::sides), to be changed.
+    #[inline(always)]
+    pub(crate) fn sides_mut<const RISING: bool>(&mut self) -> (&mut TurnStack<T, N>, &mut TurnStack<T, N>) {
         if RISING { (&mut self.lows, &mut self.highs) } else { (&mut self.highs, &mut self.lows) }
     }
 
@@ -72,73 +78,27 @@ impl<T: Real, const N: usize> PlayState<T, N> {
         if self.rising { v >= self.last.v } else { v > self.last.v }
     }
 
-    /// Adds the innermost turning point: a low where the input rises from it.
-    pub(crate) fn push(&mut self, turn: Turn<T>) -> Result<(), Turn<T>> {
+    /// Adds the innermost turning point: a low where the input rises from it. Whether it found a place.
+    pub(crate) fn push(&mut self, turn: Turn<T>) -> bool {
         if self.rising { self.lows.push(turn) } else { self.highs.push(turn) }
-    }
-
-    /// How many turning points ahead a move passes: those from the innermost on that it `passes`. `FEW`: whether there are
-    /// fewer than 16, so that four steps find it.
-    #[inline(always)]
-    pub(crate) fn passed<const RISING: bool, const FEW: bool>(
-        &self,
-        passes: impl Fn(&Turn<T>) -> bool,
-    ) -> usize {
-        let ahead = if RISING { self.highs.as_slice() } else { self.lows.as_slice() };
-        if !FEW {
-            return ahead.len() - ahead.partition_point(|turn| !passes(turn));
-        }
-        let mut passed = 0;
-        for step in [8, 4, 2, 1] {
-            if self.ahead::<RISING>(passed + step).is_some_and(&passes) {
-                passed += step;
-            }
-        }
-        passed
-    }
-
-    /// The turning point ahead with this place from within, the innermost being 1.
-    #[inline(always)]
-    pub(crate) fn ahead<const RISING: bool>(&self, place: usize) -> Option<&Turn<T>> {
-        let ahead = if RISING { &self.highs } else { &self.lows };
-        ahead.get(ahead.len().wrapping_sub(place))
-    }
-
-    /// Where a move comes from that passes so many turning points; none if it passes all, and so drives all plays.
-    #[inline(always)]
-    pub(crate) fn behind<const RISING: bool>(&self, passed: usize) -> Option<&Turn<T>> {
-        let behind = if RISING { &self.lows } else { &self.highs };
-        behind.get(behind.len().wrapping_sub(passed).wrapping_sub(1))
-    }
-
-    /// Forgets the turning points that a move passes, each with its partner; and puts another in the place of the one that
-    /// the move comes from, where there is one.
-    #[inline(always)]
-    pub(crate) fn leave<const RISING: bool>(&mut self, passed: usize, origin: Option<Turn<T>>) {
-        let (behind, ahead) = self.sides::<RISING>();
-        ahead.truncate(ahead.len().saturating_sub(passed));
-        behind.truncate(behind.len().wrapping_sub(passed));
-        if let (Some(place), Some(origin)) = (behind.last_mut(), origin) {
-            *place = origin;
-        }
     }
 
     /// All turning points, the outermost first, with whether they are highs.
     pub(crate) fn outermost_first(&self) -> impl Iterator<Item = (Turn<T>, bool)> {
-        let high_first =
-            self.highs.len() > self.lows.len() || (self.rising && self.highs.len() == self.lows.len());
+        let (highs, lows) = (self.highs.height(), self.lows.height());
+        let high_first = highs > lows || (self.rising && highs == lows);
         let (first, second) = if high_first { (&self.highs, &self.lows) } else { (&self.lows, &self.highs) };
-        (0..first.len()).flat_map(move |i| {
-            let one = first.get(i).map(|turn| (*turn, high_first));
-            let other = second.get(i).map(|turn| (*turn, !high_first));
-            one.into_iter().chain(other)
+        let mut second = second.iter();
+        first.iter().flat_map(move |one| {
+            let other = second.next().map(|turn| (*turn, !high_first));
+            [(*one, high_first)].into_iter().chain(other)
         })
     }
 
     /// The same memory, seen from the inverse bank.
     pub(crate) fn inverted(&self) -> Self {
         let mut inverted = self.clone();
-        inverted.highs.iter_mut().chain(&mut inverted.lows).for_each(|turn| *turn = turn.inverted());
+        inverted.highs.iter_mut().chain(inverted.lows.iter_mut()).for_each(|turn| *turn = turn.inverted());
         inverted.last = self.last.inverted();
         inverted
     }

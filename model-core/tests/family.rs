@@ -173,3 +173,44 @@ fn a_preconditioned_muscle_rests_as_after_a_full_cycle() {
         }
     }
 }
+
+/// Searches take short ways that depend on how many operators of the capacity are in use.
+#[test]
+fn every_number_of_operators_of_the_boards_capacity_has_an_exact_inverse() {
+    const BOARD: usize = 32;
+    let mut seed = 1_u32;
+    let mut random = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(seed >> 8) / f64::from(1 << 24)
+    };
+    for plays in [1, 5, 14, 15, 16, 17, 31, 32] {
+        for zones in [1, 5, 15, 16, 17, 18, 31, 32] {
+            let bank = PlayParameters::exponential(plays, 0.3, 1.0 / plays as f64, 2.0, 0.8 / plays as f64);
+            let weight = |j: usize| if j == 0 { 60.0 } else { 40.0 / zones as f64 };
+            let parameters = model_core::MgpiParameters::<f64, BOARD, BOARD> {
+                envelope: tanh(-0.8, 0.0),
+                plays: bank.expect("fits"),
+                dead_zones: DeadZoneParameters {
+                    thresholds: (0..zones).map(|j| j as f64 / zones as f64).collect(),
+                    weights: (0..zones).map(weight).collect(),
+                    offset: 1.0,
+                },
+                input_min: 0.0,
+                input_max: 6.0,
+                preconditioned: false,
+            };
+            let model = Mgpi::try_new(&parameters).expect("valid");
+            let inverse = model.inverse().expect("invertible");
+            let (mut state, mut inverse_state) = (model.rest_state(), inverse.rest_state());
+            for k in 0..300 {
+                // Ever narrower swings, then anywhere.
+                let narrowing =
+                    0.5 + 0.5 * (1.0 - f64::from(k) / 100.0) * if k % 2 == 0 { 1.0 } else { -1.0 };
+                let x = 6.0 * if k < 100 { narrowing } else { random() };
+                let y = model.step(&mut state, x).expect("finite");
+                let back = inverse.step(&mut inverse_state, y).expect("finite");
+                assert!((back - x).abs() < 1e-9, "{plays} plays, {zones} dead zones: {back} for {x}");
+            }
+        }
+    }
+}

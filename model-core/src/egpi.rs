@@ -200,10 +200,15 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseEgpi<T, N> {
             } else {
                 high = s;
             }
-            s = match self.relaxation {
+            let next = match self.relaxation {
                 Some(relaxation) => s + relaxation * residual,
                 None => low + (high - low) * T::from_f64(0.5),
             };
+            // The number type has no value between the two sides of the fixed point.
+            if next == s {
+                break;
+            }
+            s = next;
         }
         let u = self.agpi.inner(s);
         let x = self.agpi.drive(&mut state.plays, last.x, u, rising);

@@ -16,6 +16,7 @@ macro_rules! say {
 pub mod child;
 pub mod commands;
 pub mod comparison;
+pub mod diagnosis;
 pub mod emulator;
 pub mod error;
 pub mod figures;

@@ -212,32 +212,32 @@ impl Effects {
                 self.supply_saturation = Some(SupplySaturation { supply_bar });
             }
             Effect::TransportDelay => {
-                self.transport_delay = Some(TransportDelay { delay_s: strength * draw.around(0.06) });
+                self.transport_delay = Some(TransportDelay { delay_s: strength * draw.around(0.04) });
             }
             Effect::ViscousLag => {
-                self.viscous_lag = Some(ViscousLag { time_constant_s: strength * draw.around(0.08) });
+                self.viscous_lag = Some(ViscousLag { time_constant_s: strength * draw.around(0.05) });
             }
             Effect::RateDependentWidth => {
                 self.rate_dependent_width = Some(RateDependentWidth {
-                    width_gain: strength * draw.around(0.3),
+                    width_gain: strength * draw.around(0.4),
                     rate_exponent: draw.around(0.5),
                 });
             }
             Effect::Inertia => {
-                // The mass goes with the strength, and the frequency with its root.
+                // At a constant damping ratio both the lag and the time to swing go with the strength.
                 self.inertia = Some(Inertia {
-                    natural_frequency_hz: draw.around(3.5) / strength.sqrt(),
+                    natural_frequency_hz: draw.around(4.0) / strength,
                     damping_ratio: draw.around(0.25),
                 });
             }
             Effect::Creep => {
                 let shortest_s = draw.around(0.25);
                 self.creep = Some(Creep {
-                    fraction_per_decade: strength * draw.around(0.03),
+                    fraction_per_decade: strength * draw.around(0.05),
                     time_constants_s: [1.0, 10.0, 100.0].map(|decades| shortest_s * decades),
                 });
             }
-            Effect::Load => self.load = Some(Load { swing_n: strength * draw.around(15.0) }),
+            Effect::Load => self.load = Some(Load { swing_n: strength * draw.around(25.0) }),
             Effect::Temperature => {
                 self.temperature = Some(Temperature {
                     expansion_mm_per_k: strength * draw.around(0.5) * draw.sign(),
@@ -245,16 +245,16 @@ impl Effects {
                 });
             }
             Effect::Drift => {
-                self.drift = Some(Drift { mm_per_s: strength * draw.around(0.03) * draw.sign() });
+                self.drift = Some(Drift { mm_per_s: strength * draw.around(0.045) * draw.sign() });
             }
             Effect::WarmUp => {
                 self.warm_up =
-                    Some(WarmUp { fraction: strength * draw.around(0.15), travel_mm: draw.around(500.0) });
+                    Some(WarmUp { fraction: strength * draw.around(0.1), travel_mm: draw.around(500.0) });
             }
             Effect::PeriodicDisturbance => {
                 self.periodic_disturbance = Some(PeriodicDisturbance {
                     frequency_hz: draw.log_uniform(0.5, 8.0),
-                    amplitude_mm: strength * draw.around(1.5),
+                    amplitude_mm: strength * draw.around(2.0),
                     phase_rad: draw.uniform(0.0, std::f64::consts::TAU),
                 });
             }

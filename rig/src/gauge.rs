@@ -11,7 +11,7 @@ use crate::effects::{Drift, Effects, PeriodicDisturbance};
 use crate::wander::{Staircase, Wave};
 
 /// Step of the zero at strength 1, mm.
-const ZERO_STEP_MM: f64 = 3.0;
+const ZERO_STEP_MM: f64 = 4.5;
 /// Largest bend at strength 1, mm, between 0 mm and [`BEND_RANGE_MM`].
 const BEND_MM: f64 = 5.0;
 /// Range of the gauge, mm.

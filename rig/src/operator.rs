@@ -22,7 +22,7 @@ use crate::sensitivity::{Sensitivities, Sensitivity};
 use crate::surroundings::{REFERENCE_TEMPERATURE_C, Surroundings};
 
 /// What a newton does: the shift near that of the balance of forces at no contraction and at a large one.
-const PER_NEWTON: Sensitivity = Sensitivity { offset_mm: -0.35, gain: 0.002 };
+const PER_NEWTON: Sensitivity = Sensitivity { offset_mm: -0.3, gain: 0.002 };
 
 /// Time constant of the rate of the pressure, s: friction takes a moment to know its speed.
 const RATE_TIME_CONSTANT_S: f64 = 0.01;

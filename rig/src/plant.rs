@@ -24,7 +24,7 @@ use crate::wander::Staircase;
 pub const SUBSTEP_S: f64 = 1e-3;
 
 /// Largest share of the pressure that a leak takes at strength 1.
-const LEAK_SHARE: f64 = 0.2;
+const LEAK_SHARE: f64 = 0.15;
 
 /// Which body a plant has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -16,7 +16,7 @@ pub const REFERENCE_TEMPERATURE_C: f64 = 20.0;
 const TEMPERATURE_WANDER_K: f64 = 2.0;
 
 /// Largest step of an unrecorded load at strength 1, N.
-const UNRECORDED_SWING_N: f64 = 15.0;
+const UNRECORDED_SWING_N: f64 = 25.0;
 
 /// How far the friction wanders at strength 1, root mean square, as a share of itself.
 const FRICTION_WANDER: f64 = 0.5;

@@ -240,7 +240,7 @@ impl Effects {
             Effect::Load => self.load = Some(Load { swing_n: strength * draw.around(25.0) }),
             Effect::Temperature => {
                 self.temperature = Some(Temperature {
-                    expansion_mm_per_k: strength * draw.around(0.5) * draw.sign(),
+                    expansion_mm_per_k: strength * draw.around(0.7) * draw.sign(),
                     softening_per_k: strength * draw.around(0.01),
                 });
             }

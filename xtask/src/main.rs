@@ -23,7 +23,7 @@ struct Cli {
     task: Task,
 }
 
-#[derive(Clone, Copy, Subcommand)]
+#[derive(Clone, Subcommand)]
 enum Task {
     /// Install what is missing: a compiler for the board, and the emulator.
     Setup,
@@ -35,6 +35,12 @@ enum Task {
     Test,
     /// Run the firmware in the emulator by hand.
     Emulate,
+    /// Hide causes in simulated plants and hold `mgpi diagnose` to finding them.
+    Game {
+        /// What to play; `--help` behind `--` tells.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Count instructions and bytes, look for panics, and hold the figures against gates.toml.
     Gates {
         /// Write the bounds anew around what is measured.
@@ -78,6 +84,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
             firmware::build(&setup::ensure()?)?;
             host::emulate()?;
         }
+        Task::Game { arguments } => host::game(&arguments)?,
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
         Task::Figures { check } => figures::figures(check)?,
     }

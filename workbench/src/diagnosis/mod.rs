@@ -1,0 +1,4 @@
+//! What a model gets wrong, and why.
+
+pub mod anatomy;
+pub mod cause;

@@ -14,6 +14,8 @@
 //! | [`noise`] | the noise floor, from the data alone |
 //! | [`whiteness`] | whether the residual is white, and how long it remembers |
 //! | [`stretches`] | where in the recording it is worst |
+//! | [`excitation`] | what the recording excites |
+//! | [`examinable`] | which causes it can show at all, and why not the others |
 //!
 //! Neighbouring residuals are alike, and any slow axis follows any slow residual for a while: every share and every p-value
 //! is measured against that, and the false alarms of each test are counted by Monte Carlo in its tests, on white and on
@@ -26,6 +28,8 @@
 pub mod axis;
 mod cells;
 mod distribution;
+pub mod examinable;
+pub mod excitation;
 mod motion;
 pub mod noise;
 mod progressing;

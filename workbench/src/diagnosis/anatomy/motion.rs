@@ -7,12 +7,13 @@
 //! high as the play is wide.
 //!
 //! # Limits
-//! A reversal by less than the band is not seen. A ramp that takes more than some 100 s over the span counts as a hold.
+//! A reversal by less than the band is not seen. A ramp of less than three standard
+//! deviations of the noise in a tenth of a second (or of 1/500 of the span in a second) counts as a hold.
 
 use std::collections::VecDeque;
 
 use super::noise::floor;
-use super::{Residual, range};
+use super::{Residual, range, steps};
 use crate::turning::turning_points;
 
 /// Half the width of the play: so many standard deviations of the noise, and that share of the span.
@@ -21,9 +22,9 @@ const BAND_SHARE: f64 = 0.005;
 /// The rate is measured over so long, or so many rows, to either side. Unit: s.
 const RATE_S: f64 = 0.05;
 const RATE_ROWS: usize = 2;
-/// The input is held where the play moves by no more than that share of its half width over the rate's rows, and at no more
-/// than that share of the span. Unit of the latter: 1/s.
-const HELD_BAND: f64 = 0.6;
+/// The input is held where the play moves by no more than that many standard deviations of the noise over the rate's rows,
+/// or by no more than that share of the span a second. Unit of the latter: 1/s.
+const HELD_DEVIATIONS: f64 = 3.0;
 const HELD_SPAN: f64 = 0.002;
 /// The least height of a swing, as a share of the span.
 pub const LEAST_SWING: f64 = 0.05;
@@ -54,7 +55,7 @@ impl Motion {
         let rate = rate(time_s, &still.values);
         let most = |row: usize| {
             let (from, to) = window(time_s, row);
-            (HELD_BAND * still.band / (time_s[to] - time_s[from])).max(HELD_SPAN * (high - low))
+            (HELD_DEVIATIONS * still.noise / (time_s[to] - time_s[from])).max(HELD_SPAN * (high - low))
         };
         let is_held: Vec<bool> = (0..rate.len()).map(|row| rate[row].abs() <= most(row)).collect();
         let since_s = since_elsewhere(time_s, input, 2.0 * still.band);
@@ -87,18 +88,21 @@ struct Still {
     values: Vec<f64>,
     /// Half the width of the play. Unit of the signal.
     band: f64,
+    /// Standard deviation of the noise. Unit of the signal.
+    noise: f64,
 }
 
 impl Still {
     fn of(time_s: &[f64], values: &[f64]) -> Self {
         let (low, high) = range(values);
-        let band = (BAND_DEVIATIONS * floor(time_s, values).deviation).max(BAND_SHARE * (high - low));
+        let noise = floor(time_s, values).deviation;
+        let band = (BAND_DEVIATIONS * noise).max(BAND_SHARE * (high - low));
         let mut held = values.first().copied().unwrap_or(0.0);
         let follow = |&value: &f64| {
             held = held.clamp(value - band, value + band);
             held
         };
-        Self { values: values.iter().map(follow).collect(), band }
+        Self { values: values.iter().map(follow).collect(), band, noise }
     }
 }
 
@@ -125,12 +129,19 @@ fn rate(time_s: &[f64], still: &[f64]) -> Vec<f64> {
     (0..time_s.len()).map(slope).collect()
 }
 
-/// For each row, the length of the longest stretch up to it in which the values stay in a band of this height. Unit: s.
+/// For each row, the length of the longest stretch up to it, without a gap, in which the values stay in a band of this
+/// height. Unit: s.
 fn since_elsewhere(time_s: &[f64], values: &[f64], height: f64) -> Vec<f64> {
     // Rows of the stretch that are higher (lower) than all that follow in it.
     let (mut highest, mut lowest) = (VecDeque::new(), VecDeque::new());
+    let (_, gap_s) = steps(time_s);
     let mut first = 0;
     let mut since = |row: usize| {
+        if row > 0 && time_s[row] - time_s[row - 1] > gap_s {
+            highest.clear();
+            lowest.clear();
+            first = row;
+        }
         while highest.back().is_some_and(|&other: &usize| values[other] <= values[row]) {
             highest.pop_back();
         }

@@ -33,10 +33,10 @@ impl Bench {
     }
 
     /// A residual of half an effect, half autoregressive noise of this seed (by energy).
-    fn with(mut self, seed: u64, effect: impl Fn(&Self, usize) -> f64) -> Self {
+    fn with(mut self, seed: u64, effect: impl Fn(&Self) -> Vec<f64>) -> Self {
         let rows = self.time_s.len();
         let noise = Noise::new(seed).autoregressive(rows, 0.9);
-        let effect: Vec<f64> = (0..rows).map(|row| effect(&self, row)).collect();
+        let effect = effect(&self);
         let mean = effect.iter().sum::<f64>() / rows as f64;
         let size = rms(&effect.iter().map(|e| e - mean).collect::<Vec<_>>());
         self.residual = effect.iter().zip(noise).map(|(e, own)| (e - mean) / size + own).collect();
@@ -67,11 +67,11 @@ impl Bench {
 #[test]
 fn every_axis_raises_an_alarm_in_3_to_7_of_100_runs_on_white_and_autoregressive_residuals() {
     const RUNS: u64 = 1200;
-    // A memory of 19 rows, a fiftieth of the recording, is the longest that is documented.
-    for like in [0.0, 0.9] {
+    // A memory of 15 rows, a fiftieth of the recording, is the longest that is documented.
+    for like in [0.0, 0.87] {
         let alarms = |seed: u64| -> Vec<(Axis, bool)> {
-            let mut bench = Bench::new(1000, seed, |t| held_triangles(t, 3.7));
-            bench.residual = Noise::new(seed).autoregressive(1000, like);
+            let mut bench = Bench::new(750, seed, |t| held_triangles(t, 3.7));
+            bench.residual = Noise::new(seed).autoregressive(750, like);
             bench.axes().iter().map(|mean| (mean.axis, mean.p_value <= LEVEL)).collect()
         };
         let runs: Vec<Vec<(Axis, bool)>> = (0..RUNS).into_par_iter().map(alarms).collect();
@@ -92,11 +92,11 @@ fn half_of_the_energy_that_goes_with_an_axis_is_found_as_such() {
     let held = |t: f64| held_triangles(t, 3.7);
     for seed in 0..5 {
         let bench = || Bench::new(3000, seed, held);
-        let of_input = bench().with(seed, |bench, row| (1.5 * bench.input[row]).sin());
-        let of_direction = bench().with(seed, |bench, row| Motion::of(&bench.view()).direction[row]);
-        let of_temperature = bench().with(seed, |bench, row| bench.temperature[row]);
-        let of_time = bench().with(seed, |bench, row| bench.time_s[row]);
-        let of_travel = bench().with(seed, |bench, row| (-bench.time_s[row] / 30.0).exp());
+        let of_input = bench().with(seed, |bench| bench.input.iter().map(|u| (1.5 * u).sin()).collect());
+        let of_direction = bench().with(seed, |bench| Motion::of(&bench.view()).direction);
+        let of_temperature = bench().with(seed, |bench| bench.temperature.clone());
+        let of_time = bench().with(seed, |bench| bench.time_s.clone());
+        let of_travel = bench().with(seed, |bench| bench.time_s.iter().map(|t| (-t / 30.0).exp()).collect());
         for (bench, axis) in [
             (of_input, Axis::Input),
             (of_direction, Axis::Direction),
@@ -112,8 +112,15 @@ fn half_of_the_energy_that_goes_with_an_axis_is_found_as_such() {
 }
 
 #[test]
+fn a_regular_excitation_hides_nothing() {
+    let bench = Bench::new(3000, 2, |t| triangles(t, 20.0)).with(2, |bench| bench.input.clone());
+    let input = bench.axis(Axis::Input);
+    assert!(input.share > 0.4 && input.p_value <= 0.01, "{} {}", input.share, input.p_value);
+}
+
+#[test]
 fn what_goes_with_the_input_is_not_laid_to_the_temperature_or_time() {
-    let bench = Bench::new(3000, 1, |t| triangles(t, 9.3)).with(1, |bench, row| bench.input[row]);
+    let bench = Bench::new(3000, 1, |t| triangles(t, 9.3)).with(1, |bench| bench.input.clone());
     for axis in [Axis::Temperature, Axis::Time, Axis::Direction] {
         assert_eq!(bench.axis(axis).share, 0.0, "{axis}");
     }
@@ -124,8 +131,8 @@ fn what_goes_with_the_input_is_not_laid_to_the_temperature_or_time() {
 fn creep_shows_over_the_time_since_the_last_change_and_a_lag_over_the_rate() {
     let held = |t: f64| held_triangles(t, 7.5);
     let since = |bench: &Bench| Motion::of(&bench.view()).since_change_s;
-    let creep = Bench::new(3000, 2, held).with(2, |bench, row| since(bench)[row].min(5.0));
-    let lag = Bench::new(3000, 2, held).with(2, |bench, row| Motion::of(&bench.view()).rate[row]);
+    let creep = Bench::new(3000, 2, held).with(2, |bench| since(bench).iter().map(|s| s.min(5.0)).collect());
+    let lag = Bench::new(3000, 2, held).with(2, |bench| Motion::of(&bench.view()).rate);
     assert!(creep.axis(Axis::SinceChange).share > 0.4);
     assert!(creep.axis(Axis::Rate).share < 0.3);
     assert!(lag.axis(Axis::Rate).share > 0.4);
@@ -148,7 +155,7 @@ fn the_true_mean_of_a_bin_lies_within_two_standard_errors_in_at_least_nine_of_te
 
 #[test]
 fn the_same_seed_gives_the_same_anatomy_and_few_rows_none() {
-    let bench = Bench::new(1000, 3, |t| triangles(t, 20.0)).with(3, |bench, row| bench.input[row]);
+    let bench = Bench::new(1000, 3, |t| triangles(t, 20.0)).with(3, |bench| bench.input.clone());
     let json = || serde_json::to_string(&Anatomy::of(&bench.view(), 7).expect("long enough")).expect("JSON");
     assert_eq!(json(), json());
     let short = Bench::new(99, 3, |t| triangles(t, 20.0));
@@ -161,7 +168,7 @@ fn nothing_breaks_on_a_still_recording_or_one_with_a_single_step_of_time() {
     let still = Bench::new(500, 4, |_| 2.0);
     let anatomy = Anatomy::of(&still.view(), 1).expect("long enough");
     assert_eq!(anatomy.rms, 0.0);
-    let mut gap = Bench::new(500, 4, |t| triangles(t, 20.0)).with(4, |bench, row| bench.input[row]);
+    let mut gap = Bench::new(500, 4, |t| triangles(t, 20.0)).with(4, |bench| bench.input.clone());
     gap.time_s[499] += 1e7;
     assert!(Anatomy::of(&gap.view(), 1).expect("long enough").rms.is_finite());
 }

@@ -28,6 +28,7 @@ pub mod pil;
 pub mod recording;
 pub mod report;
 pub mod table;
+pub mod turning;
 pub mod unit;
 
 pub use error::Error;

@@ -1,5 +1,6 @@
 //! Diagnosis.
 
+pub mod anatomy;
 pub mod basis;
 pub mod cause;
 pub mod effect;

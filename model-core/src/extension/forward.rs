@@ -21,7 +21,7 @@ use super::transport_delay::{DelayLine, TransportDelayParameters};
 use super::{ExtensionParameters, Surroundings, each};
 
 /// How exactly the root is found: this share of the input range, as far as the number type allows.
-pub const TOLERANCE: f64 = 1e-12;
+pub const TOLERANCE: f64 = 1e-11;
 /// The shortest time between samples. Unit: s.
 pub const SHORTEST_STEP_S: f64 = 1e-9;
 

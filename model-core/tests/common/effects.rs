@@ -1,4 +1,5 @@
 //! Every effect, as strong as on a muscle, on the paper's model.
+#![allow(dead_code, reason = "each file of tests uses a part of it")]
 
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,

@@ -179,7 +179,7 @@ fn a_supply_limits_the_command_and_is_left_at_once() {
             beyond = tick;
         } else if tick > beyond + 200 {
             // The operator's inverse remembers a peak that the supply has cut.
-            assert!((contraction - wanted).abs() < 0.01, "tick {tick}: {contraction} for {wanted} mm");
+            assert!((contraction - wanted).abs() < 0.05, "tick {tick}: {contraction} for {wanted} mm");
         }
     }
     assert!(beyond > 0, "the supply was never reached");

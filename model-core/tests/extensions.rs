@@ -170,16 +170,16 @@ fn a_supply_limits_the_command_and_is_left_at_once() {
     let (mut state, mut inverse_state) = (model.rest_state(), inverse.rest_state());
     let mut beyond = 0;
     for tick in 0..TICKS {
-        // The muscle reaches 121 mm at 5.5 bar.
+        // The muscle reaches 121 mm at 5.5 bar; before that the lead against the lag reaches the supply.
         let wanted = 1.2 * wanted(tick);
         let command = inverse.step(&mut inverse_state, wanted, &Surroundings::default()).expect("finite");
         assert!((0.0..=highest).contains(&command));
         let contraction = step(&model, &mut state, tick, command).contraction;
-        if wanted > 121.0 {
+        if wanted > 100.0 {
             beyond = tick;
         } else if tick > beyond + 200 {
             // The operator's inverse remembers a peak that the supply has cut.
-            assert!((contraction - wanted).abs() < 0.05, "tick {tick}: {contraction} for {wanted} mm");
+            assert!((contraction - wanted).abs() < 1e-3, "tick {tick}: {contraction} for {wanted} mm");
         }
     }
     assert!(beyond > 0, "the supply was never reached");

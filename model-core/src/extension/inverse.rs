@@ -10,6 +10,10 @@
 //! # Delay
 //! The answer acts a delay later. So the wanted contraction is that of the present plus the delay, and drift and tone are
 //! taken off as they will be then.
+//!
+//! # Limits
+//! The operator's inverse remembers the pressure that was wanted. A peak that the supply has cut is so remembered too high,
+//! until it is wiped out.
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};

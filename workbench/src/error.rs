@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::diagnosis::DiagnosisError;
 use crate::emulator::EmulatorError;
 use crate::emulator::image::ImageError;
 use crate::identification::IdentificationError;
@@ -40,6 +41,14 @@ pub enum Error {
     /// Options that do not go together.
     #[error("{0}")]
     Usage(String),
+    /// Nothing can be said of a recording.
+    #[error("{}: {source}", file.display())]
+    Diagnosis {
+        /// The recording.
+        file: PathBuf,
+        /// Why.
+        source: DiagnosisError,
+    },
     /// No model can be made of a recording.
     #[error("{}, {columns}: {source}", file.display())]
     Identification {

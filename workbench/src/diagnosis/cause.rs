@@ -84,6 +84,11 @@ impl Cause {
         }
     }
 
+    /// Whether it resists motion by a law over the rate: three forms of much the same.
+    pub fn resists_motion(self) -> bool {
+        matches!(self, Self::ViscousLag | Self::Inertia | Self::RateDependentWidth)
+    }
+
     /// The causes that it is most easily taken for.
     pub fn rivals(self) -> &'static [Self] {
         match self {

@@ -18,10 +18,11 @@ use super::signals::Signals;
 
 /// Times at which a step is looked for.
 const TIMES: usize = 80;
-/// A pure error above this share of the held-out error is large.
-const LARGE: f64 = 0.45;
-/// What has to be removed of the square of the pure error.
-const REMOVED: f64 = 0.5;
+/// A pure error above the first share of the held-out error is large: then the second share of its square has to have
+/// been removed by the causes.
+const LARGE: [(f64, f64); 2] = [(0.45, 0.5), (0.65, 0.8)];
+/// And it has to be above so many times the noise: states are never quite the same.
+const SEEN: f64 = 4.0;
 /// A row is far off beyond so many times the noise, and so many such rows are too many.
 const FAR: f64 = 10.0;
 const MOVES: f64 = 4.0;
@@ -99,7 +100,7 @@ fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
         (time_s, beside)
     } else {
         let (time_s, alone) = best_step(search, &search.baseline)?;
-        let (best, _) = Search { baseline: alone, ..search.clone() }.run();
+        let (best, _) = Search { baseline: alone, ..search.clone() }.run(&|_| ());
         // Fewer causes with the step have to do better than all of them without it.
         if best.causes.len() >= set.causes.len() || set.evidence(&best) < EVIDENCE {
             return None;
@@ -112,9 +113,9 @@ fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
 
 fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let (before, after) = (search.baseline.pure_error?, set.pure_error?);
-    let is_large = after > LARGE * set.score.mean();
-    let removed = 1.0 - (after / before).powi(2);
+    let removed = if set.causes.is_empty() { 0.0 } else { 1.0 - (after / before).powi(2) };
+    let is_left = |&(large, share): &(f64, f64)| after > large * set.score.mean() && removed < share;
+    let is_seen = after > SEEN * search.signals.noise;
     let tones_hz = super::spectrum::tones(search.signals, &set.fit.residual, 3);
-    (is_large && (set.causes.is_empty() || removed < REMOVED))
-        .then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
+    (is_seen && LARGE.iter().any(is_left)).then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
 }

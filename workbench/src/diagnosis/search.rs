@@ -31,6 +31,15 @@ const STARTS: usize = 2;
 const PURE: f64 = 0.3;
 /// The evidence that an effect has to have for it.
 pub const EVIDENCE: f64 = 0.12;
+/// What the held-out error alone has to gain.
+const GAIN: f64 = 0.05;
+/// How much more evidence one needs beside others, as a share of theirs: what little is left of a large effect that is
+/// not quite of our form is still more than nothing.
+const MORE: f64 = 0.1;
+/// What a larger set has to be better by than the best smaller one, beside being worth each of its causes.
+const BETTER: f64 = 0.05;
+/// What a second cause that resists motion has to be better by: neither is quite of our form.
+const ALIKE: f64 = 0.08;
 /// The least share of the square of the first error that a cause beside others explains.
 const SHARE: f64 = 0.03;
 /// A set that gains less than this over its parent is not built upon.
@@ -170,32 +179,34 @@ impl<'a> Search<'a> {
         Score::of(self.signals, &free, &self.mask)
     }
 
-    /// A set without one of its causes.
+    /// A set without one of its causes, the rest fitted from where it stands.
     pub fn without(&self, set: &Candidate, cause: Cause) -> Option<Candidate> {
-        let kept = set.causes.iter().copied().filter(|&other| other != cause).collect();
-        let mut effects: Vec<Effect> = set
-            .causes
-            .iter()
-            .zip(set.effects())
-            .filter(|(other, _)| **other != cause)
-            .map(|(_, effect)| effect.clone())
-            .collect();
+        let first = set.fit.effects.len() - set.causes.len();
+        let kept = |i: usize| i < first || set.causes[i - first] != cause;
+        let mut effects: Vec<Effect> =
+            set.fit.effects.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, e)| e.clone()).collect();
         if !effects.iter().any(|effect| effect.form == Form::Delay) {
             effects.insert(0, Effect::small_delay(self.signals));
         }
-        Some(self.candidate(kept, fit(self.signals, &self.basis, &effects)?))
+        let causes: Vec<Cause> = set.causes.iter().copied().filter(|&other| other != cause).collect();
+        let without = self.candidate(causes, fit(self.signals, &self.basis, &effects)?);
+        // Without its only cause it is the baseline, which may have been found better before.
+        let is_worse = without.causes.is_empty() && self.baseline.cost() < without.cost();
+        Some(if is_worse { self.baseline.clone() } else { without })
     }
 
     /// The set that the evidence is for, and all sets that were looked at, by size, the best first.
     ///
     /// It is the best of the largest size that is worth its last cause, less the causes that a later one has made
     /// needless, each tried against its closest rivals.
-    pub fn run(&self) -> (Candidate, Vec<Vec<Candidate>>) {
-        let sizes = self.beam();
+    ///
+    /// `progress` is called with the share of the work that is done.
+    pub fn run(&self, progress: &(dyn Fn(f64) + Sync)) -> (Candidate, Vec<Vec<Candidate>>) {
+        let sizes = self.beam(progress);
         let mut best = self.baseline.clone();
         for size in &sizes {
             match size.first() {
-                Some(set) if best.evidence(set) >= EVIDENCE && self.is_needed(set) => best = set.clone(),
+                Some(set) if best.evidence(set) >= BETTER && self.is_needed(set) => best = set.clone(),
                 _ => break,
             }
         }
@@ -209,24 +220,22 @@ impl<'a> Search<'a> {
         (best, sizes)
     }
 
-    /// Whether a set is worth its last cause beside the others: what little is left of a large effect that is not quite
-    /// of our form is still more than nothing, so that it has to explain its share of the first misfit too.
+    /// Whether a set is worth its last cause beside the others.
     fn is_worth(&self, without: &Candidate, set: &Candidate) -> bool {
         let square = |set: &Candidate| set.score.mean().powi(2);
         let share = (square(without) - square(set)) / square(&self.baseline);
-        without.evidence(set) >= EVIDENCE && share >= SHARE
+        let needed = EVIDENCE + MORE * self.baseline.evidence(without).max(0.0);
+        let gain = without.score.gain(&set.score);
+        without.evidence(set) >= needed && gain >= GAIN && (without.causes.is_empty() || share >= SHARE)
     }
 
     /// Whether a set is worth each of its causes.
     fn is_needed(&self, set: &Candidate) -> bool {
-        set.causes.len() < 2 || self.dropped(set).is_none()
+        self.dropped(set).is_none()
     }
 
     /// The set without its most needless cause, if that is not worth its place.
     fn dropped(&self, set: &Candidate) -> Option<Candidate> {
-        if set.causes.len() < 2 {
-            return None;
-        }
         let without: Vec<Candidate> =
             set.causes.par_iter().filter_map(|&cause| self.without(set, cause)).collect();
         let least = without.into_iter().min_by(|one, other| one.cost().total_cmp(&other.cost()))?;
@@ -253,10 +262,11 @@ impl<'a> Search<'a> {
     }
 
     /// The best sets of every size, from one cause on, the best first.
-    pub fn beam(&self) -> Vec<Vec<Candidate>> {
+    fn beam(&self, progress: &(dyn Fn(f64) + Sync)) -> Vec<Vec<Candidate>> {
         let mut sizes: Vec<Vec<Candidate>> = Vec::new();
         let mut going = vec![self.baseline.clone()];
-        for _ in 0..LARGEST {
+        for size in 0..LARGEST {
+            progress(size as f64 / (LARGEST + 1) as f64);
             let steps: Vec<(&Candidate, Cause, Vec<Effect>)> = going
                 .par_iter()
                 .flat_map(|set| {
@@ -294,18 +304,15 @@ impl Candidate {
     /// explain the same the simpler one is preferred.
     pub fn cost(&self) -> f64 {
         let pure = self.pure_error.map_or(0.0, |error| PURE * error.max(1e-12).ln());
-        let complexity: f64 = self.causes.iter().map(|cause| cause.complexity()).sum();
+        let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(1);
+        let complexity: f64 =
+            self.causes.iter().map(|cause| cause.complexity()).sum::<f64>() + ALIKE * dynamic as f64;
         self.score.mean().max(1e-12).ln() + pure + complexity
     }
 
     /// How much less a later set costs.
     pub fn evidence(&self, later: &Self) -> f64 {
         self.cost() - later.cost()
-    }
-
-    /// The effects of its causes, in their order.
-    pub fn effects(&self) -> &[Effect] {
-        &self.fit.effects[self.fit.effects.len() - self.causes.len()..]
     }
 
     /// Whether the causes are the same, in whatever order.

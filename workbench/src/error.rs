@@ -11,6 +11,7 @@ use crate::identification::IdentificationError;
 use crate::model_file::ModelFileError;
 use crate::output::OutputError;
 use crate::pil::PilError;
+use crate::plan::PlanError;
 use crate::report::DrawingError;
 use crate::table::DataError;
 
@@ -38,6 +39,9 @@ pub enum Error {
     /// A run of the firmware does not come to its end.
     #[error(transparent)]
     Pil(#[from] PilError),
+    /// An excitation cannot be planned.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
     /// Options that do not go together.
     #[error("{0}")]
     Usage(String),

@@ -25,6 +25,7 @@ pub mod identification;
 pub mod model_file;
 pub mod output;
 pub mod pil;
+pub mod plan;
 pub mod recording;
 pub mod report;
 pub mod table;

@@ -7,6 +7,7 @@ pub mod emulate;
 mod identified_json;
 pub mod identify;
 pub mod pil;
+pub mod plan;
 pub mod report;
 mod search;
 pub mod simulate;
@@ -31,6 +32,7 @@ enum Command {
     Simulate(simulate::Arguments),
     Report(report::Arguments),
     Pil(Box<pil::Arguments>),
+    Plan(plan::Arguments),
     Emulate(emulate::Arguments),
 }
 
@@ -47,6 +49,7 @@ impl CommandLine {
             Command::Simulate(arguments) => simulate::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
             Command::Pil(arguments) => pil::run(&arguments),
+            Command::Plan(arguments) => plan::run(&arguments),
             Command::Emulate(arguments) => emulate::run(&arguments),
         }
     }

@@ -264,9 +264,11 @@ mod tests {
     use super::super::synthetic::{Noise, held_triangles, times, triangles};
     use super::*;
 
+    type View = for<'a> fn(&'a Excitation) -> ValveView<'a>;
+
     /// Judges 120 s of an input with some noise, 100 rows a second, whose output is proportional.
     fn judged(
-        valve: for<'a> fn(&'a Excitation) -> ValveView<'a>,
+        valve: View,
         temperature: Option<fn(f64) -> f64>,
         input: impl Fn(f64) -> f64,
     ) -> Vec<Examinable> {
@@ -356,7 +358,7 @@ mod tests {
 
     #[test]
     fn without_a_command_beside_the_pressure_nothing_of_the_valve_shows() {
-        let cases: [(for<'a> fn(&'a Excitation) -> ValveView<'a>, [bool; 3]); 3] = [
+        let cases: [(View, [bool; 3]); 3] = [
             (|_| ValveView::Unseen, [false; 3]),
             (|_| ValveView::InChain, [true, false, true]),
             (|seen| ValveView::Beside(seen), [true; 3]),

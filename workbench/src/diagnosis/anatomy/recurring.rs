@@ -56,7 +56,7 @@ impl Shifts {
     pub fn judge(&self, cells: &Cells, bin: &[u8], bins: usize) -> (f64, f64) {
         let weighted: Vec<f64> = cells.value.iter().zip(&cells.weight).map(|(e, w)| e * w).collect();
         let explained = |values: &[f64], shift: &Shift| explained(&cells.weight, values, bin, bins, shift);
-        let observed = explained(&weighted, &vec![0..bin.len()]);
+        let observed = explained(&weighted, &rotated(0..bin.len(), 0));
         let as_much = self.0.iter().filter(|shift| explained(&weighted, shift) >= observed).count();
 
         let rest = rest(cells, &weighted, bin, bins);

@@ -2,7 +2,9 @@
 
 use model_core::TrackingParameters;
 use serde::{Deserialize, Serialize};
-use wire::{DEAD_ZONES, PLAYS};
+use wire::{Configuration, DEAD_ZONES, PLAYS, Refusal, Request, VERSION};
+
+use crate::order::{Order, prepare};
 
 /// A set of parameters, saved and loaded as a whole.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,4 +35,13 @@ impl Settings {
 impl Parameters {
     /// The set of a new board: no model, since one of another muscle would drive this one wrongly.
     pub const FACTORY: Self = Self { settings: Settings::FACTORY, tracking: None };
+
+    /// The order that installs the stored model, gains and limits, if there are any.
+    ///
+    /// # Errors
+    /// They are not valid, see [`prepare`].
+    pub fn install(&self) -> Option<Result<Order, Refusal>> {
+        let tracking = self.tracking.clone()?;
+        Some(prepare(Request::Configure(Configuration { version: VERSION, tracking })))
+    }
 }

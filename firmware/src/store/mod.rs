@@ -146,7 +146,7 @@ impl<F: NorFlash> ParameterStore<F> {
         for sector in Sector::BOTH {
             let read = self.sectors.for_each(sector, &mut self.buffer, |bytes| {
                 if let Some(record) = record::decode(bytes)
-                    && newest.as_ref().is_none_or(|found| record.is_newer_than(&found.record))
+                    && newest.as_ref().is_none_or(|found| record.sequence > found.record.sequence)
                 {
                     newest = Some(Found { record, sector });
                 }

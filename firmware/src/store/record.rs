@@ -24,7 +24,7 @@ pub const RECORD_BYTES: usize = (wire::FRAME_BYTES + 64).next_multiple_of(32);
 
 /// A record that was read.
 pub struct Record {
-    /// Counts the saves, modulo 2^32.
+    /// Counts the saves; the flash does not endure as many as there are numbers.
     pub sequence: u32,
     layout: u16,
     /// The set, or why there is none.
@@ -32,11 +32,6 @@ pub struct Record {
 }
 
 impl Record {
-    /// Whether this one was written after the other; less than 2^31 saves lie between two records of a flash.
-    pub fn is_newer_than(&self, other: &Self) -> bool {
-        self.sequence != other.sequence && self.sequence.wrapping_sub(other.sequence) < 1 << 31
-    }
-
     /// Whether a save of the set would change nothing.
     pub fn holds(&self, parameters: &Parameters) -> bool {
         self.layout == LAYOUT && self.parameters.as_ref() == Ok(parameters)
@@ -44,7 +39,7 @@ impl Record {
 
     /// That of the record after this one.
     pub fn next_sequence(&self) -> u32 {
-        self.sequence.wrapping_add(1)
+        self.sequence.saturating_add(1)
     }
 }
 

@@ -53,6 +53,34 @@ fn a_state_that_drives_the_valve_refuses_a_save_and_the_flash_is_not_touched() {
 }
 
 #[test]
+fn a_set_that_is_not_of_numbers_is_refused_and_the_old_one_kept() {
+    let mut store = store();
+    assert_eq!(store.save(State::Ready, &paper_set()), Ok(()));
+    let mut set = paper_set();
+    set.tracking.iter_mut().for_each(|tracking| tracking.period_s = f32::NAN);
+    assert_eq!(store.save(State::Ready, &set), Err(SaveError::NotANumber));
+    assert_eq!(store.load(), Ok(paper_set()));
+}
+
+/// Records that nothing led to come to light when the space before them is filled; found by mutated contents.
+#[test]
+fn a_record_behind_a_gap_does_not_outlive_a_save() {
+    let mut store = store();
+    for address in 1..=9 {
+        assert_eq!(store.save(State::Ready, &addressed(address)), Ok(()));
+    }
+    let mut bytes = store.into_flash().bytes().to_vec();
+    let record = bytes.iter().rposition(|&byte| byte != 0xFF).expect("written") / 9;
+    bytes[2 * record..7 * record].fill(0xFF);
+    for address in 10..50 {
+        let mut store = Store::new(MockFlash::with(&bytes));
+        assert_eq!(store.save(State::Ready, &addressed(address)), Ok(()));
+        assert_eq!(store.load(), Ok(addressed(address)));
+        bytes = store.into_flash().bytes().to_vec();
+    }
+}
+
+#[test]
 fn a_set_that_is_stored_already_is_not_written_again() {
     let mut store = store();
     assert_eq!(store.save(State::Ready, &paper_set()), Ok(()));

@@ -58,6 +58,8 @@ pub enum LoadError {
 pub enum SaveError {
     /// The valve is not vented in this state.
     WrongState(State),
+    /// A parameter is not a number: no controller takes such a set.
+    NotANumber,
     /// The set is longer than a record may be.
     TooLong,
     /// The flash cannot be erased or written.
@@ -101,30 +103,35 @@ impl<F: NorFlash> ParameterStore<F> {
     /// Keeps a set. `state`: the board's, in which it stays meanwhile.
     ///
     /// # Errors
-    /// The state is not a vented one; the flash fails. The old set is then still the newest; after a failure of the
-    /// flash the new one may be.
+    /// The state is not a vented one; the set is none; the flash fails. The old set is then still the newest; after a
+    /// failure of the flash the new one may be.
     pub fn save(&mut self, state: State, parameters: &Parameters) -> Result<(), SaveError> {
         if !is_vented(state) {
             return Err(SaveError::WrongState(state));
         }
-        // What cannot be read is replaced.
-        let newest = self.newest().unwrap_or(None);
-        if newest.as_ref().is_some_and(|found| found.record.holds(parameters)) {
-            return Ok(());
+        // What was written is compared with what it should be.
+        if !parameters.eq(parameters) {
+            return Err(SaveError::NotANumber);
         }
-        let sequence = newest.as_ref().map_or(0, |found| found.record.next_sequence());
-        match newest.map(|found| found.sector) {
-            Some(home) => self
-                .append(home, sequence, parameters)
-                .or_else(|_| self.begin(home.other(), sequence, parameters)),
-            None => self
-                .begin(Sector::First, sequence, parameters)
-                .or_else(|_| self.begin(Sector::Second, sequence, parameters)),
+        match self.newest() {
+            Ok(Some(Found { record, .. })) if record.holds(parameters) => Ok(()),
+            Ok(Some(Found { record, sector })) => self
+                .append(sector, record.next_sequence(), parameters)
+                .or_else(|_| self.begin(Sector::First, parameters)),
+            // What cannot be read is replaced.
+            Ok(None) | Err(_) => {
+                self.begin(Sector::First, parameters).or_else(|_| self.begin(Sector::Second, parameters))
+            }
         }
     }
 
-    /// Erases a sector and makes the set its first record.
-    fn begin(&mut self, sector: Sector, sequence: u32, parameters: &Parameters) -> Result<(), SaveError> {
+    /// Erases the sector that the newest record is not in, `sector` if there is none, and makes the set its first
+    /// record.
+    fn begin(&mut self, sector: Sector, parameters: &Parameters) -> Result<(), SaveError> {
+        let (sector, sequence) = match self.newest() {
+            Ok(Some(Found { record, sector })) => (sector.other(), record.next_sequence()),
+            Ok(None) | Err(_) => (sector, 0),
+        };
         self.sectors.erase(sector)?;
         self.append(sector, sequence, parameters)
     }
@@ -134,7 +141,7 @@ impl<F: NorFlash> ParameterStore<F> {
         let bytes = record::encode(sequence, parameters, &mut self.buffer).ok_or(SaveError::TooLong)?;
         self.sectors.append(sector, bytes)?;
         match self.newest() {
-            Ok(Some(Found { record, .. })) if record.sequence == sequence => Ok(()),
+            Ok(Some(Found { record, .. })) if record.holds(parameters) => Ok(()),
             _ => Err(SaveError::NotKept),
         }
     }

@@ -6,6 +6,7 @@ mod board_compiler;
 mod demo;
 mod figures;
 mod firmware;
+mod fuzz;
 mod gates;
 mod host;
 mod run;
@@ -40,6 +41,12 @@ enum Task {
         /// Write the bounds anew around what is measured.
         #[arg(long)]
         bless: bool,
+    },
+    /// Give mutated inputs to every parser of bytes from outside.
+    Fuzz {
+        /// How long, all targets together. Unit: s.
+        #[arg(long, default_value_t = 60)]
+        seconds: u64,
     },
     /// Redraw the figures of docs/figures.
     Figures {
@@ -79,6 +86,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
             host::emulate()?;
         }
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
+        Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
         Task::Figures { check } => figures::figures(check)?,
     }
     Ok(())

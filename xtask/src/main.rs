@@ -6,6 +6,7 @@ mod board_compiler;
 mod demo;
 mod figures;
 mod firmware;
+mod fuzz;
 mod gates;
 mod host;
 mod run;
@@ -47,6 +48,12 @@ enum Task {
         #[arg(long)]
         bless: bool,
     },
+    /// Give mutated inputs to every parser of bytes from outside.
+    Fuzz {
+        /// How long, all targets together. Unit: s.
+        #[arg(long, default_value_t = 60)]
+        seconds: u64,
+    },
     /// Redraw the figures of docs/figures.
     Figures {
         /// Write nothing; fail where a figure is out of date.
@@ -86,6 +93,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
         }
         Task::Game { arguments } => host::game(&arguments)?,
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
+        Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
         Task::Figures { check } => figures::figures(check)?,
     }
     Ok(())

@@ -3,8 +3,7 @@
 //! A misfit of shape that repeats itself, however large, cancels in the difference; what a missing cause or a
 //! disturbance does is not the same at both visits.
 
-use super::basis::Basis;
-use super::fit::Fit;
+use super::basis::{Basis, Seen};
 use super::signals::{Signals, median};
 
 /// Rows that are compared, at most.
@@ -18,9 +17,10 @@ const INPUT_WEIGHT: f64 = 8.0;
 /// Fewest pairs that say something.
 const PAIRS: usize = 60;
 
-/// The pure error of a fit; None where the recording visits too few states twice. Output unit.
-pub fn pure_error(signals: &Signals, basis: &Basis, fit: &Fit) -> Option<f64> {
-    let states = basis.states(&fit.seen, &signals.rows);
+/// The pure error of a residual, a value a scored row, of what saw this input; None where the recording visits too few
+/// states twice. Output unit.
+pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64]) -> Option<f64> {
+    let states = basis.states(seen, &signals.rows);
     let every = states.len().div_ceil(ROWS).max(1);
     let apart_s = APART * signals.duration_s();
     let mut differences = Vec::new();
@@ -37,7 +37,7 @@ pub fn pure_error(signals: &Signals, basis: &Basis, fit: &Fit) -> Option<f64> {
             }
         }
         if let Some(j) = nearest.1 {
-            differences.push((fit.residual[i] - fit.residual[j]).powi(2));
+            differences.push((residual[i] - residual[j]).powi(2));
         }
     }
     if differences.len() < PAIRS {

@@ -54,6 +54,8 @@ pub struct Candidate {
     pub fit: Fit,
     /// Its held-out error.
     pub score: Score,
+    /// Measured less simulated, free-running where the measured contraction enters otherwise, a value a scored row.
+    pub residual: Vec<f64>,
     /// What differs between visits to the same state, if there are enough. Output unit.
     pub pure_error: Option<f64>,
 }
@@ -89,8 +91,9 @@ impl<'a> Search<'a> {
                 .min_by(|one, other| one.rms().total_cmp(&other.rms()))?;
             let mask = mask(&fit);
             let score = Score::of(signals, &fit.unseen, &mask);
-            let pure_error = pure_error(signals, &basis, &fit);
-            let baseline = Candidate { causes: Vec::new(), fit, score, pure_error };
+            let pure_error = pure_error(signals, &basis, &fit.seen, &fit.residual);
+            let residual = fit.residual.clone();
+            let baseline = Candidate { causes: Vec::new(), fit, score, residual, pure_error };
             Some(Self { signals, basis, examinable: examinable.clone(), mask, baseline })
         };
         [true, false]
@@ -136,8 +139,7 @@ impl<'a> Search<'a> {
         let causes: Vec<Cause> = set.causes.iter().copied().chain([cause]).collect();
         starts
             .into_iter()
-            .enumerate()
-            .flat_map(|(rank, start)| {
+            .flat_map(|start| {
                 let replaces = |effect: &Effect| start.form == Form::Delay && effect.form == Form::Delay;
                 let mut effects: Vec<Effect> =
                     set.fit.effects.iter().filter(|effect| !replaces(effect)).cloned().collect();
@@ -147,36 +149,34 @@ impl<'a> Search<'a> {
                 if let Some(width) = anew.iter_mut().find(|effect| effect.form == Form::Width) {
                     *width = Effect::static_width(self.signals, 0.1);
                 }
-                let from = [Some(effects), (rank == 0).then_some(anew)];
-                from.into_iter().flatten().filter_map(|effects| fit(self.signals, &self.basis, &effects))
+                [effects, anew].into_iter().filter_map(|effects| fit(self.signals, &self.basis, &effects))
             })
             .map(|fit| self.candidate(causes.clone(), fit))
             .min_by(|one, other| one.cost().total_cmp(&other.cost()))
     }
 
     /// A set with its fit, judged.
+    ///
+    /// Where measured rates stand in its effects the output may explain a part of itself, and their noise goes into the
+    /// residual: then it is judged as it runs free, and the fold's loss on unseen rows is added.
     pub fn candidate(&self, causes: Vec<Cause>, fit: Fit) -> Candidate {
-        let score = self.score(&fit);
-        let pure_error = self.baseline.pure_error.and_then(|_| pure_error(self.signals, &self.basis, &fit));
-        let pure_error = pure_error.map(|error| error.max(1.5 * self.signals.noise));
-        Candidate { causes, fit, score, pure_error }
-    }
-
-    /// The held-out error of a fit. Where measured rates stand in its effects, the output may explain a part of itself:
-    /// then it counts as much worse as the model runs free.
-    fn score(&self, fit: &Fit) -> Score {
-        if !fit.effects.iter().any(|effect| effect.form.is_fed_back()) {
-            return Score::of(self.signals, &fit.unseen, &self.mask);
-        }
-        let free: Vec<f64> = free_run(self.signals, &self.basis, fit)
-            .iter()
-            .zip(&self.signals.rows)
-            .zip(fit.residual.iter().zip(&fit.unseen))
-            .map(|((simulated, row), (residual, unseen))| {
-                unseen - residual + self.signals.output[row.at] - simulated
-            })
-            .collect();
-        Score::of(self.signals, &free, &self.mask)
+        let is_fed_back = fit.effects.iter().any(|effect| effect.form.is_fed_back());
+        let free: Vec<f64> = if is_fed_back {
+            let simulated = free_run(self.signals, &self.basis, &fit);
+            let rows = self.signals.rows.iter().zip(&simulated);
+            rows.map(|(row, simulated)| self.signals.output[row.at] - simulated).collect()
+        } else {
+            fit.residual.clone()
+        };
+        let lost = fit.unseen.iter().zip(&fit.residual).map(|(unseen, residual)| unseen - residual);
+        let unseen: Vec<f64> = lost.zip(&free).map(|(lost, free)| lost + free).collect();
+        let score = Score::of(self.signals, &unseen, &self.mask);
+        let pure_error = self
+            .baseline
+            .pure_error
+            .and_then(|_| pure_error(self.signals, &self.basis, &fit.seen, &free))
+            .map(|error| error.max(1.5 * self.signals.noise));
+        Candidate { causes, fit, score, pure_error, residual: free }
     }
 
     /// A set without one of its causes, the rest fitted from where it stands.

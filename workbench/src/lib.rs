@@ -26,6 +26,7 @@ pub mod output;
 pub mod pil;
 pub mod recording;
 pub mod report;
+pub mod simulation;
 pub mod table;
 pub mod unit;
 

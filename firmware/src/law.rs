@@ -5,8 +5,8 @@ use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters, PiecewiseL
 use model_core::pid::PidParameters;
 use model_core::tracking::Command;
 use model_core::{
-    HysteresisState, InputError, InverseHysteresis, InverseModel, Mode, ModelParameters, ParameterError,
-    TrackingParameters, TrackingState, paper,
+    ExtensionParameters, HysteresisState, InputError, InverseHysteresis, InverseModel, Measured, Mode,
+    ModelParameters, ParameterError, TrackingParameters, TrackingState, paper,
 };
 use wire::{DEAD_ZONES, PLAYS};
 
@@ -28,6 +28,7 @@ pub fn paper_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, 
         command_min: model.input_min,
         command_max: model.input_max,
         model: ModelParameters::Cascade(model),
+        extensions: ExtensionParameters::default(),
         pid: PidParameters::paper(),
         slew_bar_per_s: 50.0,
         period_s: 1e-3,
@@ -68,17 +69,17 @@ pub fn inverse_step(
     inverse.step(state, reference_mm)
 }
 
-/// One sample of the whole controller: inverse model, PID, slew and limits. Reference and contraction: mm.
+/// One sample of the whole controller: inverse of the extended model, PID, slew and limits. Reference: mm.
 ///
 /// # Errors
-/// Reference or contraction not finite; the state, and so the last command, is then as it was.
+/// A value that is not finite; the state, and so the last command, is then as it was.
 #[inline(never)]
 pub fn controller_step(
     tracking: &BoardTracking,
     state: &mut TrackingState<f32, PLAYS>,
     mode: Mode,
     reference_mm: f32,
-    contraction_mm: f32,
+    measured: Measured<f32>,
 ) -> Result<Command<f32>, InputError> {
-    tracking.step(state, mode, reference_mm, contraction_mm)
+    tracking.step(state, mode, reference_mm, measured)
 }

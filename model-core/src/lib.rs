@@ -72,4 +72,4 @@ pub use model::{InverseModel, Kind, Model, ModelParameters};
 pub use play::PlayState;
 pub use range::Range;
 pub use real::Real;
-pub use tracking::{Mode, Tracking, TrackingParameters, TrackingState};
+pub use tracking::{Measured, Mode, Tracking, TrackingParameters, TrackingState};

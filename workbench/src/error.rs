@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use model_core::ParameterError;
 use thiserror::Error;
 
 use crate::diagnosis::DiagnosisError;
@@ -24,6 +25,9 @@ pub enum Error {
     /// A model file is not what it should be.
     #[error(transparent)]
     ModelFile(#[from] ModelFileError),
+    /// Parameters that no model can be made of.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// An output cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),

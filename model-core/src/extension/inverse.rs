@@ -30,8 +30,12 @@ use super::{ExtensionParameters, Surroundings, each};
 pub struct ExtendedInverse<T, const N: usize, const M: usize> {
     operator: InverseModel<T, N, M>,
     compensation: Option<Compensation<T>>,
-    /// The operator's input and output at rest.
-    rest: (T, T),
+    /// Of the operator's input.
+    input_range: Range<T>,
+    /// The operator's outputs at rest and at the upper end of its input range.
+    output_range: (T, T),
+    /// Unit: s.
+    delay_s: T,
     limits: Range<T>,
 }
 
@@ -41,10 +45,6 @@ struct Compensation<T> {
     effects: Effects<T>,
     first: EffectsStep<T>,
     step: EffectsStep<T>,
-    /// Unit: s.
-    delay_s: T,
-    /// Of the operator's input.
-    input_range: Range<T>,
 }
 
 /// What the inverse of an extended model remembers.
@@ -79,18 +79,14 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
         let delay_s = each(&extensions.transport_delay, TransportDelayParameters::checked)?;
         let highest = effects.valve.as_ref().map_or(limits.1, |valve| valve.supplied(limits.1));
         let limits = Range::try_new(limits.0, highest, "command range", "bar")?;
-        let input_range = *model.input_range();
-        let compensation = Compensation {
-            first: effects.first(),
-            step: effects.step(period_s, period_s),
-            delay_s: delay_s.unwrap_or(T::ZERO),
-            input_range,
-            effects,
-        };
+        let compensation =
+            Compensation { first: effects.first(), step: effects.step(period_s, period_s), effects };
         Ok(Self {
             operator: model.inverse()?,
             compensation: (!compensation.effects.is_empty()).then_some(compensation),
-            rest: (input_range.min(), model.output_range().0),
+            input_range: *model.input_range(),
+            output_range: model.output_range(),
+            delay_s: delay_s.unwrap_or(T::ZERO),
             limits,
         })
     }
@@ -100,6 +96,16 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
         &self.operator
     }
 
+    /// The operator's outputs at rest and, from there, at the upper end of its input range. Output unit.
+    pub fn output_range(&self) -> (T, T) {
+        self.output_range
+    }
+
+    /// How long after its command the contraction comes. Unit: s.
+    pub fn delay_s(&self) -> T {
+        self.delay_s
+    }
+
     /// The commands that act: those given, as far as the supply reaches. Input unit.
     pub fn limits(&self) -> &Range<T> {
         &self.limits
@@ -107,9 +113,10 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
 
     /// The state before the first sample, of a muscle at rest.
     pub fn rest_state(&self) -> ExtendedInverseState<T, N> {
-        let (u, y0) = self.rest;
-        let compensation = self.compensation.as_ref().map(|Compensation { effects, delay_s, .. }| {
-            CompensationState { effects: effects.resting(u, y0, *delay_s), has_begun: false }
+        let (u, (y0, _)) = (self.input_range.min(), self.output_range);
+        let compensation = self.compensation.as_ref().map(|Compensation { effects, .. }| CompensationState {
+            effects: effects.resting(u, y0, self.delay_s),
+            has_begun: false,
         });
         ExtendedInverseState { operator: self.operator.rest_state(), compensation }
     }
@@ -147,7 +154,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
         if !surroundings.is_finite() {
             return Err(InputError::NotFinite);
         }
-        let Compensation { effects, first, step, input_range, .. } = compensation;
+        let Compensation { effects, first, step, .. } = compensation;
         let step = if state.has_begun { step } else { first };
         state.has_begun = true;
         let EffectsMemory { valve, balance, output, u: last_u, y0: last_y0 } = &mut state.effects;
@@ -158,7 +165,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
             y0 = step.y0(memory, *last_y0, wanted - zero);
         }
         let u = self.operator.step(operator, y0)?;
-        if u <= input_range.min() || u >= input_range.max() {
+        if u <= self.input_range.min() || u >= self.input_range.max() {
             y0 = self.operator.last_output(operator);
         }
         let (pushed, moved) = (u - *last_u, y0 - *last_y0);

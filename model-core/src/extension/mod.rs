@@ -44,6 +44,7 @@ mod inertia;
 mod inverse;
 mod output;
 pub mod periodic_disturbance;
+pub(crate) mod preview;
 pub mod profile;
 pub mod rate_dependent_width;
 mod relaxation;

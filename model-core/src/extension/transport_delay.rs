@@ -3,8 +3,8 @@
 //! Between samples the pressure is taken to move evenly; before the first one it was what it then is. The samples that
 //! are younger than the delay, and the next older one, have to fit into the line: [`DELAY_SAMPLES`].
 //!
-//! The inverse cannot answer a reference earlier than it comes: it has to be given the reference ahead, see
-//! [`super::preview`].
+//! The inverse cannot answer a reference earlier than it comes: it has to be given the reference ahead. The controller
+//! keeps it for its feedback as long as the delay lasts, see [`crate::tracking`].
 
 use heapless::Deque;
 

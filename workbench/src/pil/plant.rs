@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use model_core::Surroundings;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use thiserror::Error;
 
@@ -197,8 +198,12 @@ pub fn measurement(line: &[u8]) -> Option<Measurement> {
         .map(|field| field.parse().ok().filter(|number: &f64| number.is_finite()))
         .collect();
     match *numbers? {
-        [pressure_bar, contraction_mm] | [pressure_bar, contraction_mm, _, _] => {
-            Some(Measurement { pressure_bar, contraction_mm })
+        [pressure_bar, contraction_mm] => {
+            Some(Measurement { pressure_bar, contraction_mm, surroundings: Surroundings::default() })
+        }
+        [pressure_bar, contraction_mm, load_n, temperature_c] => {
+            let surroundings = Surroundings { load: Some(load_n), temperature: Some(temperature_c) };
+            Some(Measurement { pressure_bar, contraction_mm, surroundings })
         }
         _ => None,
     }
@@ -206,13 +211,15 @@ pub fn measurement(line: &[u8]) -> Option<Measurement> {
 
 #[cfg(test)]
 mod tests {
-    use super::measurement;
+    use super::*;
 
     #[test]
     fn an_answer_is_two_numbers_or_four() {
-        for answer in ["1.5 -2", "  1.5\t-2 30 21.5\r"] {
-            let measured = measurement(answer.as_bytes()).expect(answer);
-            assert_eq!((measured.pressure_bar, measured.contraction_mm), (1.5, -2.0));
+        let none = Surroundings::default();
+        let both = Surroundings { load: Some(30.0), temperature: Some(21.5) };
+        for (answer, surroundings) in [("1.5 -2", none), ("  1.5\t-2 30 21.5\r", both)] {
+            let expected = Measurement { pressure_bar: 1.5, contraction_mm: -2.0, surroundings };
+            assert_eq!(measurement(answer.as_bytes()).expect(answer), expected);
         }
     }
 

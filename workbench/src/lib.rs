@@ -16,6 +16,7 @@ macro_rules! say {
 pub mod child;
 pub mod commands;
 pub mod comparison;
+pub mod diagnosis;
 pub mod emulator;
 pub mod error;
 pub mod figures;
@@ -27,6 +28,7 @@ pub mod pil;
 pub mod recording;
 pub mod report;
 pub mod table;
+pub mod turning;
 pub mod unit;
 
 pub use error::Error;

@@ -3,7 +3,7 @@
 //! A step by Newmark's average acceleration turns mass and viscosity into one more spring, from the ratio the
 //! muscle would fly to; so the balance of forces keeps its form and its single root. The friction's limit is
 //! `F0 (1 + k s^a)` with the speed s in the direction of sliding, in units of [`RATE_UNIT_MM_PER_S`]; below
-//! [`SLOW_MM_PER_S`] the power is rounded off, since its slope at rest would be infinite.
+//! 1 mm/s the power is rounded off, since its slope at rest would be infinite.
 
 use crate::parameters::NOMINAL_LENGTH_MM;
 

@@ -87,7 +87,7 @@ impl Protocol {
             }
         }
         for _ in 0..12 {
-            protocol = protocol.ramp(draw.uniform(0.0, VALVE_RANGE_BAR), draw.uniform(0.4, 2.4));
+            protocol = protocol.ramp(draw.uniform(0.0, VALVE_RANGE_BAR), draw.uniform(0.4, 2.2));
         }
         protocol = held(protocol, &mut draw, 4);
         let repeat_s = RICH_S - protocol.duration_s() - 0.5;
@@ -162,6 +162,24 @@ mod tests {
         for protocol in [Protocol::decreasing_triangles(), Protocol::rates(), Protocol::holds(), ramps(3)] {
             assert!(protocol.waypoints.iter().all(|w| (0.0..=VALVE_RANGE_BAR).contains(&w.1)));
             assert!(protocol.waypoints.is_sorted_by_key(|w| w.0));
+        }
+    }
+
+    #[test]
+    fn rich_recordings_have_holds_fast_and_slow_parts_and_a_repeat_whatever_the_seed() {
+        for seed in 0..200 {
+            let legs = Protocol::rich(seed).waypoints;
+            assert!(legs.iter().all(|leg| (0.0..=VALVE_RANGE_BAR).contains(&leg.1)));
+            assert!(legs.is_sorted_by_key(|leg| leg.0) && (legs[legs.len() - 1].0 - RICH_S).abs() < 1e-9);
+            let legs: Vec<_> =
+                legs.windows(2).map(|leg| (leg[1].0 - leg[0].0, leg[1].1 - leg[0].1)).collect();
+            let held_s =
+                |at_least_s: f64| legs.iter().filter(|leg| leg.1 == 0.0 && leg.0 >= at_least_s).count();
+            assert!(held_s(3.0) == 8 && held_s(10.0) == 2);
+            let rates =
+                || legs.iter().filter(|leg| leg.0 > 0.0 && leg.1 != 0.0).map(|leg| leg.1.abs() / leg.0);
+            assert!(rates().any(|rate| rate < 1.0) && rates().any(|rate| rate > 8.0));
+            assert!(legs[legs.len() - 1].0 > 1.0, "the repeat of seed {seed} is cut short");
         }
     }
 }

@@ -3,6 +3,7 @@
 //! The struct is a frozen copy: what it reads was written by boards that are not at hand any more. A test holds it to
 //! stored bytes.
 
+use model_core::extension::ExtensionParameters;
 use model_core::pid::PidParameters;
 use model_core::{ModelParameters, TrackingParameters};
 use serde::Deserialize;
@@ -28,7 +29,9 @@ impl From<Previous> for Parameters {
     /// The same parameters with the settings of a new board, which is how those boards behaved.
     fn from(previous: Previous) -> Self {
         let Previous { model, pid, command_min, command_max, slew_bar_per_s, period_s } = previous;
-        let tracking = TrackingParameters { model, pid, command_min, command_max, slew_bar_per_s, period_s };
+        let extensions = ExtensionParameters::default();
+        let tracking =
+            TrackingParameters { model, extensions, pid, command_min, command_max, slew_bar_per_s, period_s };
         Self { settings: Settings::FACTORY, tracking: Some(tracking) }
     }
 }

@@ -81,7 +81,8 @@ pub fn read(file: &Path, chosen: &Chosen) -> Result<(Columns, Unit), Error> {
 fn with_bar<T>(work: impl FnOnce(&(dyn Fn(f64, &str) + Sync)) -> T) -> T {
     const PARTS: f64 = 1000.0;
     let style = ProgressStyle::with_template("diagnosing {wide_bar} {percent} % {msg}");
-    let bar = ProgressBar::new(PARTS as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let bar =
+        ProgressBar::new(PARTS as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     let result = work(&|share, what| {
         bar.set_position((PARTS * share) as u64);
         bar.set_message(what.to_owned());
@@ -121,7 +122,9 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
     let names: Vec<&str> = diagnosis.causes.iter().map(|named| named.cause.name()).collect();
     match diagnosis.verdict {
         Verdict::Adequate => "The operator model describes the recording; no cause is named.".to_owned(),
-        Verdict::Explained => format!("What the operator model gets wrong is explained by {}.", names.join(" and ")),
+        Verdict::Explained => {
+            format!("What the operator model gets wrong is explained by {}.", names.join(" and "))
+        }
         Verdict::Confounded => format!(
             "{} would explain it, and so would other causes; this recording does not tell them apart.",
             names.join(" and ")

@@ -10,7 +10,8 @@ use crate::unit::Unit;
 /// A diagnosis; the keys of errors carry the output's unit.
 pub fn to_json(diagnosis: &Diagnosis, unit: Unit, seconds: f64) -> Value {
     let keyed = |entries: &[(&str, f64)]| -> Value {
-        let named = entries.iter().map(|(name, value)| (format!("{name}_{}", unit.suffix()), (*value).into()));
+        let named =
+            entries.iter().map(|(name, value)| (format!("{name}_{}", unit.suffix()), (*value).into()));
         Value::Object(named.collect())
     };
     let names = |set: &Vec<Cause>| -> Vec<&str> { set.iter().map(|cause| cause.name()).collect() };

@@ -1,8 +1,8 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
 pub mod compare;
-mod diagnosed_json;
 pub mod diagnose;
+mod diagnosed_json;
 pub mod emulate;
 mod identified_json;
 pub mod identify;

@@ -84,6 +84,11 @@ impl Cause {
         }
     }
 
+    /// Whether it acts within fractions of a second.
+    pub fn is_fast(self) -> bool {
+        self == Self::TransportDelay || self.resists_motion()
+    }
+
     /// Whether it resists motion by a law over the rate: three forms of much the same.
     pub fn resists_motion(self) -> bool {
         matches!(self, Self::ViscousLag | Self::Inertia | Self::RateDependentWidth)

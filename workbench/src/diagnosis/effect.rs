@@ -212,7 +212,8 @@ impl Effect {
     /// A tone of this frequency. Unit: Hz.
     pub fn tone(frequency_hz: f64, signals: &Signals) -> Self {
         let width_hz = 1.0 / signals.duration_s();
-        let (low_hz, high_hz) = ((frequency_hz - 2.0 * width_hz).max(width_hz), frequency_hz + 2.0 * width_hz);
+        let (low_hz, high_hz) =
+            ((frequency_hz - 2.0 * width_hz).max(width_hz), frequency_hz + 2.0 * width_hz);
         Self::new(Form::Tone, [Parameter::new(frequency_hz, low_hz, high_hz, 1e-3 * width_hz)])
     }
 

@@ -63,7 +63,9 @@ impl Stages {
             Form::Driven(_) | Form::Inertia => {
                 Self::from_travelled(signals, effects, self.travelled.clone()).seen
             }
-            Form::Width | Form::Friction(_) | Form::Thresholds(_) => widened(signals, effects, self.forced.clone()),
+            Form::Width | Form::Friction(_) | Form::Thresholds(_) => {
+                widened(signals, effects, self.forced.clone())
+            }
             _ => self.seen.clone(),
         }
     }
@@ -197,4 +199,3 @@ pub fn delayed(values: &[f64], time_s: &[f64], delay_s: f64) -> Vec<f64> {
         })
         .collect()
 }
-

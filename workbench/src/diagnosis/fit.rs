@@ -108,7 +108,8 @@ impl Design {
 
     /// The sum of a row with these weights.
     fn predict(&self, row: usize, weights: &[f64]) -> f64 {
-        self.rows[row].sum(weights) + self.dense.iter().zip(&weights[COLUMNS..]).map(|(column, w)| column[row] * w).sum::<f64>()
+        self.rows[row].sum(weights)
+            + self.dense.iter().zip(&weights[COLUMNS..]).map(|(column, w)| column[row] * w).sum::<f64>()
     }
 
     /// The normal equations of the rows, each added to those that `part` names.
@@ -224,8 +225,11 @@ impl Point {
                     columns.push(vec![0.0; fitted.len()]);
                     continue;
                 }
-                let step =
-                    if parameter.value + parameter.step > parameter.high { -parameter.step } else { parameter.step };
+                let step = if parameter.value + parameter.step > parameter.high {
+                    -parameter.step
+                } else {
+                    parameter.step
+                };
                 parameter.value += step;
                 let seen = self.stages.with(signals, &moved, i);
                 let mut column = vec![0.0; fitted.len()];
@@ -315,9 +319,7 @@ fn descend(signals: &Signals, basis: &Basis, point: &Point, step: &[f64]) -> Opt
     let mut share = 1.0;
     for _ in 0..5 {
         let mut effects = point.effects.clone();
-        for (parameter, change) in
-            effects.iter_mut().flat_map(|effect| &mut effect.parameters).zip(step)
-        {
+        for (parameter, change) in effects.iter_mut().flat_map(|effect| &mut effect.parameters).zip(step) {
             parameter.value = (parameter.value + share * change).clamp(parameter.low, parameter.high);
         }
         let next = Point::new(signals, basis, effects);
@@ -358,7 +360,10 @@ fn cross_validate(signals: &Signals, point: Point, sensitivities: Vec<Vec<f64>>)
                 .filter_map(|(&column, &value)| Some((place[column as usize]?, value)))
                 .collect();
             here.extend(
-                all.dense.iter().enumerate().filter_map(|(i, column)| Some((place[COLUMNS + i]?, column[row]))),
+                all.dense
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(i, column)| Some((place[COLUMNS + i]?, column[row]))),
             );
             leverage[row] = here
                 .iter()

@@ -9,8 +9,8 @@
 use super::basis::{Basis, COLUMNS};
 use super::effect::{Driver, Effect, Form, Rate};
 use super::equivalent::{Friction, strength, travelled_input, wider};
-use super::output;
 use super::fit::Fit;
+use super::output;
 use super::signals::{Signals, TENTS};
 
 /// Evaluations of the balance a row, at most.
@@ -122,9 +122,8 @@ impl State {
             }
         }
         let widening = effects.iter().find(|effect| matches!(effect.form, Form::Thresholds(_)));
-        let wider_at = |speed: f64| {
-            widening.and_then(|effect| wider(signals, effect, at, Some(speed))).unwrap_or(1.0)
-        };
+        let wider_at =
+            |speed: f64| widening.and_then(|effect| wider(signals, effect, at, Some(speed))).unwrap_or(1.0);
         let follows = widening.is_some_and(|effect| effect.form == Form::Thresholds(Rate::Contraction));
         // Thresholds that follow the speed of the contraction: the more it moves the less it moves, one root.
         let answer = |u: f64| {

@@ -44,6 +44,9 @@ pub mod spectrum;
 pub mod valve;
 pub mod verdict;
 
+#[cfg(test)]
+mod tests;
+
 use thiserror::Error;
 
 use anatomy::examinable::{Examinable, ValveView, examinable};
@@ -131,16 +134,20 @@ pub struct Diagnosis {
 ///
 /// # Errors
 /// See [`DiagnosisError`].
-pub fn diagnose(columns: &Columns, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<Diagnosis, DiagnosisError> {
+pub fn diagnose(
+    columns: &Columns,
+    progress: &(dyn Fn(f64, &str) + Sync),
+) -> Result<Diagnosis, DiagnosisError> {
     check(columns)?;
     progress(0.0, "preparing");
     let mut signals = Signals::new(columns);
     let valve = examine(columns, signals.input_noise);
     let scored = Scored::of(columns);
     let excitation = Excitation::of(&scored.residual(&scored.output));
-    let of_command = scored.command.as_ref().map(|command| {
-        Excitation::of(&Residual { input: command, ..scored.residual(&scored.output) })
-    });
+    let of_command = scored
+        .command
+        .as_ref()
+        .map(|command| Excitation::of(&Residual { input: command, ..scored.residual(&scored.output) }));
     let view = match (&of_command, columns.input_is_command) {
         (Some(excitation), _) => ValveView::Beside(excitation),
         (None, true) => ValveView::InChain,
@@ -148,9 +155,9 @@ pub fn diagnose(columns: &Columns, progress: &(dyn Fn(f64, &str) + Sync)) -> Res
     };
     let examinable = examinable(&excitation, view, "bar");
     let can_show = |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
-    let muscle = Cause::ALL.into_iter().filter(|&cause| {
-        can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command)
-    });
+    let muscle = Cause::ALL
+        .into_iter()
+        .filter(|&cause| can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command));
     let muscle = muscle.collect();
     progress(0.1, "baseline");
     let search = Search::new(&mut signals, muscle).ok_or(DiagnosisError::NoBaseline)?;
@@ -235,7 +242,12 @@ struct Scored {
 impl Scored {
     fn of(columns: &Columns) -> Self {
         let pick = |values: &[f64]| -> Vec<f64> {
-            values.iter().zip(&columns.scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
+            values
+                .iter()
+                .zip(&columns.scored)
+                .filter(|(_, scored)| **scored)
+                .map(|(value, _)| *value)
+                .collect()
         };
         Self {
             time_s: pick(&columns.time_s),

@@ -190,7 +190,8 @@ fn moved(signals: &Signals, cause: Cause, driver: Driver, lambda: f64, changes: 
 fn creep(fractions: &[f64], time_constants_s: &[f64]) -> Parameters {
     let active: Vec<usize> = (0..fractions.len()).filter(|&i| fractions[i] > 1e-4).collect();
     // Two elements a decade.
-    let decades = active.last().zip(active.first()).map_or(0.5, |(last, first)| 0.5 * (last - first + 1) as f64);
+    let decades =
+        active.last().zip(active.first()).map_or(0.5, |(last, first)| 0.5 * (last - first + 1) as f64);
     let sum: f64 = fractions.iter().sum();
     let mut all = vec![("fraction_per_decade", sum / decades.max(1.0))];
     all.extend(active.iter().map(|&i| ("time_constants_s", time_constants_s[i])));

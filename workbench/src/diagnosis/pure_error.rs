@@ -7,7 +7,7 @@ use super::basis::{Basis, Seen};
 use super::signals::{Signals, median};
 
 /// Rows that are compared, at most.
-const ROWS: usize = 2000;
+const ROWS: usize = 1500;
 /// Two visits are at least so far apart, as a share of the record.
 const APART: f64 = 0.04;
 /// Two states are the same within so much in every direction: of the input's span, of each stop's range.

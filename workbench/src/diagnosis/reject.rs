@@ -117,5 +117,6 @@ fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let is_left = |&(large, share): &(f64, f64)| after > large * set.score.mean() && removed < share;
     let is_seen = after > SEEN * search.signals.noise;
     let tones_hz = super::spectrum::tones(search.signals, &set.residual, 3);
-    (is_seen && LARGE.iter().any(is_left)).then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
+    (is_seen && LARGE.iter().any(is_left))
+        .then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
 }

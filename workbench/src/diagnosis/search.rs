@@ -253,7 +253,8 @@ impl<'a> Search<'a> {
         swaps
             .par_iter()
             .filter_map(|&(cause, rival)| {
-                let kept = if set.causes.len() > 1 { self.without(set, cause)? } else { self.baseline.clone() };
+                let kept =
+                    if set.causes.len() > 1 { self.without(set, cause)? } else { self.baseline.clone() };
                 let starts = self.starts(&kept, rival);
                 self.with(&kept, rival, starts)
             })
@@ -286,7 +287,10 @@ impl<'a> Search<'a> {
                     distinct.push(candidate);
                 }
             }
-            going = distinct.iter().take(BEAM).cloned().collect();
+            // Of two fast causes neither need be among the best alone.
+            let is_fast = |set: &Candidate| set.causes.iter().all(|cause| cause.is_fast());
+            let also = |(rank, set): &(usize, &Candidate)| *rank < BEAM || (size == 0 && is_fast(set));
+            going = distinct.iter().enumerate().filter(also).map(|(_, set)| set.clone()).collect();
             let Some(best) = distinct.first() else { break };
             let before = sizes.last().map_or(&self.baseline, |size: &Vec<Candidate>| &size[0]);
             let hopeless = before.evidence(best) < HOPELESS;
@@ -317,6 +321,7 @@ impl Candidate {
 
     /// Whether the causes are the same, in whatever order.
     pub fn same_causes(&self, other: &Self) -> bool {
-        self.causes.len() == other.causes.len() && self.causes.iter().all(|cause| other.causes.contains(cause))
+        self.causes.len() == other.causes.len()
+            && self.causes.iter().all(|cause| other.causes.contains(cause))
     }
 }

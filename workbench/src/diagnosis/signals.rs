@@ -163,7 +163,10 @@ pub fn median(values: &mut [f64]) -> f64 {
 
 /// Time constants from the shortest on, two a decade.
 fn creep_s(shortest_s: f64, longest_s: f64) -> Vec<f64> {
-    (0..CREEP).map(|i| shortest_s * 10f64.powf(0.5 * i as f64)).take_while(|&tau_s| tau_s <= longest_s).collect()
+    (0..CREEP)
+        .map(|i| shortest_s * 10f64.powf(0.5 * i as f64))
+        .take_while(|&tau_s| tau_s <= longest_s)
+        .collect()
 }
 
 /// Root mean square.

@@ -22,8 +22,7 @@ pub fn tones(signals: &Signals, residual: &[f64], most: usize) -> Vec<f64> {
     let highest_hz = 0.4 * rows as f64 / duration_s;
     let first = (3.0 * OVERSAMPLING) as usize;
     let count = (highest_hz / spacing_hz) as usize;
-    let powers: Vec<f64> =
-        (first..count).map(|i| power(signals, residual, i as f64 * spacing_hz)).collect();
+    let powers: Vec<f64> = (first..count).map(|i| power(signals, residual, i as f64 * spacing_hz)).collect();
     let mut peaks: Vec<(f64, f64)> = Vec::new();
     for (i, &here) in powers.iter().enumerate() {
         let before = i.checked_sub(1).map_or(0.0, |j| powers[j]);

@@ -4,10 +4,10 @@
 //! pressure. A lag is always part of it; a delay, a dead band and a limit are added while each makes the error clearly
 //! smaller. The muscle is then modelled from the measured pressure, whatever the valve does.
 
+use super::Columns;
 use super::cause::Cause;
 use super::equivalent::delayed;
 use super::output::low_pass;
-use super::Columns;
 use super::signals::median;
 
 /// A lag up to here is that of any proportional regulator, and not named. Unit: s.

@@ -72,9 +72,8 @@ pub fn singles(search: &Search<'_>, sizes: &[Vec<Candidate>]) -> Vec<Evidence> {
 /// Sets that do as well as the best and are no part of it, nor contain it.
 pub fn alternatives(best: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Vec<Cause>> {
     let is_rival = |set: &&Candidate| {
-        let within = |one: &Candidate, other: &Candidate| {
-            one.causes.iter().all(|cause| other.causes.contains(cause))
-        };
+        let within =
+            |one: &Candidate, other: &Candidate| one.causes.iter().all(|cause| other.causes.contains(cause));
         set.causes.len() <= best.causes.len()
             && !within(set, best)
             && !within(best, set)

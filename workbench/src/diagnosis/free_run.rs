@@ -211,7 +211,7 @@ fn root(start: f64, f: impl Fn(f64) -> f64) -> f64 {
         return start;
     }
     let toward = -left.1.signum();
-    let mut width = left.1.abs().min(1.0).max(1e-9);
+    let mut width = left.1.abs().clamp(1e-9, 1.0);
     let mut right = left;
     let mut evaluations = 0;
     while right.1.signum() == left.1.signum() && evaluations < EVALUATIONS {

@@ -131,7 +131,9 @@ fn a_tone_is_named_and_measured() {
 #[test]
 fn a_recorded_load_is_named_and_an_unrecorded_one_is_not() {
     let plant = Plant::new();
-    let load = |t: f64| 20.0 + if (t / 9.0) as usize % 2 == 0 { 0.0 } else { 10.0 } + 4.0 * (0.3 * t).sin();
+    let load = |t: f64| {
+        20.0 + if ((t / 9.0) as usize).is_multiple_of(2) { 0.0 } else { 10.0 } + 4.0 * (0.3 * t).sin()
+    };
     let output: Vec<f64> =
         hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, &t)| y - 0.1 * load(t)).collect();
     let unrecorded = plant.recorded(&output);

@@ -2,6 +2,11 @@
 
 use model_core::cascade::CascadeParameters;
 use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters, PiecewiseLinearParameters};
+use model_core::extension::{
+    CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
+    RateDependentWidthParameters, ScheduleParameters, SupplySaturationParameters, TransportDelayParameters,
+    ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+};
 use model_core::pid::PidParameters;
 use model_core::tracking::Command;
 use model_core::{
@@ -54,6 +59,46 @@ pub fn piecewise_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONE
         model: ModelParameters::Cascade(CascadeParameters { envelope, ..model }),
         ..paper_parameters()?
     })
+}
+
+/// The same with every extension, each about as strong as muscles and valves have it.
+///
+/// # Errors
+/// None in practice, see [`paper::mgpi`].
+pub fn extended_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, ParameterError> {
+    let profile = |values: [f32; 3]| ProfileParameters {
+        knots: [10.0, 60.0, 110.0].into_iter().collect(),
+        values: values.into_iter().collect(),
+    };
+    let extensions = ExtensionParameters {
+        valve_deadband: Some(ValveDeadbandParameters { band: 0.02, form: DeadbandForm::Backlash }),
+        supply_saturation: Some(SupplySaturationParameters { supply: 5.8 }),
+        valve_lag: Some(ValveLagParameters::new(0.05)),
+        transport_delay: Some(TransportDelayParameters { delay_s: 0.0155 }),
+        load: Some(ScheduleParameters { reference: 20.0, offset: profile([0.01, 0.02, 0.04]) }),
+        temperature: Some(ScheduleParameters { reference: 25.0, offset: profile([-0.01, 0.01, 0.02]) }),
+        warm_up: Some(WarmUpParameters { travel: 1000.0, offset: profile([0.3, 0.2, 0.1]) }),
+        viscous_lag: Some(profile([0.002, 0.003, 0.006])),
+        inertia: Some(profile([2e-5, 3e-5, 2e-5])),
+        rate_dependent_width: Some(RateDependentWidthParameters {
+            radius: 0.1,
+            exponent: 0.5,
+            filter_s: 0.01,
+            width: profile([0.05, 0.1, 0.2]),
+        }),
+        creep: Some(CreepParameters {
+            time_constants_s: [0.1, 1.0, 10.0, 100.0, 1000.0, 10_000.0].into_iter().collect(),
+            fractions: [0.01, 0.02, 0.03, 0.03, 0.02, 0.01].into_iter().collect(),
+        }),
+        drift: Some(DriftParameters { rate_per_s: 0.01, compensated: true }),
+        periodic_disturbance: Some(PeriodicDisturbanceParameters {
+            amplitude: 0.5,
+            frequency_hz: 3.0,
+            phase_rad: 1.0,
+            compensated: true,
+        }),
+    };
+    Ok(TrackingParameters { extensions, ..paper_parameters()? })
 }
 
 /// One sample of the inverse model alone. Reference: mm; result: bar.

@@ -15,18 +15,22 @@ pub struct Samples {
     pub pressure: AdcCode,
     /// Contraction of the muscle.
     pub contraction: AdcCode,
+    /// Pressure before the valve.
+    pub supply: AdcCode,
+    /// Temperature of the processor.
+    pub temperature: AdcCode,
 }
 
-/// The ADC did not finish within its bounded wait.
+/// The ADC has no new samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AcquisitionError;
 
 /// Sensors and valve.
 pub trait Board {
-    /// Samples pressure and contraction, in bounded time.
+    /// The samples of this tick, in bounded time.
     ///
     /// # Errors
-    /// A conversion did not finish in time.
+    /// There are none that are newer than those of the tick before.
     fn read(&mut self) -> Result<Samples, AcquisitionError>;
 
     /// Writes the valve's set point.

@@ -15,16 +15,17 @@ pub struct Capture {
     /// Where the next sample goes.
     next: usize,
     kept: usize,
-    every: u16,
+    /// Ticks between two samples that are not kept.
+    skip: u16,
     /// Ticks until the next sample.
     wait: u16,
     /// The tick of the last sample.
     last_tick: u32,
-    is_running: bool,
+    is_stopped: bool,
 }
 
 impl Capture {
-    /// An empty ring, recording.
+    /// An empty ring, recording. All zeros, so that the image need not hold it.
     pub const fn new() -> Self {
         let nothing = CaptureSample {
             reference_mm: 0.0,
@@ -37,23 +38,23 @@ impl Capture {
             samples: [nothing; CAPACITY],
             next: 0,
             kept: 0,
-            every: 1,
+            skip: 0,
             wait: 0,
             last_tick: 0,
-            is_running: true,
+            is_stopped: false,
         }
     }
 
     /// Takes a tick.
     pub fn take(&mut self, tick: u32, sample: CaptureSample) {
-        if !self.is_running {
+        if self.is_stopped {
             return;
         }
         if self.wait > 0 {
             self.wait -= 1;
             return;
         }
-        self.wait = self.every - 1;
+        self.wait = self.skip;
         if let Some(place) = self.samples.get_mut(self.next) {
             *place = sample;
         }
@@ -64,7 +65,7 @@ impl Capture {
 
     /// Keeps what there is.
     pub fn stop(&mut self) {
-        self.is_running = false;
+        self.is_stopped = true;
     }
 
     /// Carries an order out; a reading has an answer.
@@ -72,7 +73,7 @@ impl Capture {
         match order {
             CaptureOrder::Start(every) => {
                 (self.next, self.kept, self.wait) = (0, 0, 0);
-                (self.every, self.is_running) = (every.max(1), true);
+                (self.skip, self.is_stopped) = (every.saturating_sub(1), false);
                 None
             }
             CaptureOrder::Stop => {
@@ -87,9 +88,10 @@ impl Capture {
         let oldest = if self.kept < CAPACITY { 0 } else { self.next };
         let chunk = (from..self.kept).take(CAPTURE_CHUNK);
         let age = (self.kept.saturating_sub(1)).saturating_sub(from) as u32;
+        let every = self.skip.saturating_add(1);
         Captured {
-            first_tick: self.last_tick.wrapping_sub(age * u32::from(self.every)),
-            every: self.every,
+            first_tick: self.last_tick.wrapping_sub(age * u32::from(every)),
+            every,
             kept: self.kept as u16,
             samples: chunk.filter_map(|i| self.samples.get((oldest + i) % CAPACITY).copied()).collect(),
         }

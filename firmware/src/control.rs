@@ -10,8 +10,8 @@
 use model_core::tracking::Command;
 use model_core::{Mode, TrackingState};
 use wire::{
-    CaptureSample, Fault, Flags, OnModelFault, PLAYS, Protection, Refusal, Response, Signals, State, TickReply,
-    TraceEntry,
+    CaptureSample, Fault, Flags, OnModelFault, PLAYS, Protection, Refusal, Response, Signals, State,
+    TickReply, TraceEntry,
 };
 
 use crate::board::{AcquisitionError, Board, DacCode, Samples};
@@ -111,6 +111,11 @@ impl Control {
         self.state
     }
 
+    /// Ticks since the start.
+    pub fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
     /// The fault that is latched.
     pub fn fault(&self) -> Option<Fault> {
         self.faults.latched()
@@ -172,8 +177,12 @@ impl Control {
         }
     }
 
-    /// Takes a fault that something else than the samples has shown; the next tick vents.
+    /// Takes a fault that something else than the samples has shown; the next tick vents. One that is latched already
+    /// is nothing new.
     pub fn report(&mut self, fault: Fault) {
+        if self.fault() == Some(fault) {
+            return;
+        }
         self.faults.latch(fault, self.ticks);
         self.capture.stop();
         // Nothing refuses this event.
@@ -229,7 +238,9 @@ impl Control {
             && (installation.period_s - period_s).abs() > 1e-3 * period_s
         {
             let found = installation.period_s;
-            return Err(Refusal::Parameter(text(format_args!("period_s is {found} s, must be {period_s} s"))));
+            return Err(Refusal::Parameter(text(format_args!(
+                "period_s is {found} s, must be {period_s} s"
+            ))));
         }
         if next(self.state, Event::Install) == Next::Refused {
             return Err(Refusal::WrongState(self.state));
@@ -302,7 +313,8 @@ impl Control {
     }
 
     fn track(&mut self, signals: Signals) -> Result<TickReply, Fault> {
-        let (Some(Installation { tracking, .. }), Some(running)) = (&self.installed, &mut self.running) else {
+        let (Some(Installation { tracking, .. }), Some(running)) = (&self.installed, &mut self.running)
+        else {
             return Ok(VENTED);
         };
         let Running { mode, state } = running;

@@ -109,7 +109,9 @@ fn check(protection: Protection) -> Result<Protection, Refusal> {
     let too_low = at_least_0.iter().find(|(_, value)| value.is_nan() || *value < 0.0);
     let not_above = above_0.iter().find(|(_, value)| !value.is_finite() || *value <= 0.0);
     match (too_low, not_above) {
-        (Some((name, value)), _) => Err(Refusal::Parameter(text(format_args!("{name} is {value}, must be at least 0")))),
+        (Some((name, value)), _) => {
+            Err(Refusal::Parameter(text(format_args!("{name} is {value}, must be at least 0"))))
+        }
         (None, Some((name, value))) => {
             Err(Refusal::Parameter(text(format_args!("{name} is {value}, must be above 0 and finite"))))
         }

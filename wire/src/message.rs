@@ -144,15 +144,8 @@ pub enum State {
 
 impl State {
     /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::Off,
-        Self::SelfTest,
-        Self::Ready,
-        Self::Tracking,
-        Self::Holding,
-        Self::Fault,
-        Self::Service,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Off, Self::SelfTest, Self::Ready, Self::Tracking, Self::Holding, Self::Fault, Self::Service];
 
     /// Whether the valve may be open.
     pub const fn is_driven(self) -> bool {

@@ -77,8 +77,7 @@ impl BlackBox {
             Reset::PowerOn | Reset::Pin | Reset::Software => None,
         };
         if let Some(fault) = own {
-            let last_tick = kept.entries().last().map_or(0, |entry| entry.tick);
-            kept.seal(fault, last_tick, 0);
+            kept.crash(fault, 0);
         }
         if kept.record().is_none() {
             kept = Self { resets: kept.resets, ..Self::new() };
@@ -109,7 +108,8 @@ impl BlackBox {
         if self.fault != 0 {
             return;
         }
-        let TraceEntry { tick, pressure_code, contraction_code, supply_code, dac_code, reference_64th_mm } = entry;
+        let TraceEntry { tick, pressure_code, contraction_code, supply_code, dac_code, reference_64th_mm } =
+            entry;
         let pair = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
         if let Some(place) = self.trace.get_mut(self.written as usize % TRACE) {
             *place = [
@@ -128,6 +128,12 @@ impl BlackBox {
             (self.fault, self.tick, self.detail) = (fault.code().into(), tick, detail);
             self.crc = self.checksum();
         }
+    }
+
+    /// Closes the record with what has ended the program, in the last tick that it knows of.
+    pub fn crash(&mut self, fault: Fault, detail: u32) {
+        let last_tick = self.entries().last().map_or(0, |entry| entry.tick);
+        self.seal(fault, last_tick, detail);
     }
 
     /// Begins anew.
@@ -150,17 +156,19 @@ impl BlackBox {
     fn entries(&self) -> impl Iterator<Item = TraceEntry> {
         let written = self.written as usize;
         let first = written.saturating_sub(TRACE);
-        (first..written).filter_map(|i| self.trace.get(i % TRACE)).map(|&[tick, sensors, valve, reference]| {
-            let (low, high) = (|word: u32| word as u16, |word: u32| (word >> 16) as u16);
-            TraceEntry {
-                tick,
-                pressure_code: low(sensors),
-                contraction_code: high(sensors),
-                supply_code: low(valve),
-                dac_code: high(valve),
-                reference_64th_mm: low(reference).cast_signed(),
-            }
-        })
+        (first..written).filter_map(|i| self.trace.get(i % TRACE)).map(
+            |&[tick, sensors, valve, reference]| {
+                let (low, high) = (|word: u32| word as u16, |word: u32| (word >> 16) as u16);
+                TraceEntry {
+                    tick,
+                    pressure_code: low(sensors),
+                    contraction_code: high(sensors),
+                    supply_code: low(valve),
+                    dac_code: high(valve),
+                    reference_64th_mm: low(reference).cast_signed(),
+                }
+            },
+        )
     }
 
     /// Over what does not change any more: all of a closed record; of an open one not the trace.

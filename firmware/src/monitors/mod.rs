@@ -125,7 +125,9 @@ impl Monitors {
         let supply_code = self.supply.take(supply, samples.supply.0)?;
         let temperature_code = self.temperature.take(temperature, samples.temperature.0)?;
         // The hard limit looks at the sample itself: a burst is no less likely than a spike.
-        if samples.pressure.0 > self.limits.overpressure_hard && pressure.scaling.is_plausible(samples.pressure.0) {
+        if samples.pressure.0 > self.limits.overpressure_hard
+            && pressure.scaling.is_plausible(samples.pressure.0)
+        {
             return Err(Fault::OverpressureHard);
         }
         if self.pressure_average.of(pressure_code) > self.limits.overpressure_soft {
@@ -139,8 +141,9 @@ impl Monitors {
         };
         self.signals = signals;
         let share = self.limits.implausible_share;
-        let is_implausible = outermost
-            .is_some_and(|outermost| !outermost.is_plausible(signals.pressure_bar, signals.contraction_mm, share));
+        let is_implausible = outermost.is_some_and(|outermost| {
+            !outermost.is_plausible(signals.pressure_bar, signals.contraction_mm, share)
+        });
         if self.implausible.holds_for(IMPLAUSIBLE_TICKS, is_implausible) {
             return Err(Fault::Implausible);
         }
@@ -194,7 +197,8 @@ impl Limits {
     fn new(protection: &Protection, period_s: f32) -> Self {
         // A difference of infinite size saturates at a code that no converter has.
         let codes = |scaling: &Scaling, difference: f32| (difference * scaling.codes_per_unit) as u16;
-        let level = |scaling: &Scaling, value: f32| (scaling.zero_code + value * scaling.codes_per_unit) as u16;
+        let level =
+            |scaling: &Scaling, value: f32| (scaling.zero_code + value * scaling.codes_per_unit) as u16;
         let of = |scaling: Scaling, jump, faults| sensor::Limits {
             scaling,
             jump: codes(&scaling, jump),

@@ -1,4 +1,13 @@
-//! What the control code asks of a board.
+//! What the control code asks of a board, and the drivers that need no registers.
+//!
+//! | file | what it drives |
+//! |---|---|
+//! | [`pwm_valve`] | a solenoid by the duty cycle of anything that has [`embedded_hal::pwm`] |
+//! | [`spi_dac`] | a set point by a converter on a bus, by [`embedded_hal::spi`] |
+//! | `stm32f405/` | the processor's own converters and timers; part of the image, not of this library |
+
+pub mod pwm_valve;
+pub mod spi_dac;
 
 /// What an analogue input read. Unit: ADC code, 12 bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,4 +44,16 @@ pub trait Board {
 
     /// Writes the valve's set point.
     fn drive(&mut self, code: DacCode);
+}
+
+/// An output that a valve hangs on.
+pub trait Valve {
+    /// Why the output does not take a code.
+    type Error;
+
+    /// Writes the set point.
+    ///
+    /// # Errors
+    /// The output has not taken it.
+    fn set(&mut self, code: DacCode) -> Result<(), Self::Error>;
 }

@@ -106,6 +106,11 @@ impl Control {
         Self::new(Protection::SIMULATED, None, black_box, capture)
     }
 
+    /// What outlives the program, when it ends.
+    pub fn into_memory(self) -> (&'static mut BlackBox, &'static mut Capture) {
+        (self.faults.into_black_box(), self.capture)
+    }
+
     /// The board's state.
     pub fn state(&self) -> State {
         self.state

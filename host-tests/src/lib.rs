@@ -4,6 +4,8 @@
 //! requests, in the same lock-step as `mgpi pil`. The tests of this package hold its figures within bounds
 //! on both sides, so that a drift to the better, which is as suspect as one to the worse, fails too.
 
+pub mod bench;
+
 use firmware::order::prepare;
 use firmware::{Control, LockStepBoard};
 use model_core::pid::PidParameters;

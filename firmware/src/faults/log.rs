@@ -21,6 +21,11 @@ impl FaultLog {
         log
     }
 
+    /// What outlives the log.
+    pub fn into_black_box(self) -> &'static mut BlackBox {
+        self.black_box
+    }
+
     /// The fault that is latched.
     pub fn latched(&self) -> Option<Fault> {
         self.latched

@@ -101,7 +101,8 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         "pressure sensor stuck",
         "its code stays within 2 for 200 ticks while the command moves by 1.5 bar",
         STUCK_TICKS as u32,
-        "the sensor's element or its amplifier is defective, ice or dirt in its port, the tube to it is kinked",
+        "the sensor's element or its amplifier is defective, ice or dirt in its port, the tube to it is kinked; or the valve holds \
+         the pressure, see valve stuck",
         "compare with a gauge; clean or replace",
     ),
     vent(
@@ -200,7 +201,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
     vent(
         Fault::Authority,
         "feed-forward and measurement disagree",
-        "with both, the feedback asks for more than 2 bar, 250 ticks in a row",
+        "with both, the feedback asks for more than 2 bar, 1000 ticks in a row",
         AUTHORITY_TICKS as u32,
         "the model is that of another muscle or load; a sensor has slipped; gains too high",
         "track with feed-forward only and look at the error, then identify anew",

@@ -34,7 +34,7 @@ pub const MISSING_IN_A_ROW: u16 = 3;
 /// Ticks in a row with a contraction that does not go with the pressure that are a fault.
 pub const IMPLAUSIBLE_TICKS: u16 = 200;
 /// Ticks in a row with more feedback than it has authority for that are a fault.
-pub const AUTHORITY_TICKS: u16 = 250;
+pub const AUTHORITY_TICKS: u16 = 1000;
 
 /// The protection's limits in the units of the monitors, and what is watched beyond them.
 #[derive(Clone, Debug)]

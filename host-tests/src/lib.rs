@@ -12,7 +12,7 @@ use model_core::pid::PidParameters;
 use model_core::{Mode, Model, ModelParameters, TrackingParameters, paper};
 use rig::parameters::DEAD_LOAD_N;
 use rig::sensor::Sensors;
-use wire::{Configuration, Request, Response, VERSION};
+use wire::{Configuration, Protection, Request, Response, VERSION};
 use workbench::figures::Figures;
 use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
 use workbench::pil::PilError;
@@ -28,11 +28,18 @@ pub struct HostBoard {
     board: LockStepBoard,
 }
 
-impl Default for HostBoard {
-    fn default() -> Self {
+impl HostBoard {
+    /// A board with these limits of the plant.
+    pub fn protected(protection: Protection) -> Self {
         // The control keeps both for as long as the board runs.
         let (black_box, capture) = (Box::leak(Box::default()), Box::leak(Box::default()));
-        Self { control: Control::simulated(black_box, capture), board: LockStepBoard::new() }
+        Self { control: Control::new(protection, None, black_box, capture), board: LockStepBoard::new() }
+    }
+}
+
+impl Default for HostBoard {
+    fn default() -> Self {
+        Self::protected(Protection::SIMULATED)
     }
 }
 

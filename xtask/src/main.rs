@@ -4,6 +4,7 @@
 
 mod board_compiler;
 mod demo;
+mod faults;
 mod figures;
 mod firmware;
 mod gates;
@@ -40,6 +41,12 @@ enum Task {
         /// Write the bounds anew around what is measured.
         #[arg(long)]
         bless: bool,
+    },
+    /// Write docs/faults.md anew from the firmware's tables.
+    Faults {
+        /// Write nothing; fail where the page is out of date.
+        #[arg(long)]
+        check: bool,
     },
     /// Redraw the figures of docs/figures.
     Figures {
@@ -79,6 +86,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
             host::emulate()?;
         }
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
+        Task::Faults { check } => faults::faults(check)?,
         Task::Figures { check } => figures::figures(check)?,
     }
     Ok(())

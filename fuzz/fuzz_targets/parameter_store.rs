@@ -2,9 +2,9 @@
 //! old set or the new.
 #![no_main]
 
-use firmware::store::{ParameterStore, Parameters, Settings};
+use firmware::store::{ParameterStore, Parameters};
 use host_tests::flash::{MockFlash, Tear};
-use host_tests::store::paper_set;
+use host_tests::store::{numbered, paper_set};
 use libfuzzer_sys::fuzz_target;
 use wire::State;
 
@@ -21,7 +21,7 @@ fuzz_target!(|input: (u16, u8, &[u8])| {
     assert_eq!(after.bytes(), flash.bytes());
 
     let mut store = ParameterStore::new(after);
-    let old = Parameters { settings: Settings { silence_ms: units, ..Settings::FACTORY }, ..paper_set() };
+    let old = numbered(units.into(), paper_set());
     assert_eq!(store.save(State::Ready, &old), Ok(()));
     assert_eq!(store.load(), Ok(old.clone()));
 

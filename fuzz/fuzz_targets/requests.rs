@@ -2,13 +2,20 @@
 //! samples, and the valve's code stays within the converter's.
 #![no_main]
 
+use std::cell::Cell;
+
 use host_tests::HostBoard;
 use libfuzzer_sys::fuzz_target;
-use wire::{FRAME_BYTES, Request, Response};
+use wire::{FRAME_BYTES, Protection, Request, Response};
 use workbench::pil::lock_step::Board;
 
+thread_local! {
+    /// The board of the last input: its memory is used again.
+    static BOARD: Cell<Option<HostBoard>> = const { Cell::new(None) };
+}
+
 fuzz_target!(|bytes: &[u8]| {
-    let mut board = HostBoard::default();
+    let mut board = BOARD.take().map_or_else(HostBoard::default, |board| board.restarted(Protection::SIMULATED));
     let mut rest = bytes;
     while let Ok((request, behind)) = postcard::take_from_bytes::<Request>(rest) {
         rest = behind;
@@ -18,4 +25,5 @@ fuzz_target!(|bytes: &[u8]| {
         }
         assert!(wire::encode(&response, &mut [0; FRAME_BYTES]).is_ok(), "{request:?}: {response:?}");
     }
+    BOARD.set(Some(board));
 });

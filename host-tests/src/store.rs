@@ -1,19 +1,25 @@
 //! Sets of parameters to keep.
 
 use firmware::law::paper_parameters;
-use firmware::store::{Parameters, Settings};
+use firmware::store::Parameters;
 use model_core::cascade::CascadeParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters};
 use model_core::play::PlayParameters;
 use model_core::{ModelParameters, TrackingParameters};
 
-/// The paper's model with the settings of a new board.
+/// The set with a number in it, by which sets can be told apart.
+pub fn numbered(number: u32, mut set: Parameters) -> Parameters {
+    set.protection.bus_silent_ticks = number;
+    set
+}
+
+/// The paper's model with the limits of a new board.
 ///
 /// # Panics
 /// The paper's model is not valid.
 pub fn paper_set() -> Parameters {
-    Parameters { settings: Settings::FACTORY, tracking: Some(paper_parameters().expect("valid")) }
+    Parameters { tracking: Some(paper_parameters().expect("valid")), ..Parameters::FACTORY }
 }
 
 /// The longest set: every list of the model full, no number short.
@@ -36,5 +42,5 @@ pub fn full_set() -> Parameters {
         preconditioned: true,
     });
     let tracking = TrackingParameters { model, ..paper_parameters().expect("valid") };
-    Parameters { settings: Settings::FACTORY, tracking: Some(tracking) }
+    Parameters { tracking: Some(tracking), ..Parameters::FACTORY }
 }

@@ -1,9 +1,9 @@
 //! What the parameter store promises while the power stays.
 
 use embedded_storage::nor_flash::NorFlash;
-use firmware::store::{LoadError, ParameterStore, Parameters, SaveError, Settings};
+use firmware::store::{LoadError, ParameterStore, Parameters, SaveError};
 use host_tests::flash::MockFlash;
-use host_tests::store::{full_set, paper_set};
+use host_tests::store::{full_set, numbered, paper_set};
 use wire::State;
 
 const SECTOR: usize = 4096;
@@ -12,11 +12,6 @@ type Store = ParameterStore<MockFlash<SECTOR>>;
 
 fn store() -> Store {
     ParameterStore::new(MockFlash::blank())
-}
-
-/// The paper's set with another address.
-fn addressed(bus_address: u8) -> Parameters {
-    Parameters { settings: Settings { bus_address, ..Settings::FACTORY }, ..paper_set() }
 }
 
 /// The same flash after a restart.
@@ -40,10 +35,10 @@ fn a_set_survives_a_restart_as_the_same_bits() {
 
 #[test]
 fn a_state_that_drives_the_valve_refuses_a_save_and_the_flash_is_not_touched() {
-    for state in [State::Off, State::Ready, State::Tracking, State::Fault] {
+    for state in State::ALL {
         let mut store = store();
         let saved = store.save(state, &paper_set());
-        if state == State::Tracking {
+        if state.is_driven() {
             assert_eq!(saved, Err(SaveError::WrongState(state)));
             assert_eq!(store.into_flash().work(), 0);
         } else {
@@ -66,16 +61,16 @@ fn a_set_that_is_not_of_numbers_is_refused_and_the_old_one_kept() {
 #[test]
 fn a_record_behind_a_gap_does_not_outlive_a_save() {
     let mut store = store();
-    for address in 1..=9 {
-        assert_eq!(store.save(State::Ready, &addressed(address)), Ok(()));
+    for number in 1..=9 {
+        assert_eq!(store.save(State::Ready, &numbered(number, paper_set())), Ok(()));
     }
     let mut bytes = store.into_flash().bytes().to_vec();
     let record = bytes.iter().rposition(|&byte| byte != 0xFF).expect("written") / 9;
     bytes[2 * record..7 * record].fill(0xFF);
-    for address in 10..50 {
+    for number in 10..50 {
         let mut store = Store::new(MockFlash::with(&bytes));
-        assert_eq!(store.save(State::Ready, &addressed(address)), Ok(()));
-        assert_eq!(store.load(), Ok(addressed(address)));
+        assert_eq!(store.save(State::Ready, &numbered(number, paper_set())), Ok(()));
+        assert_eq!(store.load(), Ok(numbered(number, paper_set())));
         bytes = store.into_flash().bytes().to_vec();
     }
 }
@@ -113,18 +108,18 @@ fn unreadable_contents_are_reported_and_replaced_by_the_next_save() {
 #[test]
 fn every_flipped_bit_of_the_newest_record_leads_back_to_the_set_before() {
     let mut store = store();
-    assert_eq!(store.save(State::Ready, &addressed(1)), Ok(()));
+    assert_eq!(store.save(State::Ready, &numbered(1, paper_set())), Ok(()));
     let first = store.into_flash();
     let begin = first.bytes().iter().rposition(|&byte| byte != 0xFF).expect("written") / 4 * 4 + 4;
     let mut store = Store::new(first);
-    assert_eq!(store.save(State::Ready, &addressed(2)), Ok(()));
+    assert_eq!(store.save(State::Ready, &numbered(2, paper_set())), Ok(()));
     let both = store.into_flash().bytes().to_vec();
     // The last word may end in bytes that fill it up, which say nothing.
     let end = both.iter().rposition(|&byte| byte != 0xFF).expect("written") / 4 * 4;
     for bit in begin * 8..end * 8 {
         let mut bytes = both.clone();
         bytes[bit / 8] ^= 1 << (bit % 8);
-        assert_eq!(Store::new(MockFlash::with(&bytes)).load(), Ok(addressed(1)), "bit {bit}");
+        assert_eq!(Store::new(MockFlash::with(&bytes)).load(), Ok(numbered(1, paper_set())), "bit {bit}");
     }
 }
 
@@ -144,14 +139,14 @@ fn a_flash_that_is_worn_out_keeps_the_old_set_and_says_so() {
     let mut flash = MockFlash::blank();
     flash.wear_out(SECTOR + 40);
     let mut store = Store::new(flash);
-    let kept = (1..=99).find_map(|address| match store.save(State::Ready, &addressed(address)) {
+    let kept = (1..=99).find_map(|number| match store.save(State::Ready, &numbered(number, paper_set())) {
         Ok(()) => None,
-        Err(error) => Some((error, address - 1)),
+        Err(error) => Some((error, number - 1)),
     });
     let (refused, kept) = kept.expect("the good sector is full, the other one bad");
     assert!(kept > 1, "the good sector was used");
     assert_eq!(refused, SaveError::NotKept);
-    assert_eq!(restarted(store).load(), Ok(addressed(kept)));
+    assert_eq!(restarted(store).load(), Ok(numbered(kept, paper_set())));
 }
 
 #[test]
@@ -159,8 +154,8 @@ fn the_sectors_wear_evenly() {
     let mut store = store();
     let mut erased = 0;
     let mut work = 0;
-    for address in 1..200 {
-        assert_eq!(store.save(State::Ready, &addressed(address)), Ok(()));
+    for number in 1..200 {
+        assert_eq!(store.save(State::Ready, &numbered(number, paper_set())), Ok(()));
         let flash = store.into_flash();
         erased += usize::from(flash.work() - work > SECTOR);
         work = flash.work();

@@ -5,10 +5,10 @@
 
 use std::path::{Path, PathBuf};
 
-use firmware::store::{LAYOUT, LoadError, ParameterStore, Parameters, Settings};
+use firmware::store::{LAYOUT, LoadError, ParameterStore, Parameters};
 use host_tests::flash::MockFlash;
 use host_tests::store::paper_set;
-use wire::State;
+use wire::{OnModelFault, Protection, State};
 
 const SECTOR: usize = 4096;
 /// A layout that no firmware has yet.
@@ -29,8 +29,9 @@ fn golden(layout: u16) -> Vec<u8> {
 
 /// The set in the files.
 fn stored() -> Parameters {
-    let settings = Settings { bus_address: 17, silence_ms: 250, feedback_without_model: true };
-    Parameters { settings, ..paper_set() }
+    let protection =
+        Protection { bus_silent_ticks: 250, on_model_fault: OnModelFault::Vent, ..Protection::STANDARD };
+    Parameters { protection, ..paper_set() }
 }
 
 /// What is written of a flash.
@@ -53,7 +54,7 @@ fn the_present_layout_is_written_and_read_as_ever() {
 }
 
 #[test]
-fn the_previous_layout_is_read_with_the_settings_of_a_new_board() {
+fn the_previous_layout_is_read_with_the_limits_of_a_new_board() {
     assert_eq!(store(&golden(LAYOUT - 1)).load(), Ok(paper_set()));
 }
 

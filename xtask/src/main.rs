@@ -4,6 +4,7 @@
 
 mod board_compiler;
 mod demo;
+mod faults;
 mod figures;
 mod firmware;
 mod fuzz;
@@ -54,6 +55,12 @@ enum Task {
         #[arg(long, default_value_t = 60)]
         seconds: u64,
     },
+    /// Write docs/faults.md anew from the firmware's tables.
+    Faults {
+        /// Write nothing; fail where the page is out of date.
+        #[arg(long)]
+        check: bool,
+    },
     /// Redraw the figures of docs/figures.
     Figures {
         /// Write nothing; fail where a figure is out of date.
@@ -94,6 +101,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
         Task::Game { arguments } => host::game(&arguments)?,
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
         Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
+        Task::Faults { check } => faults::faults(check)?,
         Task::Figures { check } => figures::figures(check)?,
     }
     Ok(())

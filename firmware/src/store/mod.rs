@@ -34,9 +34,9 @@ mod record;
 mod sectors;
 
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
-use wire::State;
+use wire::{Fault, State};
 
-pub use parameters::{Parameters, Settings};
+pub use parameters::Parameters;
 pub use record::{LAYOUT, RECORD_BYTES};
 
 use record::Record;
@@ -88,6 +88,11 @@ impl<F: NorFlash> ParameterStore<F> {
     }
 
     /// The flash.
+    pub fn flash(&self) -> &F {
+        self.sectors.flash()
+    }
+
+    /// The flash, given back.
     pub fn into_flash(self) -> F {
         self.sectors.into_flash()
     }
@@ -106,7 +111,7 @@ impl<F: NorFlash> ParameterStore<F> {
     /// The state is not a vented one; the set is none; the flash fails. The old set is then still the newest; after a
     /// failure of the flash the new one may be.
     pub fn save(&mut self, state: State, parameters: &Parameters) -> Result<(), SaveError> {
-        if !is_vented(state) {
+        if state.is_driven() {
             return Err(SaveError::WrongState(state));
         }
         // What was written is compared with what it should be.
@@ -169,9 +174,14 @@ impl<F: NorFlash> ParameterStore<F> {
     }
 }
 
-/// Whether the valve is vented in every tick of the state: the table of [`crate::control`].
-fn is_vented(state: State) -> bool {
-    matches!(state, State::Off | State::Ready | State::Fault)
+impl LoadError {
+    /// What the board reports.
+    pub fn fault(self) -> Fault {
+        match self {
+            Self::Layout(_) => Fault::ConfigurationVersion,
+            Self::Corrupt | Self::Flash(_) => Fault::ConfigurationCorrupt,
+        }
+    }
 }
 
 impl From<Failure> for SaveError {

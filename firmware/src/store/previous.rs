@@ -1,4 +1,4 @@
-//! Layout 1, the one before the present: tracking parameters alone, without settings.
+//! Layout 1, the one before the present: tracking parameters alone, without limits of the plant.
 //!
 //! The struct is a frozen copy: what it reads was written by boards that are not at hand any more. A test holds it to
 //! stored bytes.
@@ -9,7 +9,7 @@ use model_core::{ModelParameters, TrackingParameters};
 use serde::Deserialize;
 use wire::{DEAD_ZONES, PLAYS};
 
-use super::parameters::{Parameters, Settings};
+use super::parameters::Parameters;
 
 /// Number of the layout.
 pub const LAYOUT: u16 = 1;
@@ -26,12 +26,12 @@ pub struct Previous {
 }
 
 impl From<Previous> for Parameters {
-    /// The same parameters with the settings of a new board, which is how those boards behaved.
+    /// The same parameters with the limits of a new board.
     fn from(previous: Previous) -> Self {
         let Previous { model, pid, command_min, command_max, slew_bar_per_s, period_s } = previous;
         let extensions = ExtensionParameters::default();
         let tracking =
             TrackingParameters { model, extensions, pid, command_min, command_max, slew_bar_per_s, period_s };
-        Self { settings: Settings::FACTORY, tracking: Some(tracking) }
+        Self { tracking: Some(tracking), ..Self::FACTORY }
     }
 }

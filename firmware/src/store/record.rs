@@ -18,9 +18,9 @@ use super::previous::{self, Previous};
 /// Number of the layout that is written.
 pub const LAYOUT: u16 = 2;
 
-/// The longest record: a set fits in a frame of the bus but for its settings and the numbers before it. Unit: byte,
+/// The longest record: the parts of a set fit in a frame of the bus each, and the limits of the plant in 96 bytes. Unit: byte,
 /// a multiple of the flash's word.
-pub const RECORD_BYTES: usize = (wire::FRAME_BYTES + 64).next_multiple_of(32);
+pub const RECORD_BYTES: usize = (wire::FRAME_BYTES + 128).next_multiple_of(32);
 
 /// A record that was read.
 pub struct Record {

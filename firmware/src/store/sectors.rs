@@ -57,6 +57,10 @@ impl<F: NorFlash> Sectors<F> {
         Self(flash)
     }
 
+    pub fn flash(&self) -> &F {
+        &self.0
+    }
+
     pub fn into_flash(self) -> F {
         self.0
     }

@@ -16,7 +16,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use super::elf::{Function, Image};
 
 /// How long the image may take for an answer.
-const ANSWER_LIMIT: Duration = Duration::from_secs(10);
+const ANSWER_LIMIT: Duration = Duration::from_secs(60);
 
 /// What the calls of a function have cost. Unit: instructions.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,6 +17,7 @@
 //! acknowledged ([`faults`]).
 #![no_std]
 #![forbid(unsafe_code)]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
 
 pub mod board;
 pub mod capture;

@@ -56,12 +56,11 @@ const FIRMWARE_VERSION: [u16; 3] = [
 
 /// The value of a string of digits, at compile time.
 const fn number(digits: &str) -> u16 {
-    let digits = digits.as_bytes();
+    let mut digits = digits.as_bytes();
     let mut value = 0;
-    let mut i = 0;
-    while i < digits.len() {
-        value = value * 10 + (digits[i] - b'0') as u16;
-        i += 1;
+    while let [digit, rest @ ..] = digits {
+        value = value * 10 + (*digit - b'0') as u16;
+        digits = rest;
     }
     value
 }

@@ -112,7 +112,7 @@ impl Production {
     pub fn tick(&mut self, samples: Option<Samples>) -> Result<Vec<u16>> {
         self.samples = samples;
         let packed = samples.map_or(u64::MAX, |samples| {
-            let Samples { temperature, supply, pressure, contraction } = samples;
+            let Samples { temperature, supply, pressure, contraction, .. } = samples;
             [contraction, pressure, supply, temperature]
                 .iter()
                 .fold(0, |packed, code| packed << 16 | u64::from(code.0))

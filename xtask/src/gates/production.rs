@@ -9,6 +9,7 @@
 //! [`SCAN_INSTRUCTIONS`] long, and they are added. The valve is written before the tick ends: trace, capture and timing
 //! follow it, so that the figure is above that from interrupt to valve.
 
+use model_core::Surroundings;
 use std::fs;
 use std::path::Path;
 
@@ -82,6 +83,7 @@ fn converted(contraction_code: u16) -> Samples {
         contraction: AdcCode(contraction_code),
         supply: AdcCode(scaling::SUPPLY.code(8.0)),
         temperature: AdcCode(scaling::TEMPERATURE.code(25.0)),
+        surroundings: Surroundings::default(),
     }
 }
 

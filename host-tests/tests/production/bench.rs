@@ -4,6 +4,7 @@ use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
 use firmware::{AdcCode, Samples};
 use host_tests::{PERIOD_S, rig};
 use libtest_mimic::Failed;
+use model_core::Surroundings;
 use probe::Production;
 use wire::{Configuration, Fault, Request, Response, State, Telemetry};
 use workbench::pil::lock_step::{Measurement, Plant};
@@ -22,7 +23,8 @@ pub struct Bench {
 impl Bench {
     /// The image after power-on.
     pub fn new(seed: u64) -> Result<Self, Failed> {
-        let measured = Measurement { pressure_bar: 0.0, contraction_mm: 0.0 };
+        let measured =
+            Measurement { pressure_bar: 0.0, contraction_mm: 0.0, surroundings: Surroundings::default() };
         let image = Production::start(&super::production(), &[])?;
         Ok(Self { image, muscle: muscle(seed), output: 0, measured })
     }
@@ -35,12 +37,13 @@ impl Bench {
     /// A tick: the muscle under the last command, then the image with what `sensors` makes of the samples.
     pub fn tick(&mut self, sensors: impl FnOnce(Samples) -> Option<Samples>) -> Result<(), Failed> {
         self.measured = (self.muscle)(COMMAND.value(self.output))?;
-        let Measurement { pressure_bar, contraction_mm } = self.measured;
+        let Measurement { pressure_bar, contraction_mm, .. } = self.measured;
         let samples = Samples {
             pressure: AdcCode(PRESSURE.code(pressure_bar as f32)),
             contraction: AdcCode(CONTRACTION.code(contraction_mm as f32)),
             supply: AdcCode(SUPPLY.code(8.0)),
             temperature: AdcCode(TEMPERATURE.code(30.0)),
+            surroundings: Surroundings::default(),
         };
         let written = self.image.tick(sensors(samples))?;
         self.output = *written.last().ok_or("the valve was not written in a tick")?;

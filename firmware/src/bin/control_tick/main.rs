@@ -9,6 +9,8 @@ use core::panic::PanicInfo;
 
 use firmware::timing::TickEnd;
 use firmware::{AcquisitionError, Board, Control, DacCode, Samples};
+// The table of interrupts that the linker asks for.
+use stm32f4::stm32f405 as _;
 
 /// A board of which the compiler knows nothing.
 struct Unknown;

@@ -1,7 +1,7 @@
 //! The analogue inputs: ADC1's injected group, started by a timer, finished before the tick asks.
 //!
 //! # Design
-//! TIM2 runs at the tick's rate, shifted so that its period ends [`lead_cycles`] before the tick is due. That starts the
+//! TIM2 runs at the tick's rate, shifted so that its period ends a scan and a tenth before the tick is due. That starts the
 //! four conversions, each of which has a data register of its own; the tick looks whether the last is finished, and never
 //! waits. Both clocks come from one oscillator, so that the shift stays.
 //!

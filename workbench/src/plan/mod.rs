@@ -14,6 +14,7 @@ mod rivals;
 #[cfg(test)]
 mod tests;
 
+use std::cmp::Ordering;
 use std::fmt::Write as _;
 
 use rand::SeedableRng;
@@ -83,7 +84,7 @@ impl Plan {
     pub fn new(wish: &Wish) -> Result<Self, PlanError> {
         let Limits { min_bar, max_bar, .. } = wish.limits;
         // A NaN is no range either.
-        if !(min_bar < max_bar) {
+        if min_bar.partial_cmp(&max_bar) != Some(Ordering::Less) {
             return Err(PlanError::Range { min_bar, max_bar });
         }
         let (least, most) = PLAUSIBLE_BAR;

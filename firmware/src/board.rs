@@ -1,5 +1,7 @@
 //! What the control code asks of a board.
 
+use model_core::Surroundings;
+
 /// What an analogue input read. Unit: ADC code, 12 bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AdcCode(pub u16);
@@ -9,12 +11,14 @@ pub struct AdcCode(pub u16);
 pub struct DacCode(pub u16);
 
 /// The samples of one tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Samples {
     /// Pressure in the muscle.
     pub pressure: AdcCode,
     /// Contraction of the muscle.
     pub contraction: AdcCode,
+    /// Load and temperature, as far as the board measures them.
+    pub surroundings: Surroundings<f32>,
 }
 
 /// The ADC did not finish within its bounded wait.

@@ -11,7 +11,7 @@
 //! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the
 //! valve once, in every state. It takes bounded time, allocates nothing and does not panic.
 
-use model_core::{Mode, TrackingState};
+use model_core::{Measured, Mode, TrackingState};
 use wire::{Fault, Flags, Hello, PLAYS, Refusal, Response, State, TickReply, VERSION};
 
 use crate::board::{Board, DacCode, Samples};
@@ -113,16 +113,16 @@ impl Control {
         let (Some(tracking), Some(running)) = (&self.tracking, &mut self.running) else {
             return Ok(VENTED);
         };
-        let Samples { pressure, contraction } = samples?;
+        let Samples { pressure, contraction, surroundings } = samples?;
         if !PRESSURE.is_plausible(pressure.0) {
             return Err(Fault::PressureSensor);
         }
         if !CONTRACTION.is_plausible(contraction.0) {
             return Err(Fault::ContractionSensor);
         }
-        let contraction_mm = CONTRACTION.value(contraction.0);
+        let measured = Measured { contraction: CONTRACTION.value(contraction.0), surroundings };
         let command =
-            controller_step(tracking, &mut running.state, running.mode, self.reference_mm, contraction_mm)
+            controller_step(tracking, &mut running.state, running.mode, self.reference_mm, measured)
                 .map_err(|_| Fault::Reference)?;
         Ok(TickReply {
             dac_code: COMMAND.code(command.command),

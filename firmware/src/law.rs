@@ -2,11 +2,16 @@
 
 use model_core::cascade::CascadeParameters;
 use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters, PiecewiseLinearParameters};
+use model_core::extension::{
+    CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
+    RateDependentWidthParameters, ScheduleParameters, SupplySaturationParameters, TransportDelayParameters,
+    ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+};
 use model_core::pid::PidParameters;
 use model_core::tracking::Command;
 use model_core::{
-    HysteresisState, InputError, InverseHysteresis, InverseModel, Mode, ModelParameters, ParameterError,
-    TrackingParameters, TrackingState, paper,
+    ExtensionParameters, HysteresisState, InputError, InverseHysteresis, InverseModel, Measured, Mode,
+    ModelParameters, ParameterError, TrackingParameters, TrackingState, paper,
 };
 use wire::{DEAD_ZONES, PLAYS};
 
@@ -28,6 +33,7 @@ pub fn paper_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, 
         command_min: model.input_min,
         command_max: model.input_max,
         model: ModelParameters::Cascade(model),
+        extensions: ExtensionParameters::default(),
         pid: PidParameters::paper(),
         slew_bar_per_s: 50.0,
         period_s: 1e-3,
@@ -55,6 +61,46 @@ pub fn piecewise_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONE
     })
 }
 
+/// The same with every extension, each about as strong as muscles and valves have it.
+///
+/// # Errors
+/// None in practice, see [`paper::mgpi`].
+pub fn extended_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, ParameterError> {
+    let profile = |values: [f32; 3]| ProfileParameters {
+        knots: [10.0, 60.0, 110.0].into_iter().collect(),
+        values: values.into_iter().collect(),
+    };
+    let extensions = ExtensionParameters {
+        valve_deadband: Some(ValveDeadbandParameters { band: 0.02, form: DeadbandForm::Backlash }),
+        supply_saturation: Some(SupplySaturationParameters { supply: 5.8 }),
+        valve_lag: Some(ValveLagParameters::new(0.05)),
+        transport_delay: Some(TransportDelayParameters { delay_s: 0.0155 }),
+        load: Some(ScheduleParameters { reference: 20.0, offset: profile([0.01, 0.02, 0.04]) }),
+        temperature: Some(ScheduleParameters { reference: 25.0, offset: profile([-0.01, 0.01, 0.02]) }),
+        warm_up: Some(WarmUpParameters { travel: 1000.0, offset: profile([0.3, 0.2, 0.1]) }),
+        viscous_lag: Some(profile([0.002, 0.003, 0.006])),
+        inertia: Some(profile([2e-5, 3e-5, 2e-5])),
+        rate_dependent_width: Some(RateDependentWidthParameters {
+            radius: 0.1,
+            exponent: 0.5,
+            filter_s: 0.01,
+            width: profile([0.05, 0.1, 0.2]),
+        }),
+        creep: Some(CreepParameters {
+            time_constants_s: [0.1, 1.0, 10.0, 100.0, 1000.0, 10_000.0].into_iter().collect(),
+            fractions: [0.01, 0.02, 0.03, 0.03, 0.02, 0.01].into_iter().collect(),
+        }),
+        drift: Some(DriftParameters { rate_per_s: 0.01, compensated: true }),
+        periodic_disturbance: Some(PeriodicDisturbanceParameters {
+            amplitude: 0.5,
+            frequency_hz: 3.0,
+            phase_rad: 1.0,
+            compensated: true,
+        }),
+    };
+    Ok(TrackingParameters { extensions, ..paper_parameters()? })
+}
+
 /// One sample of the inverse model alone. Reference: mm; result: bar.
 ///
 /// # Errors
@@ -68,17 +114,17 @@ pub fn inverse_step(
     inverse.step(state, reference_mm)
 }
 
-/// One sample of the whole controller: inverse model, PID, slew and limits. Reference and contraction: mm.
+/// One sample of the whole controller: inverse of the extended model, PID, slew and limits. Reference: mm.
 ///
 /// # Errors
-/// Reference or contraction not finite; the state, and so the last command, is then as it was.
+/// A value that is not finite; the state, and so the last command, is then as it was.
 #[inline(never)]
 pub fn controller_step(
     tracking: &BoardTracking,
     state: &mut TrackingState<f32, PLAYS>,
     mode: Mode,
     reference_mm: f32,
-    contraction_mm: f32,
+    measured: Measured<f32>,
 ) -> Result<Command<f32>, InputError> {
-    tracking.step(state, mode, reference_mm, contraction_mm)
+    tracking.step(state, mode, reference_mm, measured)
 }

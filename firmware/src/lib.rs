@@ -23,6 +23,7 @@ pub mod law;
 pub mod lock_step;
 pub mod order;
 pub mod scaling;
+pub mod store;
 
 pub use board::{AcquisitionError, AdcCode, Board, DacCode, Samples};
 pub use control::Control;

@@ -2,6 +2,7 @@
 //!
 //! The emulated image uses it behind its serial port, and the host to repeat a run bit for bit.
 
+use model_core::Surroundings;
 use wire::{TickReply, TickRequest};
 
 use crate::board::{AcquisitionError, AdcCode, Board, DacCode, Samples};
@@ -19,7 +20,11 @@ impl LockStepBoard {
     /// A board without samples, the valve vented.
     pub const fn new() -> Self {
         Self {
-            samples: Samples { pressure: AdcCode(0), contraction: AdcCode(0) },
+            samples: Samples {
+                pressure: AdcCode(0),
+                contraction: AdcCode(0),
+                surroundings: Surroundings { load: None, temperature: None },
+            },
             output: crate::scaling::VENT,
         }
     }
@@ -34,6 +39,7 @@ impl LockStepBoard {
         self.samples = Samples {
             pressure: AdcCode(request.pressure_code),
             contraction: AdcCode(request.contraction_code),
+            surroundings: Surroundings { load: request.load_n, temperature: request.temperature_c },
         };
         control.apply(Order::Reference(request.reference_mm));
     }

@@ -4,17 +4,23 @@
 //! requests, in the same lock-step as `mgpi pil`. The tests of this package hold its figures within bounds
 //! on both sides, so that a drift to the better, which is as suspect as one to the worse, fails too.
 
+pub mod flash;
+pub mod game;
+pub mod store;
+
 use firmware::order::prepare;
 use firmware::{Control, LockStepBoard};
 use model_core::pid::PidParameters;
-use model_core::{Mode, Model, ModelParameters, TrackingParameters, paper};
+use model_core::{
+    ExtensionParameters, Mode, Model, ModelParameters, Surroundings, TrackingParameters, paper,
+};
 use rig::parameters::DEAD_LOAD_N;
 use rig::sensor::Sensors;
 use wire::{Configuration, Request, Response, VERSION};
 use workbench::figures::Figures;
 use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
 use workbench::pil::PilError;
-use workbench::pil::lock_step::{self, Board, Measurement, Plant, Run};
+use workbench::pil::lock_step::{self, Board, Measurement, Plant, Run, Wanted};
 
 /// The board's tick. Unit: s.
 pub const PERIOD_S: f64 = 1e-3;
@@ -41,7 +47,7 @@ pub struct FunctionPlant<F>(pub F);
 impl<F: FnMut(f64) -> (f64, f64)> Plant for FunctionPlant<F> {
     fn advance(&mut self, _: f64, command_bar: f32) -> Result<Measurement, PilError> {
         let (pressure_bar, contraction_mm) = (self.0)(command_bar.into());
-        Ok(Measurement { pressure_bar, contraction_mm })
+        Ok(Measurement { pressure_bar, contraction_mm, surroundings: Surroundings::default() })
     }
 }
 
@@ -65,6 +71,7 @@ pub fn configuration<const N: usize, const M: usize>(model: &ModelParameters<f64
             command_min: 0.0,
             command_max: model.input().1 as f32,
             model: model.convert().expect("the model fits the board"),
+            extensions: ExtensionParameters::default(),
             pid: PidParameters::paper(),
             slew_bar_per_s: 100.0,
             period_s: PERIOD_S as f32,
@@ -98,7 +105,8 @@ pub fn raised_cosines(floor_mm: f64, amplitudes_mm: &[f64]) -> Vec<f64> {
     approach.chain(amplitudes_mm.iter().flat_map(swing)).collect()
 }
 
-/// Runs a board from rest against a plant, a reference value (mm) a tick.
+/// Runs a board from rest against a plant, a reference value (mm) a tick, which the board is given ahead by the delay of its
+/// model, in whole ticks.
 ///
 /// # Errors
 /// Board or plant do not do their part.
@@ -109,8 +117,14 @@ pub fn run(
     mode: Mode,
     reference_mm: &[f64],
 ) -> Result<Run, PilError> {
-    let samples = reference_mm.iter().enumerate().map(|(tick, mm)| (tick as f64 * PERIOD_S, *mm));
-    lock_step::run(board, plant, configuration, mode, samples, &|| ())
+    let delay = configuration.tracking.extensions.transport_delay;
+    let preview = delay.map_or(0, |delay| (f64::from(delay.delay_s) / PERIOD_S).round() as usize);
+    let ahead_mm =
+        reference_mm.iter().skip(preview).chain(std::iter::repeat(&reference_mm[reference_mm.len() - 1]));
+    let wanted = reference_mm.iter().zip(ahead_mm).enumerate().map(|(tick, (&reference_mm, &ahead_mm))| {
+        Wanted { time_s: tick as f64 * PERIOD_S, reference_mm, ahead_mm }
+    });
+    lock_step::run(board, plant, configuration, mode, wanted, &|| ())
 }
 
 /// Tracking figures of a run, without its first 2 s. Unit: mm.

@@ -4,13 +4,16 @@
 
 use std::process::Command;
 
+use firmware::law::extended_parameters;
 use host_tests::{HostBoard, configuration, identified, raised_cosines, rig, run};
 use libtest_mimic::{Arguments, Failed, Trial};
-use model_core::{Kind, Mode, ModelParameters, paper};
-use wire::Configuration;
+use model_core::{Kind, Mode, ModelParameters, Surroundings, paper};
+use wire::{Configuration, VERSION};
 use workbench::child::Stop;
 use workbench::emulator::{Emulator, image};
 use workbench::identification::{Loss, Options, Weights};
+use workbench::pil::PilError;
+use workbench::pil::lock_step::{Measurement, Plant};
 use workbench::pil::results::log;
 
 fn main() {
@@ -24,6 +27,7 @@ fn main() {
     let trials = vec![
         trial("the_emulated_firmware_logs_the_hosts_run_bit_for_bit_in_every_mode", every_mode),
         trial("the_emulated_firmware_logs_the_hosts_run_bit_for_bit_with_every_model", every_model),
+        trial("the_emulated_firmware_logs_the_hosts_run_bit_for_bit_with_every_extension", every_extension),
         trial("the_emulated_firmware_repeats_itself_bit_for_bit", repeatable),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
@@ -40,7 +44,18 @@ fn missing() -> Option<String> {
 /// The log of the emulated firmware's run on the rig.
 fn emulated_log(configuration: &Configuration, mode: Mode, reference_mm: &[f64]) -> Result<String, Failed> {
     let mut board = Emulator::start(&image::find(None)?, &Stop::default())?;
-    Ok(log(&run(&mut board, &mut rig(3), configuration, mode, reference_mm)?))
+    Ok(log(&run(&mut board, &mut Measured(rig(3)), configuration, mode, reference_mm)?))
+}
+
+/// A plant on which load and temperature are measured too.
+struct Measured<P>(P);
+
+impl<P: Plant> Plant for Measured<P> {
+    fn advance(&mut self, time_s: f64, command_bar: f32) -> Result<Measurement, PilError> {
+        let surroundings =
+            Surroundings { load: Some(20.0 + 5.0 * time_s.sin()), temperature: Some(25.0 + 0.1 * time_s) };
+        Ok(Measurement { surroundings, ..self.0.advance(time_s, command_bar)? })
+    }
 }
 
 /// 8 s that reach both ends of the range and turn in between.
@@ -88,6 +103,14 @@ fn every_model() -> Result<(), Failed> {
     Ok(())
 }
 
+fn every_extension() -> Result<(), Failed> {
+    let configuration = Configuration { version: VERSION, tracking: extended_parameters()? };
+    for mode in [Mode::Both, Mode::FeedforwardOnly] {
+        assert_alike(&format!("every extension, {mode:?}"), &configuration, mode, &reference_mm())?;
+    }
+    Ok(())
+}
+
 /// Holds the emulated firmware against the same library on the host.
 fn assert_alike(
     name: &str,
@@ -95,7 +118,7 @@ fn assert_alike(
     mode: Mode,
     reference_mm: &[f64],
 ) -> Result<(), Failed> {
-    let host = run(&mut HostBoard::default(), &mut rig(3), configuration, mode, reference_mm)?;
+    let host = run(&mut HostBoard::default(), &mut Measured(rig(3)), configuration, mode, reference_mm)?;
     let (host, emulated) = (log(&host), emulated_log(configuration, mode, reference_mm)?);
     if let Some((row, (host, emulated))) =
         host.lines().zip(emulated.lines()).enumerate().find(|(_, (host, emulated))| host != emulated)

@@ -253,6 +253,10 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseAgpi<T, N> {
         self.state_of(&self.forward.rest_state())
     }
 
+    fn last_output(&self, state: &HysteresisState<T, N>) -> T {
+        state.last.y
+    }
+
     /// Apart, lest it costs the cascade registers where the model is chosen at run time.
     #[inline(never)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {

@@ -213,6 +213,10 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<
         self.state_of(&self.forward.rest_state())
     }
 
+    fn last_output(&self, state: &HysteresisState<T, N>) -> T {
+        self.forward.dead_zones.value(state.plays.input())
+    }
+
     /// Equation (17).
     #[inline(always)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {

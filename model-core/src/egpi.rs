@@ -176,6 +176,10 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseEgpi<T, N> {
         inverse
     }
 
+    fn last_output(&self, state: &HysteresisState<T, N>) -> T {
+        state.last.y
+    }
+
     /// Apart, lest it costs the cascade registers where the model is chosen at run time.
     #[inline(never)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {

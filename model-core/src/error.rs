@@ -67,12 +67,18 @@ impl core::error::Error for ParameterError {}
 pub enum InputError {
     /// The input is infinite or not a number.
     NotFinite,
+    /// No time, or less than none, has passed since the last sample.
+    NotLater,
+    /// There are more samples within the delay than can be kept.
+    DelayTooLong,
 }
 
 impl fmt::Display for InputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotFinite => write!(f, "the input is infinite or not a number"),
+            Self::NotLater => write!(f, "no time has passed since the last sample"),
+            Self::DelayTooLong => write!(f, "there are more samples within the delay than can be kept"),
         }
     }
 }

@@ -33,6 +33,12 @@ impl<T: Real, const N: usize> HysteresisState<T, N> {
         Self { plays, last: Sample { x: T::ZERO, y: T::ZERO, rising: true } }
     }
 
+    /// Makes it the same as another one of the same model; copies no more than is remembered.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.plays.copy_from(&other.plays);
+        self.last = other.last;
+    }
+
     /// The state of the plays.
     pub fn plays(&self) -> &PlayState<T, N> {
         &self.plays
@@ -82,6 +88,9 @@ pub trait InverseHysteresis<T: Real, const N: usize> {
 
     /// The state of the inverse for a muscle at rest.
     fn rest_state(&self) -> HysteresisState<T, N>;
+
+    /// The output that the inverse remembers to have reached. Output unit.
+    fn last_output(&self, state: &HysteresisState<T, N>) -> T;
 
     /// One sample: the input, within the model's input range, that brings the output to `y`, or as near as
     /// the range allows. Input: output unit; result: input unit.

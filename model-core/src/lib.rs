@@ -16,6 +16,7 @@
 //! | [`agpi`] | two envelopes | (2) to (8) |
 //! | [`egpi`], [`memoryless`] | two envelopes and a memoryless function | |
 //! | [`model`] | one of them, chosen at run time | |
+//! | [`extension`] | what a muscle on a valve does beside hysteresis, and its compensation | |
 //! | [`pid`] | the feedback controller | (24) |
 //! | [`tracking`] | feed-forward plus feedback, limits, slew | Fig. 10 |
 //! | [`paper`] | the paper's Tables 1 and 2 as a model | |
@@ -45,6 +46,7 @@ pub mod dead_zone;
 pub mod egpi;
 pub mod envelope;
 pub mod error;
+pub mod extension;
 pub mod hysteresis;
 pub mod memoryless;
 pub mod mgpi;
@@ -63,10 +65,11 @@ mod turn_stack;
 mod turning_points;
 
 pub use error::{InputError, ParameterError, Requirement};
+pub use extension::{ExtendedInverse, ExtendedModel, ExtensionParameters, Surroundings};
 pub use hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
 pub use mgpi::{InverseMgpi, Mgpi, MgpiParameters};
 pub use model::{InverseModel, Kind, Model, ModelParameters};
 pub use play::PlayState;
 pub use range::Range;
 pub use real::Real;
-pub use tracking::{Mode, Tracking, TrackingParameters, TrackingState};
+pub use tracking::{Measured, Mode, Tracking, TrackingParameters, TrackingState};

@@ -239,6 +239,14 @@ impl<T: Real, const N: usize, const M: usize> InverseHysteresis<T, N> for Invers
         }
     }
 
+    fn last_output(&self, state: &HysteresisState<T, N>) -> T {
+        match self {
+            Self::Cascade(cascade) => cascade.last_output(state),
+            Self::Agpi(agpi) => agpi.last_output(state),
+            Self::Egpi(egpi) => egpi.last_output(state),
+        }
+    }
+
     #[inline(always)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         match self {

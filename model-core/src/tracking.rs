@@ -1,9 +1,15 @@
 //! The tracking controller of Fig. 10: inverse model as feed-forward, PID as feedback, one command.
 //!
 //! ```text
-//! reference ─┬─▶ inverse model ─▶ feed-forward ──┐
-//!            └─▶ PID (◀─ contraction) ─▶ feedback ┴─▶ + transfer ─▶ slew ─▶ limits ─▶ command
+//! reference ─┬─▶ inverse of the extended model ─▶ feed-forward ─┐
+//!            └─▶ delay ─▶ PID (◀─ contraction) ─▶ feedback ─────┴─▶ + transfer ─▶ slew ─▶ limits ─▶ command
 //! ```
+//!
+//! # Extensions
+//! The feed-forward compensates them ([`crate::extension`]); without any it is the inverse of the operator, bit for bit. Load
+//! and temperature can be measured. With a delay the reference is given ahead: what is asked for at a tick is due a delay
+//! later, and the feedback compares with what was asked for a delay ago. Drift and tone are left to the feedback unless
+//! the parameters say otherwise.
 //!
 //! # Changes of mode
 //! Every change is bumpless: at the first sample of a new [`Mode`] the difference to the last command is
@@ -11,15 +17,17 @@
 //! That holds without integral gain too, where the usual preset of the integral cannot work.
 //!
 //! # Limits
-//! The slew limit and the command limits act on the sum; what they cut off flows back into the integral.
+//! The slew limit and the command limits, the upper of which is the supply if that is lower, act on the sum; what they
+//! cut off flows back into the integral. A compensated valve remembers the feed-forward within the command limits.
 //! The inverse remembers the feed-forward that it asked for, not the total command, as in the paper: the
 //! feedback is a correction of the plant's deviation from the model. The feedback sees reference and contraction
 //! limited to the model's output range and a tenth of it on either side: a wild sample moves the integral no more than
 //! a real one could.
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
-use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
-use crate::model::{InverseModel, Model, ModelParameters};
+use crate::extension::preview::{Preview, PreviewLine};
+use crate::extension::{ExtendedInverse, ExtendedInverseState, ExtensionParameters, Surroundings};
+use crate::model::{InverseModel, ModelParameters};
 use crate::pid::{Pid, PidParameters, PidState};
 use crate::range::Range;
 use crate::real::Real;
@@ -49,6 +57,8 @@ pub enum Mode {
 pub struct TrackingParameters<T, const N: usize, const M: usize> {
     /// The muscle's model, input in bar, output in mm.
     pub model: ModelParameters<T, N, M>,
+    /// What it does beside hysteresis.
+    pub extensions: ExtensionParameters<T>,
     /// The feedback.
     pub pid: PidParameters<T>,
     /// Lowest command, also the one at the start. Unit: bar.
@@ -61,17 +71,33 @@ pub struct TrackingParameters<T, const N: usize, const M: usize> {
     pub period_s: T,
 }
 
+/// What is measured at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured<T> {
+    /// Unit: mm.
+    pub contraction: T,
+    /// Load and temperature, as far as there are sensors.
+    pub surroundings: Surroundings<T>,
+}
+
+impl<T> From<T> for Measured<T> {
+    /// The contraction alone.
+    fn from(contraction: T) -> Self {
+        Self { contraction, surroundings: Surroundings { load: None, temperature: None } }
+    }
+}
+
 /// How far beyond the model's output range feedback still sees, as a share of the range.
 const MARGIN: f64 = 0.1;
 
 /// A validated tracking controller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tracking<T, const N: usize, const M: usize> {
-    inverse: InverseModel<T, N, M>,
+    inverse: ExtendedInverse<T, N, M>,
+    preview: Option<Preview<T>>,
     pid: Pid<T>,
     /// What the feedback sees of reference and contraction. Unit: mm.
     plausible: Range<T>,
-    limits: Range<T>,
     /// Largest change of the command in one period. Unit: bar.
     largest_change: T,
     /// What remains of the transfer term after one period. Unit: 1.
@@ -81,7 +107,8 @@ pub struct Tracking<T, const N: usize, const M: usize> {
 /// What the controller remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackingState<T, const N: usize> {
-    inverse: HysteresisState<T, N>,
+    inverse: ExtendedInverseState<T, N>,
+    preview: PreviewLine<T>,
     pid: PidState<T>,
     /// That of the last sample; none before the first one.
     mode: Option<Mode>,
@@ -112,14 +139,15 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     pub fn try_new(parameters: &TrackingParameters<T, N, M>) -> Result<Self, ParameterError> {
         let period = Check::new("period_s", "s").above(parameters.period_s, T::ZERO)?;
         let slew = Check::new("slew_bar_per_s", "bar/s").above(parameters.slew_bar_per_s, T::ZERO)?;
-        let model = Model::try_new(&parameters.model)?;
-        let (low, high) = model.output_range();
+        let TrackingParameters { model, extensions, command_min, command_max, .. } = parameters;
+        let inverse = ExtendedInverse::try_new(model, extensions, period, (*command_min, *command_max))?;
+        let (low, high) = inverse.output_range();
         let margin = T::from_f64(MARGIN) * (high - low);
         Ok(Self {
-            inverse: model.inverse()?,
+            preview: Preview::try_new(inverse.delay_s(), period)?,
+            inverse,
             plausible: Range::try_new(low - margin, high + margin, "output range", "mm")?,
             pid: Pid::try_new(&parameters.pid, period)?,
-            limits: Range::try_new(parameters.command_min, parameters.command_max, "command range", "bar")?,
             largest_change: slew * period,
             transfer_decay: (-period / parameters.pid.tracking_time_s).exp(),
         })
@@ -127,41 +155,52 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
 
     /// The model's inverse.
     pub fn inverse(&self) -> &InverseModel<T, N, M> {
-        &self.inverse
+        self.inverse.operator()
     }
 
     /// The state of a controller whose muscle is at rest, the valve at the lowest command.
     pub fn rest_state(&self, mode: Mode) -> TrackingState<T, N> {
         TrackingState {
             inverse: self.inverse.rest_state(),
+            preview: PreviewLine::new(),
             pid: PidState::starting_at(T::ZERO),
             mode: None,
             first_mode: mode,
-            command: self.limits.min(),
+            command: self.inverse.limits().min(),
             transfer: T::ZERO,
         }
     }
 
     /// The step of the inverse, apart: in one function with the rest there are too few registers.
     #[inline(never)]
-    fn feedforward(&self, state: &mut HysteresisState<T, N>, reference: T) -> Result<T, InputError> {
-        self.inverse.step(state, reference)
+    fn feedforward(
+        &self,
+        state: &mut ExtendedInverseState<T, N>,
+        reference: T,
+        surroundings: &Surroundings<T>,
+    ) -> Result<T, InputError> {
+        self.inverse.step(state, reference, surroundings)
     }
 
-    /// One sample. Reference and contraction: mm.
+    /// One sample. `reference`, that is due after the delay: mm. `measured`, now: [`Measured`], or the contraction alone.
     ///
     /// # Errors
-    /// Reference or contraction not finite; the state, and so the last command, is then as it was.
+    /// A value that is not finite; the state, and so the last command, is then as it was.
     pub fn step(
         &self,
         state: &mut TrackingState<T, N>,
         mode: Mode,
         reference: T,
-        contraction: T,
+        measured: impl Into<Measured<T>>,
     ) -> Result<Command<T>, InputError> {
+        let Measured { contraction, surroundings } = measured.into();
         let contraction = finite_input(contraction)?;
         // The inverse follows the reference in every mode, so that its memory is right when it is needed.
-        let inverse = self.feedforward(&mut state.inverse, reference)?;
+        let inverse = self.feedforward(&mut state.inverse, reference, &surroundings)?;
+        let reference = match &self.preview {
+            Some(preview) => preview.due(&mut state.preview, reference),
+            None => reference,
+        };
         // What no muscle of this model does is no error to be integrated.
         let contraction = self.plausible.limit(contraction);
         let error = self.plausible.limit(reference) - contraction;
@@ -228,9 +267,9 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         let asked = sum + state.transfer;
         // The last command is within the limits: only those in the direction of the change can bind.
         let command = if asked > state.command {
-            asked.at_most(state.command + self.largest_change).at_most(self.limits.max())
+            asked.at_most(state.command + self.largest_change).at_most(self.inverse.limits().max())
         } else {
-            asked.at_least(state.command - self.largest_change).at_least(self.limits.min())
+            asked.at_least(state.command - self.largest_change).at_least(self.inverse.limits().min())
         };
         state.command = command;
         let excess = command - asked;

@@ -49,6 +49,13 @@ impl<T: Real, const N: usize> TurnStack<T, N> {
         Self { places: array::from_fn(|i| Place { turn, height: i + 1 }), height: base, base }
     }
 
+    /// Makes it the same as another one with the same base; the places above are left as they are.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        let used = self.places.iter_mut().zip(&other.places).take(other.height).skip(other.base);
+        used.for_each(|(place, other)| place.turn = other.turn);
+        self.height = other.height;
+    }
+
     /// The height of the innermost turning point; the [`base`](Self::base) where there is none.
     #[inline(always)]
     pub(crate) fn height(&self) -> usize {

@@ -59,6 +59,13 @@ impl<T: Real, const N: usize> PlayState<T, N> {
         Self { highs: TurnStack::new(few), lows: TurnStack::new(few), last, rising }
     }
 
+    /// Makes it the same as another one of the same bank.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.highs.copy_from(&other.highs);
+        self.lows.copy_from(&other.lows);
+        (self.last, self.rising) = (other.last, other.rising);
+    }
+
     /// The turning points that a rising move comes from and those that it goes towards; for a falling one the other way
     /// round.
     #[inline(always)]

@@ -4,7 +4,9 @@ mod common;
 
 use common::{Run, family, history};
 use model_core::pid::PidParameters;
-use model_core::{Hysteresis, Mode, ModelParameters, Tracking, TrackingParameters, paper};
+use model_core::{
+    ExtensionParameters, Hysteresis, Mode, ModelParameters, Tracking, TrackingParameters, paper,
+};
 use proptest::prelude::*;
 
 const SIZE: usize = paper::SIZE;
@@ -12,6 +14,7 @@ const SIZE: usize = paper::SIZE;
 fn tracking() -> Tracking<f64, SIZE, SIZE> {
     let parameters = TrackingParameters {
         model: ModelParameters::Cascade(paper::mgpi().expect("valid")),
+        extensions: ExtensionParameters::default(),
         pid: PidParameters::paper(),
         command_min: 0.0,
         command_max: 6.0,

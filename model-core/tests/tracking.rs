@@ -1,7 +1,10 @@
 //! PID and tracking controller: each property that their documentation promises.
 
 use model_core::pid::{Pid, PidParameters, PidState};
-use model_core::{Hysteresis, InputError, Mgpi, Mode, ModelParameters, Tracking, TrackingParameters, paper};
+use model_core::{
+    ExtensionParameters, Hysteresis, InputError, Mgpi, Mode, ModelParameters, Tracking, TrackingParameters,
+    paper,
+};
 
 const SIZE: usize = paper::SIZE;
 const PERIOD_S: f64 = 1e-3;
@@ -9,6 +12,7 @@ const PERIOD_S: f64 = 1e-3;
 fn parameters(pid: PidParameters<f64>) -> TrackingParameters<f64, SIZE, SIZE> {
     TrackingParameters {
         model: ModelParameters::Cascade(paper::mgpi().expect("valid")),
+        extensions: ExtensionParameters::default(),
         pid,
         command_min: 0.0,
         command_max: 6.0,

@@ -3,7 +3,8 @@
 use model_core::envelope::{EnvelopeParameters, TanhParameters};
 use model_core::pid::{Pid, PidParameters};
 use model_core::{
-    Mgpi, MgpiParameters, ModelParameters, ParameterError, Requirement, Tracking, TrackingParameters, paper,
+    ExtensionParameters, Mgpi, MgpiParameters, ModelParameters, ParameterError, Requirement, Tracking,
+    TrackingParameters, paper,
 };
 
 const SIZE: usize = paper::SIZE;
@@ -82,6 +83,7 @@ fn broken_gains_and_limits_are_refused() {
 
     let sound = TrackingParameters {
         model: ModelParameters::Cascade(paper::mgpi().expect("valid")),
+        extensions: ExtensionParameters::default(),
         pid: gains,
         command_min: 0.0,
         command_max: 6.0,

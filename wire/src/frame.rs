@@ -4,7 +4,7 @@ use postcard::ser_flavors::{self, Flavor};
 use serde::{Serialize, de::DeserializeOwned};
 
 /// The longest frame. Unit: byte.
-pub const FRAME_BYTES: usize = 1024;
+pub const FRAME_BYTES: usize = 2048;
 
 const CRC: crc::Crc<u16> = crc::Crc::<u16>::new(&crc::CRC_16_IBM_SDLC);
 
@@ -97,6 +97,11 @@ mod tests {
     use model_core::dead_zone::DeadZoneParameters;
     use model_core::egpi::EgpiParameters;
     use model_core::envelope::{EnvelopeParameters, KNOTS, PiecewiseLinearParameters};
+    use model_core::extension::{
+        CreepParameters, DeadbandForm, DriftParameters, ExtensionParameters, PeriodicDisturbanceParameters,
+        ProfileParameters, RateDependentWidthParameters, ScheduleParameters, SupplySaturationParameters,
+        TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+    };
     use model_core::memoryless::MemorylessParameters;
     use model_core::pid::PidParameters;
     use model_core::play::PlayParameters;
@@ -108,7 +113,13 @@ mod tests {
     }
 
     fn tick() -> Request {
-        Request::Tick(TickRequest { reference_mm: 12.5, pressure_code: 0, contraction_code: 4095 })
+        Request::Tick(TickRequest {
+            reference_mm: 12.5,
+            pressure_code: 0,
+            contraction_code: 4095,
+            load_n: Some(NUMBER),
+            temperature_c: None,
+        })
     }
 
     /// A number without a zero byte.
@@ -143,7 +154,7 @@ mod tests {
     }
 
     /// The largest model with two envelopes.
-    fn extended() -> Request {
+    fn two_envelopes() -> Request {
         let number = NUMBER;
         let agpi = AgpiParameters {
             rising: envelope(),
@@ -159,12 +170,48 @@ mod tests {
         configure(ModelParameters::Egpi(EgpiParameters { agpi, memoryless }))
     }
 
+    fn profile() -> ProfileParameters<f32> {
+        ProfileParameters { knots: full(), values: full() }
+    }
+
+    /// All of them, every list full.
+    fn extensions() -> ExtensionParameters<f32> {
+        let number = NUMBER;
+        let schedule = || Some(ScheduleParameters { reference: number, offset: profile() });
+        ExtensionParameters {
+            valve_deadband: Some(ValveDeadbandParameters { band: number, form: DeadbandForm::Hold }),
+            supply_saturation: Some(SupplySaturationParameters { supply: number }),
+            valve_lag: Some(ValveLagParameters::new(number)),
+            transport_delay: Some(TransportDelayParameters { delay_s: number }),
+            load: schedule(),
+            temperature: schedule(),
+            warm_up: Some(WarmUpParameters { travel: number, offset: profile() }),
+            viscous_lag: Some(profile()),
+            inertia: Some(profile()),
+            rate_dependent_width: Some(RateDependentWidthParameters {
+                radius: number,
+                exponent: number,
+                filter_s: number,
+                width: profile(),
+            }),
+            creep: Some(CreepParameters { time_constants_s: full(), fractions: full() }),
+            drift: Some(DriftParameters { rate_per_s: number, compensated: true }),
+            periodic_disturbance: Some(PeriodicDisturbanceParameters {
+                amplitude: number,
+                frequency_hz: number,
+                phase_rad: number,
+                compensated: true,
+            }),
+        }
+    }
+
     fn configure(model: ModelParameters<f32, PLAYS, DEAD_ZONES>) -> Request {
         let number = NUMBER;
         Request::Configure(Configuration {
             version: VERSION,
             tracking: TrackingParameters {
                 model,
+                extensions: extensions(),
                 pid: PidParameters::paper(),
                 command_min: number,
                 command_max: number,
@@ -176,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_message_survives_its_frame() {
-        for message in [tick(), cascade(), extended(), Request::Identify] {
+        for message in [tick(), cascade(), two_envelopes(), Request::Identify] {
             let mut buffer = [0; FRAME_BYTES];
             let frame = encode(&message, &mut buffer).expect("fits");
             assert_eq!(receive(frame), [Ok(message)]);

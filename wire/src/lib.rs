@@ -11,7 +11,7 @@
 //!
 //! # Limits
 //! A frame takes at most [`FRAME_BYTES`] bytes, stuffing and the zero included: the largest message, a
-//! configuration of [`PLAYS`] plays and [`DEAD_ZONES`] dead zones, fits (a test says so).
+//! configuration of [`PLAYS`] plays and [`DEAD_ZONES`] dead zones with every extension, fits (a test says so).
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -4,7 +4,7 @@ use model_core::{Mode, TrackingParameters};
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages. Raised with every change that the other side would misread.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// The largest number of plays that a board takes.
 pub const PLAYS: usize = 32;
 /// The largest number of dead zones that a board takes.
@@ -25,7 +25,8 @@ pub enum Request {
     SetMode(Mode),
     /// Stop tracking and vent.
     Stop,
-    /// The next reference, for a board that takes its samples by its own timer. Unit: mm.
+    /// The next reference, for a board that takes its samples by its own timer; for a model with a delay, the one that is
+    /// due after it. Unit: mm.
     Reference(f32),
     /// The samples of one tick, for an emulated board. Answer: [`Response::Tick`].
     Tick(TickRequest),
@@ -126,7 +127,7 @@ pub enum State {
     Fault,
 }
 
-/// Model, gains and limits.
+/// Model with its extensions, gains and limits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Configuration {
     /// Version of the messages, [`VERSION`].
@@ -153,12 +154,16 @@ pub enum Refusal {
 /// The samples of one tick: what the board's ADC would have read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TickRequest {
-    /// Unit: mm.
+    /// For a model with a delay, the one that is due after it. Unit: mm.
     pub reference_mm: f32,
     /// Pressure. Unit: ADC code.
     pub pressure_code: u16,
     /// Contraction. Unit: ADC code.
     pub contraction_code: u16,
+    /// The load, if it is measured. Unit: N.
+    pub load_n: Option<f32>,
+    /// The temperature, if it is measured. Unit: °C.
+    pub temperature_c: Option<f32>,
 }
 
 /// The outcome of one tick.

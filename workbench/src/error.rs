@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use model_core::ParameterError;
 use thiserror::Error;
 
+use crate::diagnosis::DiagnosisError;
 use crate::emulator::EmulatorError;
 use crate::emulator::image::ImageError;
 use crate::identification::IdentificationError;
@@ -23,6 +25,9 @@ pub enum Error {
     /// A model file is not what it should be.
     #[error(transparent)]
     ModelFile(#[from] ModelFileError),
+    /// Parameters that no model can be made of.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// An output cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -44,6 +49,14 @@ pub enum Error {
     /// Options that do not go together.
     #[error("{0}")]
     Usage(String),
+    /// Nothing can be said of a recording.
+    #[error("{}: {source}", file.display())]
+    Diagnosis {
+        /// The recording.
+        file: PathBuf,
+        /// Why.
+        source: DiagnosisError,
+    },
     /// No model can be made of a recording.
     #[error("{}, {columns}: {source}", file.display())]
     Identification {

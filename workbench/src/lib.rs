@@ -28,6 +28,7 @@ pub mod pil;
 pub mod plan;
 pub mod recording;
 pub mod report;
+pub mod simulation;
 pub mod table;
 pub mod turning;
 pub mod unit;

@@ -14,6 +14,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use model_core::InputError;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
@@ -106,6 +107,8 @@ pub enum DataProblem {
     NotAFlag { value: f64 },
     #[error("no row is valid: the column is 0 everywhere")]
     NoValidRow,
+    #[error("{0}")]
+    Refused(InputError),
     #[error("time does not increase: {value} s follows {previous} s")]
     TimeNotIncreasing { value: f64, previous: f64 },
     #[error("{value} {unit} is outside {min} to {max} {unit}, {why}")]

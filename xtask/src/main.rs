@@ -6,6 +6,7 @@ mod board_compiler;
 mod demo;
 mod figures;
 mod firmware;
+mod fuzz;
 mod gates;
 mod host;
 mod run;
@@ -23,7 +24,7 @@ struct Cli {
     task: Task,
 }
 
-#[derive(Clone, Copy, Subcommand)]
+#[derive(Clone, Subcommand)]
 enum Task {
     /// Install what is missing: a compiler for the board, and the emulator.
     Setup,
@@ -35,11 +36,23 @@ enum Task {
     Test,
     /// Run the firmware in the emulator by hand.
     Emulate,
+    /// Hide causes in simulated plants and hold `mgpi diagnose` to finding them.
+    Game {
+        /// What to play; `--help` behind `--` tells.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Count instructions and bytes, look for panics, and hold the figures against gates.toml.
     Gates {
         /// Write the bounds anew around what is measured.
         #[arg(long)]
         bless: bool,
+    },
+    /// Give mutated inputs to every parser of bytes from outside.
+    Fuzz {
+        /// How long, all targets together. Unit: s.
+        #[arg(long, default_value_t = 60)]
+        seconds: u64,
     },
     /// Redraw the figures of docs/figures.
     Figures {
@@ -78,7 +91,9 @@ fn perform(task: Task) -> anyhow::Result<()> {
             firmware::build(&setup::ensure()?)?;
             host::emulate()?;
         }
+        Task::Game { arguments } => host::game(&arguments)?,
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
+        Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
         Task::Figures { check } => figures::figures(check)?,
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use model_core::Kind;
+use model_core::{ExtensionParameters, Kind};
 
 use super::identified_json;
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
@@ -192,6 +192,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         output: recording.output.channel.clone(),
         density: fit.density,
         parameters: fit.parameters.clone(),
+        extensions: ExtensionParameters::default(),
         model: fit.model.clone(),
         identification: Some(identification.clone()),
     };

@@ -1,6 +1,8 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
 pub mod compare;
+pub mod diagnose;
+mod diagnosed_json;
 pub mod emulate;
 mod identified_json;
 pub mod identify;
@@ -26,6 +28,7 @@ pub struct CommandLine {
 enum Command {
     Identify(identify::Arguments),
     Compare(compare::Arguments),
+    Diagnose(diagnose::Arguments),
     Simulate(simulate::Arguments),
     Report(report::Arguments),
     Pil(Box<pil::Arguments>),
@@ -42,6 +45,7 @@ impl CommandLine {
         match self.command {
             Command::Identify(arguments) => identify::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
+            Command::Diagnose(arguments) => diagnose::run(&arguments),
             Command::Simulate(arguments) => simulate::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
             Command::Pil(arguments) => pil::run(&arguments),

@@ -6,19 +6,20 @@ use clap::Args;
 
 use crate::Error;
 use crate::figures::{Figures, stroke};
-use crate::identification;
 use crate::model_file::ModelFile;
 use crate::output::Outputs;
 use crate::recording::{self, Choice, Drive, Series, TIME};
+use crate::simulation;
 use crate::table::Table;
 use crate::unit::Channel;
 
-/// Simulates a model, from rest, with the input of a recording.
+/// Simulates a model with its extensions, from rest, with the input of a recording.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// The model, from `mgpi identify`
     model: PathBuf,
-    /// The recording; the model knows which of its columns to use
+    /// The recording; the model knows which of its columns to use: its input, load_n and
+    /// temperature_c where an extension needs them
     #[arg(long, value_name = "REC.csv")]
     input: PathBuf,
     /// Where the answer goes: time, input, simulated output; if the recording has the output, it and the error
@@ -45,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let drive = Drive::of(&table, &choice)?;
     let is_measured = table.column(&model.output.name).is_some() || arguments.rest_length.is_some();
     let measured = is_measured.then(|| recording::output(&table, &choice)).transpose()?;
-    let simulated = identification::simulate(&model.model, &drive.input.values);
+    let simulated = simulation::simulate(&model, &table, &drive)?;
 
     let text = csv(&drive, &model.output, &simulated, measured.as_ref());
     outputs.stage(&arguments.output, text.as_bytes())?;

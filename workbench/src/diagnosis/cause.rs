@@ -74,6 +74,41 @@ impl Cause {
         }
     }
 
+    /// What a cause has to be better by than one that it contains, or that explains much the same with less.
+    pub fn complexity(self) -> f64 {
+        match self {
+            Self::Inertia => 0.1,
+            Self::RateDependentWidth => 0.04,
+            Self::Creep | Self::WarmUp => 0.02,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether it acts within fractions of a second.
+    pub fn is_fast(self) -> bool {
+        self == Self::TransportDelay || self.resists_motion()
+    }
+
+    /// Whether it resists motion by a law over the rate: three forms of much the same.
+    pub fn resists_motion(self) -> bool {
+        matches!(self, Self::ViscousLag | Self::Inertia | Self::RateDependentWidth)
+    }
+
+    /// The causes that it is most easily taken for.
+    pub fn rivals(self) -> &'static [Self] {
+        match self {
+            Self::Inertia => &[Self::ViscousLag, Self::TransportDelay],
+            Self::ViscousLag => &[Self::Inertia, Self::RateDependentWidth, Self::TransportDelay],
+            Self::RateDependentWidth => &[Self::ViscousLag, Self::Creep],
+            Self::TransportDelay => &[Self::ViscousLag, Self::Inertia, Self::ValveLag],
+            Self::ValveLag => &[Self::TransportDelay, Self::ViscousLag],
+            Self::Creep => &[Self::RateDependentWidth, Self::WarmUp, Self::Drift],
+            Self::WarmUp => &[Self::Creep, Self::Drift],
+            Self::Drift => &[Self::WarmUp, Self::Creep],
+            _ => &[],
+        }
+    }
+
     /// The cause of this name.
     pub fn of_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|cause| cause.name() == name)

@@ -52,7 +52,7 @@ mod uncertainty;
 
 use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
 use model_core::envelope::KNOTS;
-use model_core::{Hysteresis, Invertible, Kind, Model, ModelParameters, ParameterError};
+use model_core::{ExtendedModel, Hysteresis, Invertible, Kind, Model, ModelParameters, ParameterError};
 use rayon::prelude::*;
 
 use data::{Data, normalise};
@@ -74,6 +74,8 @@ pub const FREE: usize = 32;
 pub type HostParameters = ModelParameters<f64, PLAYS, DEAD_ZONES>;
 /// A model on the host.
 pub type HostModel = Model<f64, PLAYS, DEAD_ZONES>;
+/// A model with its extensions on the host.
+pub type HostExtendedModel = ExtendedModel<f64, PLAYS, DEAD_ZONES>;
 
 /// How many ends with exponential weights free ones go on from.
 const FREED: usize = 3;

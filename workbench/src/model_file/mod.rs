@@ -12,21 +12,25 @@
 //! | [`names`] | names and units of the parameters |
 //! | `section` | takes keys out of a TOML table, strictly |
 //! | `parameters` | the stages of each model, both directions |
+//! | `extensions` | what the muscle does beside hysteresis, both directions |
 //! | `read`, `write` | the format in either direction |
 
+mod extensions;
 pub mod names;
 mod parameters;
 mod read;
 mod section;
 mod write;
 
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use model_core::{ExtensionParameters, ParameterError};
 use thiserror::Error;
 
 use crate::figures::Figures;
-use crate::identification::{Density, HostModel, HostParameters};
+use crate::identification::{Density, HostExtendedModel, HostModel, HostParameters};
 use crate::unit::Channel;
 use names::Names;
 use section::KeyError;
@@ -35,6 +39,8 @@ use section::KeyError;
 pub const FORMAT: usize = 1;
 /// Where the held-out part of a recording begins.
 const FROM: &str = "from_s";
+/// The words of an input that comes after the valve.
+const PRESSURE: &str = "pressure";
 /// Whether the muscle has been through its whole range before it comes from rest.
 const PRECONDITIONED: &str = "preconditioned";
 
@@ -49,6 +55,8 @@ pub struct ModelFile {
     pub density: Density,
     /// The raw parameters, including the validity range.
     pub parameters: HostParameters,
+    /// What the muscle does beside hysteresis.
+    pub extensions: ExtensionParameters<f64>,
     /// The model of these parameters.
     pub model: HostModel,
     /// Where the parameters come from; a model from a paper has none.
@@ -128,12 +136,32 @@ impl ModelFile {
     /// # Errors
     /// See the module's design.
     pub fn read(path: &Path) -> Result<Self, ModelFileError> {
-        read::read(path).map_err(|problem| ModelFileError { file: path.to_owned(), problem })
+        let refuse = |problem| ModelFileError { file: path.to_owned(), problem };
+        Self::parse(path, &fs::read_to_string(path).map_err(|error| refuse(error.into()))?)
+    }
+
+    /// Reads the contents of a model file; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// See the module's design.
+    pub fn parse(file: &Path, text: &str) -> Result<Self, ModelFileError> {
+        read::parse(text).map_err(|problem| ModelFileError { file: file.to_owned(), problem })
     }
 
     /// The file's text.
     pub fn to_toml(&self) -> String {
         write::to_toml(self)
+    }
+
+    /// The model with its extensions, from its input on: one from a pressure is without the valve.
+    ///
+    /// # Errors
+    /// None for a model that was read; else the first extension that there cannot be.
+    pub fn extended(&self) -> Result<HostExtendedModel, ParameterError> {
+        let from_pressure = self.input.words() == PRESSURE;
+        let extensions =
+            if from_pressure { self.extensions.without_valve() } else { self.extensions.clone() };
+        HostExtendedModel::try_new(&self.parameters, &extensions)
     }
 
     /// Names and units of the parameters.

@@ -218,7 +218,7 @@ impl Reader<'_> {
 }
 
 /// At most as many numbers as a list of the model holds.
-fn numbers(section: &mut Section, key: &str, most: usize) -> Result<Vec<f64>, KeyError> {
+pub fn numbers(section: &mut Section, key: &str, most: usize) -> Result<Vec<f64>, KeyError> {
     let numbers = section.numbers(key)?;
     if numbers.len() > most {
         return Err(section.error(key, &format!("{} numbers, must be at most {most}", numbers.len())));

@@ -1,21 +1,19 @@
 //! Reading of format 1.
 
-use std::fs;
-use std::path::Path;
-
 use model_core::{Invertible, Kind, ParameterError};
 
 use super::names::Names;
 use super::section::{KeyError, Section};
-use super::{FORMAT, FROM, HeldOut, Identification, ModelFile, PRECONDITIONED, Problem, Source, parameters};
+use super::{
+    FORMAT, FROM, HeldOut, Identification, ModelFile, PRECONDITIONED, Problem, Source, extensions, parameters,
+};
 use crate::figures::Figures;
-use crate::identification::HostModel;
 use crate::identification::named::{Named, named};
+use crate::identification::{HostExtendedModel, HostModel};
 use crate::unit::{Channel, Unit};
 
-/// Reads and checks a model file.
-pub fn read(path: &Path) -> Result<ModelFile, Problem> {
-    let text = fs::read_to_string(path)?;
+/// Reads and checks the contents of a model file.
+pub fn parse(text: &str) -> Result<ModelFile, Problem> {
     let table = text.parse::<toml::Table>().map_err(|error| {
         let end = error.span().map_or(text.len(), |span| span.start.min(text.len()));
         let line = 1 + text.as_bytes()[..end].iter().filter(|&&byte| byte == b'\n').count();
@@ -33,6 +31,7 @@ pub fn read(path: &Path) -> Result<ModelFile, Problem> {
     let (limits, preconditioned) = validity(top.section("validity")?, input.unit)?;
     let (parameters, density) = parameters::read(kind, &mut top, &names, limits)?;
     let parameters = parameters.with_preconditioned(preconditioned);
+    let extensions = extensions::read(&mut top, &names)?;
     let identification = match top.optional_section("identification")? {
         Some(section) => Some(identification(section, &names, &named(&parameters, &density))?),
         None => None,
@@ -40,7 +39,8 @@ pub fn read(path: &Path) -> Result<ModelFile, Problem> {
     top.finish()?;
     let model = HostModel::try_new(&parameters).map_err(|error| names.problem(&error))?;
     model.inverse().map_err(|error| names.problem(&error))?;
-    Ok(ModelFile { input, output, density, parameters, model, identification })
+    HostExtendedModel::try_new(&parameters, &extensions).map_err(|error| names.problem(&error))?;
+    Ok(ModelFile { input, output, density, parameters, extensions, model, identification })
 }
 
 fn kind(top: &mut Section) -> Result<Kind, KeyError> {

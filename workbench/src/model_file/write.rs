@@ -2,7 +2,9 @@
 
 use toml::{Table, Value};
 
-use super::{FORMAT, FROM, HeldOut, Identification, ModelFile, PRECONDITIONED, Source, parameters};
+use super::{
+    FORMAT, FROM, HeldOut, Identification, ModelFile, PRECONDITIONED, Source, extensions, parameters,
+};
 use crate::figures::Figures;
 use crate::identification::named::named;
 use crate::unit::Unit;
@@ -23,6 +25,7 @@ pub fn to_toml(file: &ModelFile) -> String {
     validity.insert(PRECONDITIONED.into(), file.parameters.is_preconditioned().into());
     top.insert("validity".into(), Value::Table(validity));
     parameters::write(file, &mut top);
+    extensions::write(&file.extensions, &names, &mut top);
     if let Some(identification) = &file.identification {
         top.insert("identification".into(), identified(file, identification));
     }

@@ -4,8 +4,11 @@
 //! At the time of a tick the plant, which has held the command of the tick before until then, is measured; the
 //! measurement goes to the board as ADC codes, and its DAC code is the next command. Before the first tick the valve is
 //! vented.
+//!
+//! A model with a delay is given the reference ahead: at each tick the one that is due after the delay. Load and
+//! temperature go to the board as the plant answers them; one that does not is taken to be at the model's references.
 
-use model_core::Mode;
+use model_core::{Mode, Surroundings};
 use wire::{Configuration, Flags, Hello, Request, Response, Scaling, TickReply, TickRequest, VERSION};
 
 use super::PilError;
@@ -33,6 +36,19 @@ pub struct Measurement {
     pub pressure_bar: f64,
     /// Unit: mm.
     pub contraction_mm: f64,
+    /// Load and temperature, as far as they are measured.
+    pub surroundings: Surroundings<f64>,
+}
+
+/// What is wanted at a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// Unit: s.
+    pub time_s: f64,
+    /// What the contraction should be now. Unit: mm.
+    pub reference_mm: f64,
+    /// What it should be after the model's delay. Unit: mm.
+    pub ahead_mm: f64,
 }
 
 /// A muscle on its valve.
@@ -70,7 +86,7 @@ pub struct Run {
     pub overruns: u32,
 }
 
-/// Configures the board, tracks the reference, time (s) and value (mm) of every tick, in the given mode, and stops.
+/// Configures the board, tracks the reference, one a tick, in the given mode, and stops.
 /// `ticked` is called after each tick.
 ///
 /// # Errors
@@ -80,7 +96,7 @@ pub fn run(
     plant: &mut impl Plant,
     configuration: &Configuration,
     mode: Mode,
-    reference: impl Iterator<Item = (f64, f64)>,
+    reference: impl Iterator<Item = Wanted>,
     ticked: &dyn Fn(),
 ) -> Result<Run, PilError> {
     let hello = identify(board)?;
@@ -88,9 +104,10 @@ pub fn run(
     demand(board, &Request::Start(mode))?;
     let mut samples = Vec::with_capacity(reference.size_hint().0);
     let mut command_bar = hello.command.value(hello.command.code(0.0));
-    for (time_s, reference_mm) in reference {
+    for wanted in reference {
+        let Wanted { time_s, reference_mm, .. } = wanted;
         let measured = plant.advance(time_s, command_bar)?;
-        let reply = tick(board, &tick_request(&hello, time_s, reference_mm, measured)?)?;
+        let reply = tick(board, &tick_request(&hello, wanted, measured)?)?;
         if !reply.flags.contains(Flags::TRACKING) {
             return Err(PilError::Vented { time_s, fault: identify(board)?.fault });
         }
@@ -104,12 +121,9 @@ pub fn run(
     Ok(Run { samples, overruns })
 }
 
-fn tick_request(
-    hello: &Hello,
-    time_s: f64,
-    reference_mm: f64,
-    measured: Measurement,
-) -> Result<TickRequest, PilError> {
+fn tick_request(hello: &Hello, wanted: Wanted, measured: Measurement) -> Result<TickRequest, PilError> {
+    let Wanted { time_s, ahead_mm, .. } = wanted;
+    let Measurement { pressure_bar, contraction_mm, surroundings } = measured;
     let code = |scaling: &Scaling, quantity, value: f64, unit| {
         let (min, max) = (scaling.value(scaling.code_min), scaling.value(scaling.code_max));
         if (f64::from(min)..=f64::from(max)).contains(&value) {
@@ -119,9 +133,11 @@ fn tick_request(
         }
     };
     Ok(TickRequest {
-        reference_mm: reference_mm as f32,
-        pressure_code: code(&hello.pressure, "the pressure", measured.pressure_bar, "bar")?,
-        contraction_code: code(&hello.contraction, "the contraction", measured.contraction_mm, "mm")?,
+        reference_mm: ahead_mm as f32,
+        pressure_code: code(&hello.pressure, "the pressure", pressure_bar, "bar")?,
+        contraction_code: code(&hello.contraction, "the contraction", contraction_mm, "mm")?,
+        load_n: surroundings.load.map(|load_n| load_n as f32),
+        temperature_c: surroundings.temperature.map(|temperature_c| temperature_c as f32),
     })
 }
 

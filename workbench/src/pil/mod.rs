@@ -114,7 +114,9 @@ pub fn configuration(
         }
     }
     let converted = model.parameters.convert::<f32, PLAYS, DEAD_ZONES>();
-    let model = converted.map_err(|problem| PilError::Capacity { model: file.to_owned(), problem })?;
+    let extensions = model.extensions.convert();
+    let problem = |problem| PilError::Capacity { model: file.to_owned(), problem };
+    let (model, extensions) = (converted.map_err(problem)?, extensions.map_err(problem)?);
     Ok(Configuration {
         version: VERSION,
         tracking: TrackingParameters {
@@ -122,11 +124,18 @@ pub fn configuration(
             command_min: model.input().0.max(0.0),
             command_max: model.input().1,
             model,
+            extensions,
             pid,
             slew_bar_per_s: SLEW_BAR_PER_S,
             period_s: (1.0 / rate_hz) as f32,
         },
     })
+}
+
+/// How far ahead of time a board of this configuration has to be given its reference. Unit: s.
+fn preview_s(configuration: &Configuration) -> f64 {
+    let delay = &configuration.tracking.extensions.transport_delay;
+    delay.map_or(0.0, |delay| f64::from(delay.delay_s))
 }
 
 /// What the three runs have in common.
@@ -192,7 +201,7 @@ impl Bench<'_> {
             &mut plant,
             self.configuration,
             mode,
-            self.reference.samples(),
+            self.reference.samples(preview_s(self.configuration)),
             ticked,
         )?;
         Ok(Finished { run, log: board.log(), plant_messages: plant.messages() })

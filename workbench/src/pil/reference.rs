@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::PilError;
+use super::lock_step::Wanted;
 use crate::recording::{Choice, Drive};
 use crate::table::Table;
 
@@ -28,13 +29,21 @@ impl Reference {
     /// # Errors
     /// The file is no table, lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
     pub fn read(file: &Path, rate_hz: f64) -> Result<Self, PilError> {
+        Self::of(&Table::read(file)?, rate_hz)
+    }
+
+    /// Takes a reference from a table.
+    ///
+    /// # Errors
+    /// The table lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
+    pub fn of(table: &Table, rate_hz: f64) -> Result<Self, PilError> {
         let choice = Choice { input: Some(COLUMN.to_owned()), ..Choice::default() };
-        let Drive { time_s, input, .. } = Drive::of(&Table::read(file)?, &choice)?;
+        let Drive { file, time_s, input, .. } = Drive::of(table, &choice)?;
         // A table has at least one row. The margin is for a last tick that rounding puts behind the last row.
         let duration_s = time_s[time_s.len() - 1] - time_s[0];
         let ticks = (duration_s * rate_hz + 1e-6).floor() + 1.0;
         if ticks > MOST_TICKS as f64 {
-            return Err(PilError::TooLong { file: file.to_owned(), ticks });
+            return Err(PilError::TooLong { file, ticks });
         }
         Ok(Self { time_s, reference_mm: input.values, rate_hz, ticks: ticks as usize })
     }
@@ -44,23 +53,37 @@ impl Reference {
         self.ticks
     }
 
-    /// Time (s) and reference (mm) of every tick.
-    pub fn samples(&self) -> impl Iterator<Item = (f64, f64)> {
-        let mut segment = 0;
+    /// What is wanted at every tick, and `ahead_s` (0 or more) later; the last row lasts.
+    pub fn samples(&self, ahead_s: f64) -> impl Iterator<Item = Wanted> {
+        let (mut now, mut ahead) = (Cursor::new(self), Cursor::new(self));
         (0..self.ticks).map(move |tick| {
             let time_s = self.time_s[0] + tick as f64 / self.rate_hz;
-            while segment + 2 < self.time_s.len() && self.time_s[segment + 1] <= time_s {
-                segment += 1;
-            }
-            (time_s, self.interpolate(segment, time_s))
+            Wanted { time_s, reference_mm: now.at(time_s), ahead_mm: ahead.at(time_s + ahead_s) }
         })
     }
+}
 
-    /// On the line from row `segment` to the next, not beyond its end; the row itself if it is the last.
-    fn interpolate(&self, segment: usize, time_s: f64) -> f64 {
-        let (from_s, from_mm) = (self.time_s[segment], self.reference_mm[segment]);
-        let Some(to_mm) = self.reference_mm.get(segment + 1) else { return from_mm };
-        let share = (time_s - from_s) / (self.time_s[segment + 1] - from_s);
+/// Reads a reference at times that do not fall.
+struct Cursor<'a> {
+    reference: &'a Reference,
+    /// The row before the time.
+    row: usize,
+}
+
+impl<'a> Cursor<'a> {
+    fn new(reference: &'a Reference) -> Self {
+        Self { reference, row: 0 }
+    }
+
+    /// On the line from the row to the next, not beyond its end; the row itself if it is the last.
+    fn at(&mut self, time_s: f64) -> f64 {
+        let Reference { time_s: times_s, reference_mm, .. } = self.reference;
+        while self.row + 2 < times_s.len() && times_s[self.row + 1] <= time_s {
+            self.row += 1;
+        }
+        let (from_s, from_mm) = (times_s[self.row], reference_mm[self.row]);
+        let Some(to_mm) = reference_mm.get(self.row + 1) else { return from_mm };
+        let share = (time_s - from_s) / (times_s[self.row + 1] - from_s);
         from_mm + share.min(1.0) * (to_mm - from_mm)
     }
 }
@@ -72,7 +95,20 @@ mod tests {
     fn samples(csv: &str, rate_hz: f64) -> Result<Vec<(f64, f64)>, PilError> {
         let file = tempfile::NamedTempFile::new().expect("a temporary file");
         std::fs::write(&file, csv).expect("written");
-        Ok(Reference::read(file.path(), rate_hz)?.samples().collect())
+        let wanted = |wanted: Wanted| {
+            assert_eq!(wanted.ahead_mm, wanted.reference_mm);
+            (wanted.time_s, wanted.reference_mm)
+        };
+        Ok(Reference::read(file.path(), rate_hz)?.samples(0.0).map(wanted).collect())
+    }
+
+    #[test]
+    fn a_reference_ahead_is_the_one_of_later_and_at_last_the_last() {
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        std::fs::write(&file, "time_s,reference_mm\n0,0\n1,8\n2,4\n").expect("written");
+        let reference = Reference::read(file.path(), 2.0).expect("valid");
+        let ahead: Vec<f64> = reference.samples(0.75).map(|wanted| wanted.ahead_mm).collect();
+        assert_eq!(ahead, [6.0, 7.0, 5.0, 4.0, 4.0]);
     }
 
     #[test]

@@ -48,12 +48,17 @@ pub fn json<'a>(runs: impl IntoIterator<Item = (&'a str, &'a Run)>, unit: Unit) 
 mod tests {
     use super::*;
     use crate::pil::lock_step::Measurement;
+    use model_core::Surroundings;
 
     fn run() -> Run {
         let sample = |time_s, reference_mm, contraction_mm| Sample {
             time_s,
             reference_mm,
-            measured: Measurement { pressure_bar: 0.1, contraction_mm },
+            measured: Measurement {
+                pressure_bar: 0.1,
+                contraction_mm,
+                surroundings: Surroundings::default(),
+            },
             command_bar: 0.1,
             feedforward_bar: 0.3,
             feedback_bar: -0.2,

@@ -65,6 +65,9 @@ fn tick(sample: &Sample) -> TickRequest {
         // Looked at for plausibility only.
         pressure_code: scaling::PRESSURE.code(0.0),
         contraction_code: scaling::CONTRACTION.code(sample.contraction_mm),
+        // Measured, each in every second sample, anywhere.
+        load_n: (sample.reference_mm > 60.0).then_some(sample.contraction_mm),
+        temperature_c: (sample.reference_mm < 90.0).then_some(sample.contraction_mm),
     }
 }
 
@@ -108,7 +111,7 @@ pub fn control_law(
             .with_context(|| format!("sample {number}, {sample:?}: no answer"))?;
         let expected = [
             inverse_step(inverse, &mut inverse_state, reference_mm)?,
-            controller_step(&tracking, &mut state, mode, reference_mm, contraction_mm)?.command,
+            controller_step(&tracking, &mut state, mode, reference_mm, contraction_mm.into())?.command,
         ];
         let answers = answers.map(f32::from_le_bytes);
         if answers.map(f32::to_bits) != expected.map(f32::to_bits) {

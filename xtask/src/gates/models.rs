@@ -1,8 +1,9 @@
 //! The models whose tick is counted: each of the family, made of the paper's parameters, in the sizes that comparisons of
-//! models have. What their tick costs depends on kind and sizes, hardly on the parameters.
+//! models have, and the paper's with every extension. What their tick costs depends on kind and sizes, hardly on the
+//! parameters.
 
 use anyhow::Result;
-use firmware::law::{paper_parameters, piecewise_parameters};
+use firmware::law::{extended_parameters, paper_parameters, piecewise_parameters};
 use model_core::agpi::AgpiParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::egpi::EgpiParameters;
@@ -37,6 +38,7 @@ pub fn models() -> Result<Vec<(String, Parameters)>> {
         models.push((format!("{} {plays}/{zones}", Kind::Mgpi), of(model(Kind::Mgpi, plays, zones)?)));
     }
     models.push(("mgpi-pl 10/10".to_owned(), piecewise_parameters()?));
+    models.push(("every extension on".to_owned(), extended_parameters()?));
     Ok(models)
 }
 

@@ -53,7 +53,8 @@ impl Law {
         let mode = MODES[usize::from(port.receive_byte() & 3)];
         let (reference_mm, contraction_mm) = (port.receive(), port.receive());
         let inverse = inverse_step(&self.inverse, &mut self.inverse_state, reference_mm);
-        let command = controller_step(&self.tracking, &mut self.state, mode, reference_mm, contraction_mm);
+        let command =
+            controller_step(&self.tracking, &mut self.state, mode, reference_mm, contraction_mm.into());
         port.send(inverse.unwrap_or(f32::NAN));
         port.send(command.map_or(f32::NAN, |command| command.command));
     }

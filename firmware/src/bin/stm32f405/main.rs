@@ -21,6 +21,10 @@
 //! tracking. Every wait for the hardware is bounded: a clock that does not start is replaced by the internal one, a
 //! conversion that does not end is a latched fault. Panics and faults of the processor end in [`safe_end`], vented.
 //!
+//! # Parameters
+//! A configuration that was accepted is stored, and installed again at the next start. Storing it stops the processor
+//! for some milliseconds, up to half a second when a sector is full: see [`parameter_flash`].
+//!
 //! # Limits
 //! The internal oscillator, which is the fall-back, is 1 % off; so is the tick then.
 #![no_std]
@@ -29,6 +33,7 @@
 mod clock;
 #[path = "../../hardware/link.rs"]
 mod link;
+mod parameter_flash;
 mod peripherals;
 #[path = "../../hardware/safe_end.rs"]
 mod safe_end;
@@ -48,10 +53,12 @@ fn end() -> ! {
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
     use firmware::Control;
-    use wire::{FRAME_BYTES, Receiver, State};
+    use firmware::store::{ParameterStore, Parameters};
+    use wire::{FRAME_BYTES, Receiver, Request, Response, State};
 
     use crate::clock;
     use crate::link::{answer, log_change};
+    use crate::parameter_flash::ParameterFlash;
     use crate::peripherals::{SensorsAndValve, route_pins};
     use crate::tick_timer::TickTimer;
     use crate::usart::Usart;
@@ -69,6 +76,8 @@ mod app {
         receiver: Receiver,
         frame: [u8; FRAME_BYTES],
         logged: State,
+        store: ParameterStore<ParameterFlash>,
+        parameters: Parameters,
     }
 
     #[init]
@@ -81,10 +90,37 @@ mod app {
         defmt::info!("valve board, messages version {=u16}, {}", wire::VERSION, clocks);
         let usart = Usart::new(device.USART2, clocks.slow_bus_hz);
         let timer = TickTimer::start(device.TIM2, clocks.timer_hz);
-        let control = Control::new();
+        let mut control = Control::new();
         let logged = control.state();
-        let local = Local { board, timer, usart, receiver: Receiver::new(), frame: [0; FRAME_BYTES], logged };
+        let mut store = ParameterStore::new(ParameterFlash::new(device.FLASH));
+        let parameters = restore(&mut store, &mut control);
+        let (receiver, frame) = (Receiver::new(), [0; FRAME_BYTES]);
+        let local = Local { board, timer, usart, receiver, frame, logged, store, parameters };
         (Shared { control }, local)
+    }
+
+    /// Installs the stored configuration, if there is one, and brings its layout up to date.
+    fn restore(store: &mut ParameterStore<ParameterFlash>, control: &mut Control) -> Parameters {
+        let parameters = store.load().unwrap_or_else(|error| {
+            defmt::error!("stored parameters: {}", defmt::Debug2Format(&error));
+            Parameters::FACTORY
+        });
+        match parameters.install() {
+            None => defmt::info!("no stored configuration"),
+            Some(Ok(order)) => {
+                keep(store, control.state(), &parameters);
+                control.apply(order);
+            }
+            Some(Err(refusal)) => defmt::error!("stored configuration: {}", defmt::Debug2Format(&refusal)),
+        }
+        parameters
+    }
+
+    /// Stores a set. That it cannot be stored does not keep it from being used.
+    fn keep(store: &mut ParameterStore<ParameterFlash>, state: State, parameters: &Parameters) {
+        if let Err(error) = store.save(state, parameters) {
+            defmt::error!("parameters are not stored: {}", defmt::Debug2Format(&error));
+        }
     }
 
     #[task(binds = TIM2, priority = 2, shared = [control], local = [board, timer])]
@@ -99,14 +135,28 @@ mod app {
         });
     }
 
-    #[task(binds = USART2, priority = 1, shared = [control], local = [usart, receiver, frame, logged])]
+    #[task(
+        binds = USART2,
+        priority = 1,
+        shared = [control],
+        local = [usart, receiver, frame, logged, store, parameters]
+    )]
     fn link(mut cx: link::Context) {
-        let link::LocalResources { usart, receiver, frame, logged, .. } = cx.local;
+        let link::LocalResources { usart, receiver, frame, logged, store, parameters, .. } = cx.local;
         let Some(received) = usart.read().and_then(|byte| receiver.push(byte)) else {
             return;
         };
+        let tracking = match &received {
+            Ok(Request::Configure(configuration)) => Some(configuration.tracking.clone()),
+            _ => None,
+        };
         let response = answer(received, |order| cx.shared.control.lock(|control| control.apply(order)));
+        let state = cx.shared.control.lock(|control| control.state());
+        if tracking.is_some() && response == Response::Accepted {
+            parameters.tracking = tracking;
+            keep(store, state, parameters);
+        }
         usart.send(frame, &response);
-        log_change(logged, cx.shared.control.lock(|control| control.state()));
+        log_change(logged, state);
     }
 }

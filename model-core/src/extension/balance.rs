@@ -1,0 +1,170 @@
+//! The effects on the balance of forces, as an equivalent input: what pressure they take from the operator.
+//!
+//! pressure = u + Σ hᵢ(y) dᵢ, with u the operator's input, y its output, hᵢ the profile of an effect and dᵢ what drives
+//! it. Before y is known a driver is constant + gain * (how far y moves): one form, [`Term`], for what is measured (load,
+//! temperature), remembered (travel) and differentiated (velocity, acceleration). Only the rate-dependent width depends
+//! on u itself.
+//!
+//! Model and inverse use the same [`Present`]: the inverse knows u and y and adds, the model searches the u for which
+//! the sum is the pressure.
+
+use crate::error::ParameterError;
+use crate::real::Real;
+
+use super::derivative::{Affine, Derivative, Stencil};
+use super::inertia::Inertia;
+use super::profile::Profile;
+use super::rate_dependent_width::{RateDependentWidth, Width, WidthMemory, WidthStep};
+use super::schedule::Schedule;
+use super::sum::Sum;
+use super::viscous_lag::ViscousLag;
+use super::warm_up::WarmUp;
+use super::{ExtensionParameters, Surroundings, each};
+
+/// An effect at a sample: a profile times what drives it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Term<'a, T> {
+    pub(super) profile: &'a Profile<T>,
+    pub(super) driver: Affine<T>,
+}
+
+/// The validated effects.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Balance<T> {
+    load: Option<Schedule<T>>,
+    temperature: Option<Schedule<T>>,
+    warm_up: Option<WarmUp<T>>,
+    viscous_lag: Option<ViscousLag<T>>,
+    inertia: Option<Inertia<T>>,
+    rate_dependent_width: Option<RateDependentWidth<T>>,
+}
+
+/// What a step of time makes of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BalanceStep<T> {
+    stencil: Stencil<T>,
+    width: Option<WidthStep<T>>,
+}
+
+/// What they remember.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BalanceMemory<T> {
+    velocity: Derivative<T>,
+    acceleration: Derivative<T>,
+    travel: Sum<T>,
+    width: WidthMemory<T>,
+}
+
+/// The effects at a sample.
+#[derive(Debug)]
+pub(super) struct Present<'a, T> {
+    terms: [Option<Term<'a, T>>; 5],
+    width: Option<Width<'a, T>>,
+    velocity: Affine<T>,
+    acceleration: Affine<T>,
+    step: &'a BalanceStep<T>,
+    memory: &'a BalanceMemory<T>,
+}
+
+impl<T: Real> Balance<T> {
+    /// None without effects.
+    pub(super) fn try_new(parameters: &ExtensionParameters<T>) -> Result<Option<Self>, ParameterError> {
+        let balance = Self {
+            load: each(&parameters.load, |load| Schedule::try_new(load, "load"))?,
+            temperature: each(&parameters.temperature, |schedule| {
+                Schedule::try_new(schedule, "temperature")
+            })?,
+            warm_up: each(&parameters.warm_up, WarmUp::try_new)?,
+            viscous_lag: each(&parameters.viscous_lag, ViscousLag::try_new)?,
+            inertia: each(&parameters.inertia, Inertia::try_new)?,
+            rate_dependent_width: each(&parameters.rate_dependent_width, RateDependentWidth::try_new)?,
+        };
+        let none = Self {
+            load: None,
+            temperature: None,
+            warm_up: None,
+            viscous_lag: None,
+            inertia: None,
+            rate_dependent_width: None,
+        };
+        Ok((balance != none).then_some(balance))
+    }
+
+    /// For a step of `dt` after one of `before`.
+    pub(super) fn step(&self, dt: T, before: T) -> BalanceStep<T> {
+        BalanceStep { stencil: Stencil::new(dt, before), ..self.step_after_rest(dt) }
+    }
+
+    /// For the first sample of a muscle that has stood still.
+    pub(super) fn first(&self) -> BalanceStep<T> {
+        self.step_after_rest(T::INFINITY)
+    }
+
+    fn step_after_rest(&self, dt: T) -> BalanceStep<T> {
+        let width = self.rate_dependent_width.as_ref().map(|width| width.step(dt));
+        BalanceStep { stencil: Stencil::resting(), width }
+    }
+
+    /// What they remember where the operator has long stood at the input `u`.
+    pub(super) fn resting(u: T) -> BalanceMemory<T> {
+        BalanceMemory {
+            velocity: Derivative::resting(),
+            acceleration: Derivative::resting(),
+            travel: Sum::default(),
+            width: WidthMemory::resting(u),
+        }
+    }
+
+    /// The effects at the next sample.
+    #[inline(always)]
+    pub(super) fn at<'a>(
+        &'a self,
+        step: &'a BalanceStep<T>,
+        memory: &'a BalanceMemory<T>,
+        surroundings: &Surroundings<T>,
+    ) -> Present<'a, T> {
+        let velocity = memory.velocity.rate(&step.stencil, &Affine::identity());
+        let acceleration = memory.acceleration.rate(&step.stencil, &memory.velocity.moves(&velocity));
+        let terms = [
+            self.load.as_ref().map(|load| load.term(surroundings.load)),
+            self.temperature.as_ref().map(|temperature| temperature.term(surroundings.temperature)),
+            self.warm_up.as_ref().map(|warm_up| warm_up.term(memory.travel.value())),
+            self.viscous_lag.as_ref().map(|viscosity| viscosity.term(velocity)),
+            self.inertia.as_ref().map(|inertia| inertia.term(acceleration)),
+        ];
+        let width = self.rate_dependent_width.as_ref().zip(step.width.as_ref());
+        let width = width.map(|(width, step)| width.at(step, &memory.width));
+        Present { terms, width, velocity, acceleration, step, memory }
+    }
+}
+
+impl<T: Real> Present<'_, T> {
+    /// What they take, where the operator's input has moved by `pushed` to `u` and its output by `moved` to `y`. Input unit.
+    #[inline(always)]
+    pub(super) fn value(&self, (u, pushed): (T, T), (y, moved): (T, T)) -> T {
+        let mut sum = T::ZERO;
+        for term in self.terms.iter().flatten() {
+            sum += term.profile.value(y) * term.driver.at(moved);
+        }
+        if let Some(width) = &self.width {
+            sum += width.value(u, pushed, y);
+        }
+        sum
+    }
+
+    /// What they remember after that move.
+    #[inline(always)]
+    pub(super) fn remembered(&self, (u, pushed): (T, T), moved: T) -> BalanceMemory<T> {
+        let BalanceMemory { mut velocity, mut acceleration, mut travel, mut width } = *self.memory;
+        let stencil = &self.step.stencil;
+        let accelerated = velocity.keep(stencil, moved, self.velocity.at(moved));
+        acceleration.keep(stencil, accelerated, self.acceleration.at(moved));
+        if stencil.is_moving() {
+            travel.add(moved.abs());
+        }
+        if let Some(effect) = &self.width {
+            width = effect.moved(u, pushed);
+        }
+        BalanceMemory { velocity, acceleration, travel, width }
+    }
+}

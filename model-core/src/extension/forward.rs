@@ -1,0 +1,204 @@
+//! The extended model, from command (or pressure) to contraction.
+//!
+//! # The root
+//! The operator's input u is the root of F(u) = u + what the effects take at (u, operator(u)) - pressure. Where the operator
+//! stands F is known without a step of it; from there the root lies in the direction of F's sign, and F rises at
+//! least as fast as u where no effect falls with the contraction faster than the operator rises. The search tries steps
+//! on a copy of the operator's state, usually two or three, to [`TOLERANCE`] of the input range.
+//!
+//! # Limits
+//! A pressure beyond the input range by more than its span counts as one that is not, as in the family. A profile that
+//! falls so steeply that there are several roots (a muscle that snaps through) is answered by one of them.
+
+use crate::error::{InputError, ParameterError, finite_input};
+use crate::hysteresis::{Hysteresis, HysteresisState};
+use crate::model::{Model, ModelParameters};
+use crate::real::Real;
+
+use super::effects::{Effects, EffectsMemory, EffectsStep};
+use super::root::{Point, root};
+use super::transport_delay::{DelayLine, TransportDelayParameters};
+use super::{ExtensionParameters, Surroundings, each};
+
+/// How exactly the root is found: this share of the input range, as far as the number type allows.
+pub const TOLERANCE: f64 = 1e-11;
+/// The shortest time between samples. Unit: s.
+pub const SHORTEST_STEP_S: f64 = 1e-9;
+
+/// What a model is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<T> {
+    /// The command; for a model without a valve the pressure. Input unit.
+    pub input: T,
+    /// Load and temperature.
+    pub surroundings: Surroundings<T>,
+    /// Time since the sample before; that of the first one is not looked at. Unit: s.
+    pub dt_s: T,
+}
+
+/// What a model answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output<T> {
+    /// The pressure behind the valve, before the delay. Input unit.
+    pub pressure: T,
+    /// Output unit.
+    pub contraction: T,
+}
+
+/// A validated extended model of at most `N` plays and `M` dead zones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExtendedModel<T, const N: usize, const M: usize> {
+    model: Model<T, N, M>,
+    effects: Effects<T>,
+    /// Unit: s.
+    delay_s: Option<T>,
+    /// Of the root. Input unit.
+    tolerance: T,
+}
+
+/// What an extended model remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExtendedState<T, const N: usize> {
+    operator: HysteresisState<T, N>,
+    /// Where steps are tried.
+    trial: HysteresisState<T, N>,
+    effects: EffectsMemory<T>,
+    line: DelayLine<T>,
+    /// The slope of F that the last search found, where the next one begins with.
+    slope: T,
+    /// The step of time that `step` is of, and the one before; none before the second sample.
+    times: Option<(T, T)>,
+    step: EffectsStep<T>,
+    has_begun: bool,
+}
+
+impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
+    /// # Errors
+    /// The first parameter that no model can be made of.
+    pub fn try_new(
+        parameters: &ModelParameters<T, N, M>,
+        extensions: &ExtensionParameters<T>,
+    ) -> Result<Self, ParameterError> {
+        let model = Model::try_new(parameters)?;
+        let range = model.input_range();
+        let tolerance = T::from_f64(TOLERANCE).at_least(T::from_f64(4.0) * T::EPSILON);
+        Ok(Self {
+            tolerance: tolerance * (range.max() - range.min()),
+            effects: Effects::try_new(extensions)?,
+            delay_s: each(&extensions.transport_delay, TransportDelayParameters::checked)?,
+            model,
+        })
+    }
+
+    /// The operator.
+    pub fn operator(&self) -> &Model<T, N, M> {
+        &self.model
+    }
+
+    /// The state before the first sample, of a muscle that came from rest to the lower end of the input range.
+    pub fn rest_state(&self) -> ExtendedState<T, N> {
+        let operator = self.model.rest_state();
+        let u = self.model.input_range().min();
+        // The ends of a range are finite: the step is not refused.
+        let y0 = self.model.step(&mut operator.clone(), u).unwrap_or(T::ZERO);
+        ExtendedState {
+            trial: operator.clone(),
+            operator,
+            effects: self.effects.resting(u, y0, T::ZERO),
+            line: DelayLine::new(),
+            slope: T::ONE,
+            times: None,
+            step: self.effects.first(),
+            has_begun: false,
+        }
+    }
+
+    /// One sample.
+    ///
+    /// # Errors
+    /// A value that is not finite, a time step that is not finite or shorter than [`SHORTEST_STEP_S`], or more samples within
+    /// the delay than it can hold; the state is then as it was.
+    pub fn step(&self, state: &mut ExtendedState<T, N>, sample: &Sample<T>) -> Result<Output<T>, InputError> {
+        let Sample { input, surroundings, dt_s } = *sample;
+        let input = finite_input(input)?;
+        if !surroundings.is_finite() {
+            return Err(InputError::NotFinite);
+        }
+        let dt_s = if state.has_begun { later(dt_s)? } else { T::ZERO };
+        if let Some(delay_s) = self.delay_s {
+            state.line.make_room(delay_s, dt_s)?;
+        }
+        self.pass_time(state, dt_s);
+
+        let pressure = match &self.effects.valve {
+            Some(valve) => valve.pressure(&state.step.valve, &mut state.effects.valve, input),
+            None => input,
+        };
+        let felt = match self.delay_s {
+            Some(delay_s) => state.line.step(delay_s, dt_s, pressure),
+            None => pressure,
+        };
+        let moved = self.operate(state, felt, &surroundings);
+        Ok(Output { pressure, contraction: self.output(state, moved) })
+    }
+
+    /// Makes the coefficients those of a step of `dt_s`, unless they are.
+    fn pass_time(&self, state: &mut ExtendedState<T, N>, dt_s: T) {
+        if state.has_begun {
+            let times = (dt_s, state.times.map_or(dt_s, |(last_s, _)| last_s));
+            if state.times != Some(times) {
+                state.step = self.effects.step(times.0, times.1);
+                state.times = Some(times);
+            }
+        }
+        state.has_begun = true;
+    }
+
+    /// Drives the operator with a pressure, and answers how far its output moves.
+    fn operate(&self, state: &mut ExtendedState<T, N>, pressure: T, surroundings: &Surroundings<T>) -> T {
+        let ExtendedState { operator, trial, effects, slope, step, .. } = state;
+        let (Some(balance), Some(step)) = (&self.effects.balance, &step.balance) else {
+            let before = effects.y0;
+            effects.y0 = self.output_at(operator, pressure);
+            return effects.y0 - before;
+        };
+        let pressure = self.model.input_range().extrapolated(pressure);
+        let present = balance.at(step, &effects.balance, surroundings);
+        let (u0, y0) = (effects.u, effects.y0);
+        let f = u0 + present.value((u0, T::ZERO), (y0, T::ZERO)) - pressure;
+        if f.abs() > self.tolerance {
+            (effects.u, *slope) = root(Point { u: u0, f }, *slope, self.tolerance, |u| {
+                trial.copy_from(operator);
+                effects.y0 = self.output_at(trial, u);
+                u + present.value((u, u - u0), (effects.y0, effects.y0 - y0)) - pressure
+            });
+            operator.copy_from(trial);
+        }
+        let moved = effects.y0 - y0;
+        effects.balance = present.remembered((effects.u, effects.u - u0), moved);
+        moved
+    }
+
+    /// A step of the operator, whose input is finite.
+    fn output_at(&self, operator: &mut HysteresisState<T, N>, u: T) -> T {
+        self.model.step(operator, u).unwrap_or(T::ZERO)
+    }
+
+    /// The output where the operator's output has moved.
+    fn output(&self, state: &mut ExtendedState<T, N>, moved: T) -> T {
+        let EffectsMemory { output: memory, y0, .. } = &mut state.effects;
+        match (&self.effects.output, &state.step.output, memory) {
+            (Some(output), Some(step), Some(memory)) => {
+                let contraction = step.output(memory, *y0, moved);
+                step.keep(memory, moved);
+                contraction + output.zero(step, memory)
+            }
+            _ => *y0,
+        }
+    }
+}
+
+/// A time step that time passes in.
+fn later<T: Real>(dt_s: T) -> Result<T, InputError> {
+    if finite_input(dt_s)? >= T::from_f64(SHORTEST_STEP_S) { Ok(dt_s) } else { Err(InputError::NotLater) }
+}

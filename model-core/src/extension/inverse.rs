@@ -1,0 +1,188 @@
+//! The inverse of the extended model: from a wanted contraction to the command, at a fixed period.
+//!
+//! ```text
+//! wanted ─▶ drift⁻¹, tone⁻¹, creep⁻¹ ─▶ y₀ ─▶ operator⁻¹ ─▶ u ─▶ + what the effects take ─▶ pressure ─▶ valve⁻¹ ─▶ command
+//! ```
+//!
+//! Each step is explicit. What the inverse remembers is what can be reached: the operator's end where the wanted
+//! contraction is beyond it, the pressure of a valve that got the limited command.
+//!
+//! # Delay
+//! The answer acts a delay later. So the wanted contraction is that of the present plus the delay, and drift and tone are
+//! taken off as they will be then.
+//!
+//! # Limits
+//! The operator's inverse remembers the pressure that was wanted. A peak that the supply has cut is so remembered too high,
+//! until it is wiped out.
+
+use crate::error::{Check, InputError, ParameterError, finite_input};
+use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
+use crate::model::{InverseModel, Model, ModelParameters};
+use crate::range::Range;
+use crate::real::Real;
+
+use super::effects::{Effects, EffectsMemory, EffectsStep};
+use super::transport_delay::TransportDelayParameters;
+use super::{ExtensionParameters, Surroundings, each};
+
+/// A validated inverse of an extended model of at most `N` plays and `M` dead zones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExtendedInverse<T, const N: usize, const M: usize> {
+    operator: InverseModel<T, N, M>,
+    compensation: Option<Compensation<T>>,
+    /// Of the operator's input.
+    input_range: Range<T>,
+    /// The operator's outputs at rest and at the upper end of its input range.
+    output_range: (T, T),
+    /// Unit: s.
+    delay_s: T,
+    limits: Range<T>,
+}
+
+/// What is done beside the operator's inverse.
+#[derive(Clone, Debug, PartialEq)]
+struct Compensation<T> {
+    effects: Effects<T>,
+    first: EffectsStep<T>,
+    step: EffectsStep<T>,
+}
+
+/// What the inverse of an extended model remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExtendedInverseState<T, const N: usize> {
+    operator: HysteresisState<T, N>,
+    /// None where nothing is compensated.
+    compensation: Option<CompensationState<T>>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct CompensationState<T> {
+    effects: EffectsMemory<T>,
+    has_begun: bool,
+}
+
+impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
+    /// `period_s`: time from sample to sample, s, above 0. `limits`: the commands that there are, input unit; only a
+    /// compensated valve is held to them here.
+    ///
+    /// # Errors
+    /// The first parameter that no inverse can be made of; a supply that is not above the lowest command.
+    pub fn try_new(
+        parameters: &ModelParameters<T, N, M>,
+        extensions: &ExtensionParameters<T>,
+        period_s: T,
+        limits: (T, T),
+    ) -> Result<Self, ParameterError> {
+        let period_s = Check::new("period_s", "s").above(period_s, T::ZERO)?;
+        let model = Model::try_new(parameters)?;
+        let effects = Effects::try_new(&extensions.compensated())?;
+        let delay_s = each(&extensions.transport_delay, TransportDelayParameters::checked)?;
+        let highest = effects.valve.as_ref().map_or(limits.1, |valve| valve.supplied(limits.1));
+        let limits = Range::try_new(limits.0, highest, "command range", "bar")?;
+        let compensation =
+            Compensation { first: effects.first(), step: effects.step(period_s, period_s), effects };
+        Ok(Self {
+            operator: model.inverse()?,
+            compensation: (!compensation.effects.is_empty()).then_some(compensation),
+            input_range: *model.input_range(),
+            output_range: model.output_range(),
+            delay_s: delay_s.unwrap_or(T::ZERO),
+            limits,
+        })
+    }
+
+    /// The operator's inverse.
+    pub fn operator(&self) -> &InverseModel<T, N, M> {
+        &self.operator
+    }
+
+    /// The operator's outputs at rest and, from there, at the upper end of its input range. Output unit.
+    pub fn output_range(&self) -> (T, T) {
+        self.output_range
+    }
+
+    /// How long after its command the contraction comes. Unit: s.
+    pub fn delay_s(&self) -> T {
+        self.delay_s
+    }
+
+    /// The commands that act: those given, as far as the supply reaches. Input unit.
+    pub fn limits(&self) -> &Range<T> {
+        &self.limits
+    }
+
+    /// The state before the first sample, of a muscle at rest.
+    pub fn rest_state(&self) -> ExtendedInverseState<T, N> {
+        let (u, (y0, _)) = (self.input_range.min(), self.output_range);
+        let compensation = self.compensation.as_ref().map(|Compensation { effects, .. }| CompensationState {
+            effects: effects.resting(u, y0, self.delay_s),
+            has_begun: false,
+        });
+        ExtendedInverseState { operator: self.operator.rest_state(), compensation }
+    }
+
+    /// One sample: the command that brings the contraction, a delay later, to `wanted`, or as near as the limits allow.
+    ///
+    /// # Errors
+    /// A value that is not finite; the state is then as it was.
+    #[inline(always)]
+    pub fn step(
+        &self,
+        state: &mut ExtendedInverseState<T, N>,
+        wanted: T,
+        surroundings: &Surroundings<T>,
+    ) -> Result<T, InputError> {
+        match (&self.compensation, &mut state.compensation) {
+            (Some(compensation), Some(memory)) => {
+                self.compensated(compensation, &mut state.operator, memory, wanted, surroundings)
+            }
+            _ => self.operator.step(&mut state.operator, wanted),
+        }
+    }
+
+    /// Apart, lest it costs registers where nothing is compensated.
+    #[inline(never)]
+    fn compensated(
+        &self,
+        compensation: &Compensation<T>,
+        operator: &mut HysteresisState<T, N>,
+        state: &mut CompensationState<T>,
+        wanted: T,
+        surroundings: &Surroundings<T>,
+    ) -> Result<T, InputError> {
+        let wanted = finite_input(wanted)?;
+        if !surroundings.is_finite() {
+            return Err(InputError::NotFinite);
+        }
+        let Compensation { effects, first, step, .. } = compensation;
+        let step = if state.has_begun { step } else { first };
+        state.has_begun = true;
+        let EffectsMemory { valve, balance, output, u: last_u, y0: last_y0 } = &mut state.effects;
+
+        let mut y0 = wanted;
+        if let (Some(effects), Some(step), Some(memory)) = (&effects.output, &step.output, &mut *output) {
+            let zero = effects.zero(step, memory);
+            y0 = step.y0(memory, *last_y0, wanted - zero);
+        }
+        let u = self.operator.step(operator, y0)?;
+        if u <= self.input_range.min() || u >= self.input_range.max() {
+            y0 = self.operator.last_output(operator);
+        }
+        let (pushed, moved) = (u - *last_u, y0 - *last_y0);
+        (*last_u, *last_y0) = (u, y0);
+        if let (Some(step), Some(memory)) = (&step.output, output) {
+            step.keep(memory, moved);
+        }
+
+        let mut pressure = u;
+        if let (Some(effects), Some(step)) = (&effects.balance, &step.balance) {
+            let present = effects.at(step, balance, surroundings);
+            pressure += present.value((u, pushed), (y0, moved));
+            *balance = present.remembered((u, pushed), moved);
+        }
+        Ok(match &effects.valve {
+            Some(effects) => effects.command(&step.valve, valve, pressure, &self.limits),
+            None => pressure,
+        })
+    }
+}

@@ -1,0 +1,66 @@
+//! The answer of a model with its extensions to what a recording holds.
+//!
+//! | extension | column that it needs |
+//! |---|---|
+//! | `load` | `load_n` |
+//! | `temperature` | `temperature_c` |
+//! | those of the valve | the model's input, unless that is a pressure: the valve then stands beside the model |
+//!
+//! The first row finds the muscle standing still.
+
+use model_core::extension::Sample;
+use model_core::{InputError, Surroundings};
+
+use crate::Error;
+use crate::identification::HostExtendedModel;
+use crate::model_file::ModelFile;
+use crate::recording::{Drive, TIME};
+use crate::table::{DataProblem, Table};
+
+/// The model's output for every row.
+///
+/// # Errors
+/// A column that an extension needs is missing; rows too near each other for a delay.
+pub fn simulate(model: &ModelFile, table: &Table, drive: &Drive) -> Result<Vec<f64>, Error> {
+    let column = |needed: bool, name| match needed {
+        true => table.first_column(&[name]).map(|(_, values)| Some(values)),
+        false => Ok(None),
+    };
+    let load = column(model.extensions.load.is_some(), "load_n")?;
+    let temperature = column(model.extensions.temperature.is_some(), "temperature_c")?;
+    let rows = Rows { time_s: &drive.time_s, input: &drive.input.values, load, temperature };
+    let refuse = |(row, error)| table.place(row, TIME).error(DataProblem::Refused(error));
+    Ok(rows.answer(&model.extended()?).map_err(refuse)?)
+}
+
+/// What drives an extended model, a value a row.
+#[derive(Clone, Copy, Debug)]
+pub struct Rows<'a> {
+    /// Strictly increasing. Unit: s.
+    pub time_s: &'a [f64],
+    /// Command or pressure. Input unit.
+    pub input: &'a [f64],
+    /// If it is measured. Unit: N.
+    pub load: Option<&'a [f64]>,
+    /// If it is measured. Unit: °C.
+    pub temperature: Option<&'a [f64]>,
+}
+
+impl Rows<'_> {
+    /// The model's output for every row, running free.
+    ///
+    /// # Errors
+    /// The first row that the model refuses, and why.
+    pub fn answer(&self, model: &HostExtendedModel) -> Result<Vec<f64>, (usize, InputError)> {
+        let mut state = model.rest_state();
+        let at = |values: Option<&[f64]>, row: usize| values.map(|values| values[row]);
+        let answer = |row: usize| {
+            let surroundings =
+                Surroundings { load: at(self.load, row), temperature: at(self.temperature, row) };
+            let dt_s = if row == 0 { 0.0 } else { self.time_s[row] - self.time_s[row - 1] };
+            let sample = Sample { input: self.input[row], surroundings, dt_s };
+            model.step(&mut state, &sample).map(|output| output.contraction).map_err(|error| (row, error))
+        };
+        (0..self.time_s.len()).map(answer).collect()
+    }
+}

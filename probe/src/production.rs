@@ -27,7 +27,7 @@ const ANSWER_TICKS: u32 = 100_000;
 /// The stack, from memory.x.
 const STACK: u32 = 0x2000_0000;
 /// Unit: byte.
-const STACK_BYTES: u32 = 48 * 1024;
+const STACK_BYTES: u32 = 76 * 1024;
 /// What the stack is filled with before the image starts.
 const UNUSED: u8 = 0xA5;
 

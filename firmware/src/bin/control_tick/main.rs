@@ -10,6 +10,7 @@ use core::panic::PanicInfo;
 use firmware::timing::TickEnd;
 use firmware::{AcquisitionError, Board, Control, DacCode, Samples};
 // The table of interrupts that the linker asks for.
+#[allow(unused_imports, reason = "linked for its statics")]
 use stm32f4::stm32f405 as _;
 
 /// A board of which the compiler knows nothing.

@@ -69,8 +69,8 @@ pub fn run(
     read_costs(&text, functions)
 }
 
-/// Commas separate the option's parts; one in a file's name is doubled.
-fn plugin_option(image: &Image, plugin: &Path, functions: &[&Function], results: &Path) -> String {
+/// How the emulator is told of the counter. Commas separate the option's parts; one in a file's name is doubled.
+pub fn plugin_option(image: &Image, plugin: &Path, functions: &[&Function], results: &Path) -> String {
     let escaped = |path: &Path| path.to_string_lossy().replace(',', ",,");
     let mut option = format!("{},out={}", escaped(plugin), escaped(results));
     option.extend(image.handlers.iter().map(|address| format!(",handler={address:#x}")));
@@ -87,7 +87,10 @@ fn end(child: Child) -> Result<String> {
 }
 
 /// The counter's results: a line a function, with its calls, least, most, sum and dearest call.
-fn read_costs(text: &str, functions: &[&Function]) -> Result<Vec<Cost>> {
+///
+/// # Errors
+/// The call stack was lost, or they are not there.
+pub fn read_costs(text: &str, functions: &[&Function]) -> Result<Vec<Cost>> {
     if let Some(problem) = text.strip_prefix("lost ") {
         bail!("the counter has lost the call stack: {problem}");
     }

@@ -27,7 +27,11 @@ const ANSWER_TICKS: u32 = 100_000;
 /// The stack, from memory.x.
 const STACK: u32 = 0x2000_0000;
 /// Unit: byte.
-const STACK_BYTES: u32 = 76 * 1024;
+const STACK_BYTES: u32 = 80 * 1024;
+/// The sectors of the parameter store, from memory.x.
+const STORE: u32 = 0x0800_4000;
+/// Unit: byte.
+const STORE_BYTES: usize = 32 * 1024;
 /// What the stack is filled with before the image starts.
 const UNUSED: u8 = 0xA5;
 
@@ -64,11 +68,12 @@ pub struct Production {
 }
 
 impl Production {
-    /// Starts the image of an ELF file and lets it run up to its first tick. `options`: further ones of the emulator.
+    /// Starts the image of an ELF file and lets it run up to its first tick. `store`: what the parameter store begins
+    /// with, blank behind it; the emulated flash cannot be changed by the image. `options`: further ones of the emulator.
     ///
     /// # Errors
     /// The file is not the production image, or the emulator cannot be started.
-    pub fn start(elf: &Path, options: &[String]) -> Result<Self> {
+    pub fn start(elf: &Path, store: &[u8], options: &[String]) -> Result<Self> {
         let scan = address(elf, SCAN)?;
         let (link, their_link) = UnixStream::pair()?;
         let (debug, their_debug) = UnixStream::pair()?;
@@ -91,6 +96,9 @@ impl Production {
             .context("cannot start qemu-system-arm")?;
         let mut stub = Stub::connect(debug)?;
         stub.write(STACK, &vec![UNUSED; STACK_BYTES as usize])?;
+        let mut flash = store.to_vec();
+        flash.resize(STORE_BYTES, 0xFF);
+        stub.write(STORE, &flash)?;
         stub.break_at(scan)?;
         stub.resume(&[])?;
         let valve = ValveLog::new(log);

@@ -145,17 +145,26 @@ impl<F: NorFlash> ParameterStore<F> {
     fn append(&mut self, sector: Sector, sequence: u32, parameters: &Parameters) -> Result<(), SaveError> {
         let bytes = record::encode(sequence, parameters, &mut self.buffer).ok_or(SaveError::TooLong)?;
         self.sectors.append(sector, bytes)?;
-        match self.newest() {
-            Ok(Some(Found { record, .. })) if record.holds(parameters) => Ok(()),
-            _ => Err(SaveError::NotKept),
-        }
+        // Its number is above all that were found in the other sector.
+        let kept = self.newest_in(&[sector]).0.is_some_and(|found| found.record.holds(parameters));
+        if kept { Ok(()) } else { Err(SaveError::NotKept) }
     }
 
     /// The newest record, `None` in a blank flash.
     fn newest(&mut self) -> Result<Option<Found>, LoadError> {
+        match self.newest_in(&Sector::BOTH) {
+            (Some(found), _) => Ok(Some(found)),
+            (None, Some(Failure::Flash(kind))) => Err(LoadError::Flash(kind)),
+            (None, None) if self.sectors.are_blank()? => Ok(None),
+            (None, _) => Err(LoadError::Corrupt),
+        }
+    }
+
+    /// The newest record of these sectors, if there is one, and what has kept others from being read.
+    fn newest_in(&mut self, sectors: &[Sector]) -> (Option<Found>, Option<Failure>) {
         let mut newest: Option<Found> = None;
         let mut failure = None;
-        for sector in Sector::BOTH {
+        for &sector in sectors {
             let read = self.sectors.for_each(sector, &mut self.buffer, |bytes| {
                 if let Some(record) = record::decode(bytes)
                     && newest.as_ref().is_none_or(|found| record.sequence > found.record.sequence)
@@ -165,12 +174,7 @@ impl<F: NorFlash> ParameterStore<F> {
             });
             failure = failure.or(read.err());
         }
-        match (newest, failure) {
-            (Some(found), _) => Ok(Some(found)),
-            (None, Some(Failure::Flash(kind))) => Err(LoadError::Flash(kind)),
-            (None, None) if self.sectors.are_blank()? => Ok(None),
-            (None, _) => Err(LoadError::Corrupt),
-        }
+        (newest, failure)
     }
 }
 

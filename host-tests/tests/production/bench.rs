@@ -21,11 +21,16 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// The image after power-on.
+    /// The image after power-on, its parameter store blank.
     pub fn new(seed: u64) -> Result<Self, Failed> {
+        Self::with_store(seed, &[])
+    }
+
+    /// The image after power-on with this in its parameter store.
+    pub fn with_store(seed: u64, store: &[u8]) -> Result<Self, Failed> {
         let measured =
             Measurement { pressure_bar: 0.0, contraction_mm: 0.0, surroundings: Surroundings::default() };
-        let image = Production::start(&super::production(), &[])?;
+        let image = Production::start(&super::production(), store, &[])?;
         Ok(Self { image, muscle: muscle(seed), output: 0, measured })
     }
 

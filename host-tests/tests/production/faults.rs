@@ -50,7 +50,7 @@ fn ready() -> Result<Bench, Failed> {
 }
 
 /// Tracks towards 40 mm until the valve is open.
-fn track(bench: &mut Bench) -> Result<(), Failed> {
+pub fn track(bench: &mut Bench) -> Result<(), Failed> {
     bench.demand(&Request::Reference(40.0))?;
     bench.demand(&Request::Start(Mode::Both))?;
     for _ in 0..300 {

@@ -7,6 +7,7 @@
 mod bench;
 mod closed_loop;
 mod faults;
+mod store;
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -29,6 +30,12 @@ fn main() {
         ),
         trial("every_fault_that_samples_can_show_vents_the_production_image", faults::of_samples),
         trial("faults_of_the_processor_vent_reset_and_are_kept_until_acknowledged", faults::of_the_processor),
+        trial("the_production_image_starts_with_what_is_stored", store::starts_with_what_is_stored),
+        trial("a_store_that_cannot_be_read_is_the_fault_of_its_kind", store::faults),
+        trial(
+            "a_configuration_that_cannot_be_stored_is_used_all_the_same",
+            store::of_a_flash_that_does_not_keep,
+        ),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
 }

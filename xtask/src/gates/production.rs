@@ -45,7 +45,7 @@ pub fn figures(
     let results = image.path.with_extension("counts");
     let tick = [image.function(TICK)?];
     let options = ["-plugin".to_owned(), plugin_option(image, plugin, &tick, &results)];
-    let mut board = Production::start(&image.path, &options)?;
+    let mut board = Production::start(&image.path, &[], &options)?;
     board.tick(Some(converted(scaling::CONTRACTION.code(0.0))))?;
     // What watches the plant is at work like the rest, but the plant is no muscle here.
     demand(&mut board, &Request::Protect(Protection::SIMULATED))?;

@@ -134,7 +134,8 @@ mod app {
         (Shared { control }, local)
     }
 
-    /// Takes what is stored, and brings its layout up to date.
+    /// Takes what is stored, and brings its layout up to date. Not a part of `init`, whose stack would hold all of it.
+    #[inline(never)]
     fn restore(store: &mut ParameterStore<ParameterFlash>, control: &mut Control) -> Parameters {
         let parameters = store.load().unwrap_or_else(|error| {
             defmt::error!("stored parameters: {}", defmt::Debug2Format(&error));
@@ -155,6 +156,7 @@ mod app {
     }
 
     /// Stores a set. That it cannot be stored does not keep it from being used.
+    #[inline(never)]
     fn keep(store: &mut ParameterStore<ParameterFlash>, state: State, parameters: &Parameters) {
         if let Err(error) = store.save(state, parameters) {
             defmt::error!("parameters are not stored: {}", defmt::Debug2Format(&error));

@@ -1,33 +1,65 @@
-//! The tick and the state machine around it.
+//! The tick, and the orders between ticks.
 //!
-//! | state | valve | Install | Start | SetMode | Stop | fault in a tick |
-//! |---|---|---|---|---|---|---|
-//! | Off | vented | Ready | refused | refused | Off | (not looked for) |
-//! | Ready | vented | Ready | Tracking | refused | Ready | (not looked for) |
-//! | Tracking | driven | refused | refused | Tracking | Ready | Fault |
-//! | Fault | vented | Ready | refused | refused | Fault | Fault |
+//! [`crate::state_machine`] tells which order is taken when, [`crate::faults`] what happens when something is wrong.
 //!
 //! # Contract
-//! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the
-//! valve once, in every state. It takes bounded time, allocates nothing and does not panic.
+//! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the valve once, in
+//! every state: the vented code in all but `Tracking`, `Holding` and `Service`, and the vented code in the same tick in
+//! which a fault is seen. It takes bounded time, allocates nothing and does not panic.
 
+use model_core::tracking::Command;
 use model_core::{Measured, Mode, TrackingState};
-use wire::{Fault, Flags, Hello, PLAYS, Refusal, Response, State, TickReply, VERSION};
+use wire::{
+    CaptureSample, Fault, Flags, OnModelFault, PLAYS, Protection, Refusal, Response, Signals, State,
+    TickReply, TraceEntry,
+};
 
-use crate::board::{Board, DacCode, Samples};
+use crate::board::{AcquisitionError, Board, DacCode, Samples};
+use crate::capture::Capture;
+use crate::faults::black_box::BlackBox;
+use crate::faults::log::FaultLog;
 use crate::law::controller_step;
-use crate::order::{BoardTracking, Order};
-use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, VENT};
+use crate::monitors::Monitors;
+use crate::order::{Installation, Order, text};
+use crate::output::{self, Output};
+use crate::scaling::{COMMAND, VENT};
+use crate::state_machine::{Event, Next, next};
+use crate::timing::{TickEnd, Timing};
+
+/// How long a board has to run for the resets before to be forgotten. Unit: tick.
+const SETTLED_TICKS: u32 = 10_000;
+
+/// The clock that raises the ticks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TickClock {
+    /// Unit: s.
+    pub period_s: f32,
+    /// When the valve has to be written, after the tick is due. Unit: core clock cycle.
+    pub deadline_cycles: u32,
+}
 
 /// The owner of the tick.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Control {
-    tracking: Option<BoardTracking>,
+    /// None: ticks come when the host wants them, at whatever period the configuration says.
+    clock: Option<TickClock>,
+    pub(crate) state: State,
+    protection: Protection,
+    installed: Option<Installation>,
     running: Option<Running>,
-    fault: Option<Fault>,
+    pub(crate) monitors: Monitors,
+    limits: output::Limits,
+    output: Output,
+    pub(crate) faults: FaultLog,
+    capture: &'static mut Capture,
+    pub(crate) timing: Timing,
+    pub(crate) ticks: u32,
+    pub(crate) limited_ticks: u32,
+    self_test_ticks: u32,
+    /// Since the host was heard.
+    silent_ticks: u32,
     reference_mm: f32,
-    ticks: u32,
-    overruns: u32,
+    service_code: DacCode,
     overrun: bool,
 }
 
@@ -38,111 +70,318 @@ struct Running {
 }
 
 impl Control {
-    /// A control without a controller, vented.
-    pub const fn new() -> Self {
+    /// A control without a controller, vented; at fault, if the black box says that the board has started after one.
+    pub fn new(
+        protection: Protection,
+        clock: Option<TickClock>,
+        black_box: &'static mut BlackBox,
+        capture: &'static mut Capture,
+    ) -> Self {
+        let faults = FaultLog::new(black_box);
+        let period_s = clock.map_or(1e-3, |clock| clock.period_s);
         Self {
-            tracking: None,
+            clock,
+            state: if faults.latched().is_some() { State::Fault } else { State::Off },
+            protection,
+            installed: None,
             running: None,
-            fault: None,
-            reference_mm: 0.0,
+            monitors: Monitors::new(&protection, period_s),
+            limits: output::Limits::new(&protection, period_s),
+            output: Output::vented(),
+            faults,
+            capture,
+            timing: Timing::default(),
             ticks: 0,
-            overruns: 0,
+            limited_ticks: 0,
+            self_test_ticks: 0,
+            silent_ticks: 0,
+            reference_mm: 0.0,
+            service_code: VENT,
             overrun: false,
         }
     }
 
-    /// The state of the table above.
+    /// The control of a board whose muscle is a simulation.
+    pub fn simulated(black_box: &'static mut BlackBox, capture: &'static mut Capture) -> Self {
+        Self::new(Protection::SIMULATED, None, black_box, capture)
+    }
+
+    /// What outlives the program, when it ends.
+    pub fn into_memory(self) -> (&'static mut BlackBox, &'static mut Capture) {
+        (self.faults.into_black_box(), self.capture)
+    }
+
+    /// The board's state.
     pub fn state(&self) -> State {
-        match (&self.fault, &self.tracking, &self.running) {
-            (Some(_), _, _) => State::Fault,
-            (None, _, Some(_)) => State::Tracking,
-            (None, Some(_), None) => State::Ready,
-            (None, None, None) => State::Off,
-        }
+        self.state
+    }
+
+    /// Ticks since the start.
+    pub fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
+    /// The fault that is latched.
+    pub fn fault(&self) -> Option<Fault> {
+        self.faults.latched()
     }
 
     /// Carries an order out, or says why not.
     pub fn apply(&mut self, order: Order) -> Response {
-        let state = self.state();
-        match (order, state) {
-            (Order::Identify, _) => return Response::Hello(self.hello()),
-            (Order::Install(tracking), State::Off | State::Ready | State::Fault) => {
-                self.tracking = Some(tracking);
-                self.fault = None;
+        self.silent_ticks = 0;
+        let done = match order {
+            Order::Identify => return Response::Hello(self.hello()),
+            Order::Telemetry => return Response::Telemetry(self.telemetry()),
+            Order::FaultRecord => return Response::FaultRecord(self.faults.record()),
+            Order::Capture(order) => {
+                return self.capture.apply(order).map_or(Response::Accepted, Response::Captured);
             }
-            (Order::Start(mode), State::Ready) => {
-                self.running = self.tracking.as_ref().map(|t| Running { mode, state: t.rest_state(mode) });
+            Order::Reference(reference_mm) => {
+                self.reference_mm = reference_mm;
+                Ok(())
             }
-            (Order::SetMode(mode), State::Tracking) => {
-                self.running.iter_mut().for_each(|running| running.mode = mode);
-            }
-            (Order::Stop, _) => self.running = None,
-            (Order::Reference(reference_mm), _) => self.reference_mm = reference_mm,
-            (Order::Install(_) | Order::Start(_) | Order::SetMode(_), _) => {
-                return Response::Refused(Refusal::WrongState(state));
-            }
-        }
-        Response::Accepted
+            Order::Protect(protection) => self.protect(protection),
+            Order::Install(installation) => self.install(installation),
+            Order::Start(mode) => self.start(mode),
+            Order::SetMode(mode) => self.set_mode(mode),
+            Order::Stop => self.advance(Event::Stop),
+            Order::Acknowledge => self.acknowledge(),
+            Order::Service(code) => self.advance(Event::Service).map(|()| self.service_code = DacCode(code)),
+        };
+        done.map_or_else(Response::Refused, |()| Response::Accepted)
     }
 
     /// One tick: samples, computes, drives.
     pub fn tick<B: Board>(&mut self, board: &mut B) -> TickReply {
         self.ticks = self.ticks.wrapping_add(1);
-        let samples = board.read().map_err(|_| Fault::Acquisition);
-        let mut reply = self.track(samples).unwrap_or_else(|fault| {
-            self.running = None;
-            self.fault = Some(fault);
+        let mut reply = self.work(board.read()).unwrap_or_else(|fault| {
+            self.report(fault);
             VENTED
         });
-        board.drive(DacCode(reply.dac_code));
+        let asked = DacCode(reply.dac_code);
+        let code =
+            if self.state.is_driven() { self.output.drive(&self.limits, asked) } else { self.output.vent() };
+        board.drive(code);
+        reply.dac_code = code.0;
         reply.flags = reply
             .flags
+            .with(Flags::LIMITED, code != asked)
             .with(Flags::TRACKING, self.running.is_some())
-            .with(Flags::FAULT, self.fault.is_some())
+            .with(Flags::FAULT, self.faults.latched().is_some())
             .with(Flags::OVERRUN, core::mem::take(&mut self.overrun));
+        self.record(&reply);
         reply
     }
 
-    /// Notes that a tick was due before the one before had ended.
-    pub fn note_overrun(&mut self) {
-        self.overruns = self.overruns.wrapping_add(1);
-        self.overrun = true;
+    /// Takes how long the tick has taken, by a clock of the image.
+    pub fn close_tick(&mut self, end: TickEnd) {
+        self.overrun = end.is_overrun;
+        let deadline = self.clock.map_or(u32::MAX, |clock| clock.deadline_cycles);
+        if self.timing.take(end, deadline) && self.state.is_driven() {
+            self.report(Fault::Deadline);
+        }
     }
 
-    fn track(&mut self, samples: Result<Samples, Fault>) -> Result<TickReply, Fault> {
-        let (Some(tracking), Some(running)) = (&self.tracking, &mut self.running) else {
+    /// Takes a fault that something else than the samples has shown; the next tick vents. One that is latched already
+    /// is nothing new.
+    pub fn report(&mut self, fault: Fault) {
+        if self.fault() == Some(fault) {
+            return;
+        }
+        self.faults.latch(fault, self.ticks);
+        self.capture.stop();
+        // Nothing refuses this event.
+        let _ = self.advance(Event::Trip);
+    }
+
+    /// Takes a fault that is only to be known of.
+    pub fn note(&mut self, fault: Fault) {
+        self.faults.count(fault);
+    }
+
+    /// Goes to the next state, and does what entering it needs.
+    fn advance(&mut self, event: Event) -> Result<(), Refusal> {
+        self.state = match next(self.state, event) {
+            Next::To(state) => state,
+            Next::Home if self.installed.is_some() => State::SelfTest,
+            Next::Home => State::Off,
+            Next::Refused => return Err(Refusal::WrongState(self.state)),
+        };
+        if !self.state.is_driven() {
+            self.running = None;
+            self.service_code = VENT;
+        }
+        if self.state == State::SelfTest {
+            self.monitors.start_anew();
+            self.self_test_ticks = self.protection.self_test_ticks;
+            if self.self_test_ticks == 0 {
+                self.end_self_test().unwrap_or_else(|fault| self.report(fault));
+            }
+        }
+        Ok(())
+    }
+
+    fn protect(&mut self, protection: Protection) -> Result<(), Refusal> {
+        if self.state.is_driven() {
+            return Err(Refusal::WrongState(self.state));
+        }
+        self.protection = protection;
+        self.scale();
+        Ok(())
+    }
+
+    /// Turns the protection's limits into those of a tick.
+    fn scale(&mut self) {
+        let of_installation = || self.installed.as_ref().map(|installed| installed.period_s);
+        let period_s = self.clock.map(|clock| clock.period_s).or_else(of_installation).unwrap_or(1e-3);
+        self.monitors = Monitors::new(&self.protection, period_s);
+        self.limits = output::Limits::new(&self.protection, period_s);
+    }
+
+    fn install(&mut self, installation: Installation) -> Result<(), Refusal> {
+        if let Some(TickClock { period_s, .. }) = self.clock
+            && (installation.period_s - period_s).abs() > 1e-3 * period_s
+        {
+            let found = installation.period_s;
+            return Err(Refusal::Parameter(text(format_args!(
+                "period_s is {found} s, must be {period_s} s"
+            ))));
+        }
+        if next(self.state, Event::Install) == Next::Refused {
+            return Err(Refusal::WrongState(self.state));
+        }
+        self.installed = Some(installation);
+        self.scale();
+        self.advance(Event::Install)
+    }
+
+    fn start(&mut self, mode: Mode) -> Result<(), Refusal> {
+        let event = if mode == Mode::Hold { Event::Hold } else { Event::Start };
+        let mode = self.permitted(mode)?;
+        self.advance(event)?;
+        self.monitors.start_anew();
+        self.running = self
+            .installed
+            .as_ref()
+            .map(|installed| Running { mode, state: installed.tracking.rest_state(mode) });
+        Ok(())
+    }
+
+    fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
+        let event = if mode == Mode::Hold { Event::Hold } else { Event::SetMode };
+        let mode = self.permitted(mode)?;
+        self.advance(event)?;
+        self.running.iter_mut().for_each(|running| running.mode = mode);
+        Ok(())
+    }
+
+    /// What becomes of a mode if the installed model has not stood its test.
+    fn permitted(&self, mode: Mode) -> Result<Mode, Refusal> {
+        let is_good = self.installed.as_ref().is_none_or(|installed| installed.survey.is_invertible);
+        match mode {
+            Mode::Both if !is_good => Ok(Mode::FeedbackOnly),
+            Mode::FeedforwardOnly if !is_good => {
+                Err(Refusal::Parameter(text(format_args!("the model has not stood its test: feedback only"))))
+            }
+            mode => Ok(mode),
+        }
+    }
+
+    fn acknowledge(&mut self) -> Result<(), Refusal> {
+        if !self.faults.acknowledge() {
+            return Err(Refusal::WrongState(self.state));
+        }
+        self.advance(Event::Acknowledge)
+    }
+
+    /// What the samples of a tick lead to.
+    fn work(&mut self, samples: Result<Samples, AcquisitionError>) -> Result<TickReply, Fault> {
+        if matches!(self.state, State::Off | State::Fault) {
+            self.monitors.look(samples);
+            return Ok(VENTED);
+        }
+        let outermost = self.installed.as_ref().map(|installed| &installed.survey.outermost);
+        let signals = self.monitors.take(samples, self.output.code(), outermost)?;
+        if self.state.is_driven() {
+            self.monitors.follow(self.output.code())?;
+            self.silent_ticks = self.silent_ticks.saturating_add(1);
+            if self.silent_ticks > self.protection.bus_silent_ticks {
+                return Err(Fault::BusSilent);
+            }
+        }
+        match self.state {
+            State::Tracking | State::Holding => self.track(signals),
+            State::Service => Ok(TickReply { dac_code: self.service_code.0, ..VENTED }),
+            State::SelfTest => self.self_test().map(|()| VENTED),
+            State::Off | State::Ready | State::Fault => Ok(VENTED),
+        }
+    }
+
+    fn track(&mut self, signals: Signals) -> Result<TickReply, Fault> {
+        let (Some(Installation { tracking, .. }), Some(running)) = (&self.installed, &mut self.running)
+        else {
             return Ok(VENTED);
         };
-        let Samples { pressure, contraction, surroundings } = samples?;
-        if !PRESSURE.is_plausible(pressure.0) {
-            return Err(Fault::PressureSensor);
-        }
-        if !CONTRACTION.is_plausible(contraction.0) {
-            return Err(Fault::ContractionSensor);
-        }
-        let measured = Measured { contraction: CONTRACTION.value(contraction.0), surroundings };
-        let command =
-            controller_step(tracking, &mut running.state, running.mode, self.reference_mm, measured)
-                .map_err(|_| Fault::Reference)?;
+        let Running { mode, state } = running;
+        let surroundings = self.monitors.samples().surroundings;
+        let measured = Measured { contraction: signals.contraction_mm, surroundings };
+        let command = controller_step(tracking, state, *mode, self.reference_mm, measured)
+            .map_err(|_| Fault::Reference)?;
+        self.monitors.judge(&command, *mode == Mode::Both)?;
+        let Command { command, feedforward, feedback, limited } = command;
         Ok(TickReply {
-            dac_code: COMMAND.code(command.command),
-            feedforward_bar: command.feedforward,
-            feedback_bar: command.feedback,
-            flags: Flags::default().with(Flags::LIMITED, command.limited),
+            dac_code: COMMAND.code(command),
+            feedforward_bar: feedforward,
+            feedback_bar: feedback,
+            flags: Flags::default().with(Flags::LIMITED, limited),
         })
     }
 
-    fn hello(&self) -> Hello {
-        Hello {
-            version: VERSION,
-            firmware: FIRMWARE_VERSION,
-            state: self.state(),
-            fault: self.fault,
-            pressure: PRESSURE,
-            contraction: CONTRACTION,
-            command: COMMAND,
-            ticks: self.ticks,
-            overruns: self.overruns,
+    fn self_test(&mut self) -> Result<(), Fault> {
+        self.self_test_ticks = self.self_test_ticks.saturating_sub(1);
+        if self.self_test_ticks > 0 {
+            return Ok(());
+        }
+        self.monitors.is_vented()?;
+        self.end_self_test()
+    }
+
+    fn end_self_test(&mut self) -> Result<(), Fault> {
+        if self.installed.as_ref().is_some_and(|installed| !installed.survey.is_invertible) {
+            match self.protection.on_model_fault {
+                OnModelFault::Vent => return Err(Fault::Model),
+                OnModelFault::FeedbackOnly => self.note(Fault::Model),
+            }
+        }
+        // The only state that this is called in takes the event.
+        let _ = self.advance(Event::Tested);
+        Ok(())
+    }
+
+    /// Leaves the tick in trace, capture and counters.
+    fn record(&mut self, reply: &TickReply) {
+        let Samples { pressure, contraction, supply, .. } = self.monitors.samples();
+        self.limited_ticks = self.limited_ticks.wrapping_add(reply.flags.contains(Flags::LIMITED).into());
+        self.faults.note(TraceEntry {
+            tick: self.ticks,
+            pressure_code: pressure.0,
+            contraction_code: contraction.0,
+            supply_code: supply.0,
+            dac_code: reply.dac_code,
+            reference_64th_mm: (64.0 * self.reference_mm) as i16,
+        });
+        self.capture.take(
+            self.ticks,
+            CaptureSample {
+                reference_mm: self.reference_mm,
+                pressure_code: pressure.0,
+                contraction_code: contraction.0,
+                dac_code: reply.dac_code,
+                feedback_4096th_bar: (4096.0 * reply.feedback_bar) as i16,
+            },
+        );
+        if self.ticks == SETTLED_TICKS {
+            self.faults.settle();
         }
     }
 }
@@ -150,22 +389,3 @@ impl Control {
 /// The reply of a tick that did not drive the valve.
 const VENTED: TickReply =
     TickReply { dac_code: VENT.0, feedforward_bar: 0.0, feedback_bar: 0.0, flags: Flags(0) };
-
-/// Major, minor and patch of the package's version.
-const FIRMWARE_VERSION: [u16; 3] = [
-    number(env!("CARGO_PKG_VERSION_MAJOR")),
-    number(env!("CARGO_PKG_VERSION_MINOR")),
-    number(env!("CARGO_PKG_VERSION_PATCH")),
-];
-
-/// The value of a string of digits, at compile time.
-const fn number(digits: &str) -> u16 {
-    let digits = digits.as_bytes();
-    let mut value = 0;
-    let mut i = 0;
-    while i < digits.len() {
-        value = value * 10 + (digits[i] - b'0') as u16;
-        i += 1;
-    }
-    value
-}

@@ -5,26 +5,40 @@
 //!
 //! # A tick
 //! ```text
-//! ADC codes ─▶ plausibility ─▶ scaling ─▶ inverse model + PID, slew, limits ─▶ scaling ─▶ DAC code
+//! ADC codes ─▶ monitors ─▶ inverse model + PID, slew, limits ─▶ judgement ─▶ soft start, slew ─▶ DAC code
 //! ```
 //! [`control::Control`] owns the tick. [`order::prepare`] turns a request into an order for it and does the
-//! long work (validation, the inverse of a model) outside the tick's lock; applying an order is a check of
+//! long work (validation, the inverse of a model, its survey) outside the tick's lock; applying an order is a check of
 //! the state and a move.
 //!
 //! # Safety
-//! The valve is driven in the state `Tracking` only. Every other state, and every fault, writes
-//! [`scaling::VENT`] each tick. A fault is latched until the next configuration.
+//! The valve is driven in the states `Tracking`, `Holding` and `Service` only ([`state_machine`]). Every other state
+//! writes [`scaling::VENT`] each tick. A fault that vents does so in the tick that sees it, and is latched until it is
+//! acknowledged ([`faults`]).
 #![no_std]
 #![forbid(unsafe_code)]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
 
 pub mod board;
+pub mod capture;
 pub mod control;
+pub mod faults;
 pub mod law;
+pub mod led;
 pub mod lock_step;
+pub mod monitors;
 pub mod order;
+pub mod output;
+mod report;
 pub mod scaling;
+pub mod state_machine;
+pub mod store;
+pub mod timing;
+pub mod watchdog;
 
 pub use board::{AcquisitionError, AdcCode, Board, DacCode, Samples};
-pub use control::Control;
+pub use capture::Capture;
+pub use control::{Control, TickClock};
+pub use faults::black_box::BlackBox;
 pub use lock_step::LockStepBoard;
 pub use order::{Order, prepare};

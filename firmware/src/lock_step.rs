@@ -8,9 +8,19 @@ use wire::{TickReply, TickRequest};
 use crate::board::{AcquisitionError, AdcCode, Board, DacCode, Samples};
 use crate::control::Control;
 use crate::order::Order;
+use crate::scaling::VENT;
+
+/// What the inputs read that a simulation has no part in: 8 bar before the valve, 25 °C.
+const AROUND: Samples = Samples {
+    pressure: AdcCode(0),
+    contraction: AdcCode(0),
+    supply: AdcCode(3030),
+    temperature: AdcCode(943),
+    surroundings: Surroundings { load: None, temperature: None },
+};
 
 /// Samples in, valve code out.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct LockStepBoard {
     samples: Samples,
     output: DacCode,
@@ -19,14 +29,7 @@ pub struct LockStepBoard {
 impl LockStepBoard {
     /// A board without samples, the valve vented.
     pub const fn new() -> Self {
-        Self {
-            samples: Samples {
-                pressure: AdcCode(0),
-                contraction: AdcCode(0),
-                surroundings: Surroundings { load: None, temperature: None },
-            },
-            output: crate::scaling::VENT,
-        }
+        Self { samples: AROUND, output: VENT }
     }
 
     /// What was last written to the valve.
@@ -40,6 +43,7 @@ impl LockStepBoard {
             pressure: AdcCode(request.pressure_code),
             contraction: AdcCode(request.contraction_code),
             surroundings: Surroundings { load: request.load_n, temperature: request.temperature_c },
+            ..AROUND
         };
         control.apply(Order::Reference(request.reference_mm));
     }
@@ -48,6 +52,12 @@ impl LockStepBoard {
     pub fn tick(&mut self, control: &mut Control, request: TickRequest) -> TickReply {
         self.feed(control, request);
         control.tick(self)
+    }
+}
+
+impl Default for LockStepBoard {
+    fn default() -> Self {
+        Self::new()
     }
 }
 

@@ -4,10 +4,12 @@
 //! |---|---|---|
 //! | pressure | transducer 0 to 10 bar, ratiometric 10 to 90 % | 409.5 at 0 bar, 327.6 per bar |
 //! | contraction | potentiometer of 150 mm, 5 to 95 % of its travel used | 204.75 at 0 mm, 24.57 per mm |
+//! | supply | the same transducer as for the pressure, before the valve | 409.5 at 0 bar, 327.6 per bar |
+//! | temperature | in the processor: 0.76 V at 25 °C, 2.5 mV/K (data sheet DS8626, table 70), of 3.3 V | 865.5 at 0 °C, 3.1023 per K |
 //! | command | proportional regulator, 0 to 10 V for 0 to 10 bar | 0 at 0 bar, 409.5 per bar |
 //!
-//! A broken wire or a short pulls an input to a rail, outside the plausible codes. A board tells these
-//! scalings in its greeting, so that a host needs no copy of them.
+//! A broken wire or a short pulls an input to a rail, outside the plausible codes. A board tells the scalings of pressure,
+//! contraction and command in its greeting, so that a host needs no copy of them.
 
 use wire::Scaling;
 
@@ -20,6 +22,13 @@ pub const PRESSURE: Scaling =
 /// Contraction in mm. Plausible: -6.7 to 156.7 mm.
 pub const CONTRACTION: Scaling =
     Scaling { zero_code: 204.75, codes_per_unit: 24.57, code_min: 40, code_max: 4055 };
+
+/// Pressure before the valve, in bar.
+pub const SUPPLY: Scaling = PRESSURE;
+
+/// Temperature of the processor in °C. Plausible: -40 to 125 °C; the sensor is good to some kelvins.
+pub const TEMPERATURE: Scaling =
+    Scaling { zero_code: 865.5, codes_per_unit: 3.1023, code_min: 741, code_max: 1253 };
 
 /// Command in bar: 0 to 10 bar.
 pub const COMMAND: Scaling = Scaling { zero_code: 0.0, codes_per_unit: 409.5, code_min: 0, code_max: 4095 };

@@ -4,15 +4,20 @@
 //! requests, in the same lock-step as `mgpi pil`. The tests of this package hold its figures within bounds
 //! on both sides, so that a drift to the better, which is as suspect as one to the worse, fails too.
 
+pub mod bench;
+pub mod flash;
+pub mod game;
+pub mod store;
+
 use firmware::order::prepare;
-use firmware::{Control, LockStepBoard};
+use firmware::{BlackBox, Capture, Control, LockStepBoard};
 use model_core::pid::PidParameters;
 use model_core::{
     ExtensionParameters, Mode, Model, ModelParameters, Surroundings, TrackingParameters, paper,
 };
 use rig::parameters::DEAD_LOAD_N;
 use rig::sensor::Sensors;
-use wire::{Configuration, Request, Response, VERSION};
+use wire::{Configuration, Protection, Request, Response, VERSION};
 use workbench::figures::Figures;
 use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
 use workbench::pil::PilError;
@@ -22,10 +27,36 @@ use workbench::pil::lock_step::{self, Board, Measurement, Plant, Run, Wanted};
 pub const PERIOD_S: f64 = 1e-3;
 
 /// The board's control code on the host.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct HostBoard {
     control: Control,
     board: LockStepBoard,
+}
+
+impl HostBoard {
+    /// A board with these limits of the plant.
+    pub fn protected(protection: Protection) -> Self {
+        // The control keeps both for as long as the board runs.
+        Self::with(protection, Box::leak(Box::default()), Box::leak(Box::default()))
+    }
+
+    /// The same board, its power lost and come back, with these limits.
+    pub fn restarted(self, protection: Protection) -> Self {
+        let (black_box, capture) = self.control.into_memory();
+        *black_box = BlackBox::default();
+        *capture = Capture::default();
+        Self::with(protection, black_box, capture)
+    }
+
+    fn with(protection: Protection, black_box: &'static mut BlackBox, capture: &'static mut Capture) -> Self {
+        Self { control: Control::new(protection, None, black_box, capture), board: LockStepBoard::new() }
+    }
+}
+
+impl Default for HostBoard {
+    fn default() -> Self {
+        Self::protected(Protection::SIMULATED)
+    }
 }
 
 impl Board for HostBoard {

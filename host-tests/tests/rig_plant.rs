@@ -4,6 +4,7 @@
 
 use host_tests::{HostBoard, configuration, figures, raised_cosines, rig, run};
 use model_core::{Hysteresis, Kind, Mode};
+use wire::Protection;
 use workbench::identification::{Fit, Loss, Options, Problem, Weights, identify};
 
 /// The model of the project's own recording, as `mgpi identify` finds it.
@@ -54,4 +55,21 @@ fn on_the_rig_feedback_and_feedforward_together_beat_each_alone_within_bounds() 
     assert!((0.55..0.8).contains(&feedforward_only), "feed-forward only: {feedforward_only} %");
     assert!((8.0..11.5).contains(&feedback_only), "feedback only: {feedback_only} %");
     assert!(both < feedforward_only && feedforward_only < feedback_only);
+}
+
+#[test]
+fn the_standard_protection_raises_no_alarm_on_the_rig_however_fast_the_reference() {
+    let configuration = configuration(&identified().parameters);
+    let slow = raised_cosines(5.0, &[110.0, 60.0]);
+    // A swing in a second, and jumps over the whole stroke every three.
+    let fast = slow.iter().step_by(20).copied().cycle().take(20_000).collect::<Vec<_>>();
+    let jumps = (0..30_000).map(|tick| if tick / 3000 % 2 == 0 { 10.0 } else { 110.0 }).collect::<Vec<_>>();
+    let protection = Protection { self_test_ticks: 0, ..Protection::STANDARD };
+    for (name, reference) in [("slow", &slow), ("fast", &fast), ("jumps", &jumps)] {
+        for mode in [Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly] {
+            let run =
+                run(&mut HostBoard::protected(protection), &mut rig(7), &configuration, mode, reference);
+            assert!(run.is_ok(), "{name}, {mode:?}: {:?}", run.err());
+        }
+    }
 }

@@ -5,19 +5,36 @@
 //! and [`serve`] are the two ways out: a CSV file, and a dialogue line by line. All physical parameters stand
 //! in [`parameters`].
 //!
+//! Effects can be hidden in it ([`effect`], [`effects`]), each in its physical place, and what is hidden is
+//! told to those who ask ([`truth`]). A second muscle, an operator model ([`operator`]), has the same effects
+//! in other forms.
+//!
 //! The rig deliberately shares no code with the models that are identified from it: what they cannot follow
 //! is an honest error of structure. The same seed gives the same run.
 
 #![forbid(unsafe_code)]
 
+pub mod body;
 mod braid;
 mod bristle;
+mod creep;
+mod delay;
+mod draw;
+pub mod dynamics;
+pub mod effect;
+pub mod effects;
+mod gauge;
 pub mod muscle;
+pub mod operator;
 pub mod output;
 pub mod parameters;
 pub mod plant;
 pub mod protocol;
 pub mod recording;
+pub mod sensitivity;
 pub mod sensor;
 pub mod serve;
+pub mod surroundings;
+pub mod truth;
 pub mod valve;
+mod wander;

@@ -7,15 +7,20 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use rig::effect::Hide;
+use rig::effects::Effects;
 use rig::output::write_whole;
 use rig::parameters::{
     CONTRACTION_NOISE_MM, DEAD_LOAD_N, LOAD_LIMIT_N, NOMINAL_LENGTH_MM, PRESSURE_NOISE_BAR,
 };
-use rig::plant::Plant;
+use rig::plant::{Kind, Plant, Setup};
 use rig::protocol::Protocol;
-use rig::recording::{RaisedCosines, write_recording, write_reference};
-use rig::sensor::Sensors;
+use rig::recording::{self, RaisedCosines, write_recording, write_reference};
+use rig::sensor::Columns;
 use rig::serve::serve;
+
+/// Rows a second where nothing else is asked for, Hz.
+const RATE_HZ: f64 = 200.0;
 
 /// A pneumatic muscle on its valve, as a balance of forces.
 #[derive(Parser)]
@@ -47,12 +52,58 @@ struct PlantArgs {
     /// Sensors that tell the truth
     #[arg(long)]
     no_noise: bool,
+    /// What to hide in the plant: effects joined by `+`, `none`, `random` or `random-pair`; load and
+    /// temperature are then told too
+    #[arg(long, value_name = "EFFECT[+EFFECT]")]
+    hide: Option<Hide>,
+    /// How strongly: 1 is plainly visible, 0.33 just so
+    #[arg(long, default_value_t = 1.0, value_parser = strength)]
+    strength: f64,
+    /// The muscle in the plant
+    #[arg(long, default_value = "rig")]
+    plant: KindName,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum KindName {
+    /// A balance of forces
+    Rig,
+    /// The paper's operator model, its parameters varied by the seed
+    Mgpi,
 }
 
 impl PlantArgs {
     fn plant(&self) -> Plant {
-        let sensors = if self.no_noise { Sensors::ideal() } else { Sensors::noisy(self.seed) };
-        Plant::at_rest(self.load_n, sensors)
+        let hidden = self.hide.as_ref().map(|hide| hide.effects(self.seed)).unwrap_or_default();
+        Plant::new(&Setup {
+            kind: match self.plant {
+                KindName::Rig => Kind::Rig,
+                KindName::Mgpi => Kind::Mgpi,
+            },
+            effects: Effects::drawn(&hidden, self.strength, self.seed),
+            seed: self.seed,
+            load_n: self.load_n,
+            noise: !self.no_noise,
+        })
+    }
+
+    fn columns(&self) -> Columns {
+        if self.hide.is_some() { Columns::All } else { Columns::Muscle }
+    }
+
+    /// The arguments that make this plant.
+    fn arguments(&self) -> String {
+        let mut arguments = format!(" --seed {} --load-n {}", self.seed, self.load_n);
+        if self.no_noise {
+            arguments += " --no-noise";
+        }
+        if let Some(hide) = &self.hide {
+            arguments += &format!(" --hide {hide} --strength {}", self.strength);
+        }
+        if self.plant == KindName::Mgpi {
+            arguments += " --plant mgpi";
+        }
+        arguments
     }
 }
 
@@ -64,9 +115,9 @@ struct OutputArgs {
     /// Replace an existing file
     #[arg(long)]
     force: bool,
-    /// Rows a second
-    #[arg(long, default_value_t = 200.0, value_parser = rate_hz)]
-    rate_hz: f64,
+    /// Rows a second [default: 200; the protocol `rich`: 100]
+    #[arg(long, value_parser = rate_hz)]
+    rate_hz: Option<f64>,
 }
 
 #[derive(Args)]
@@ -78,9 +129,12 @@ struct RecordArgs {
     plant: PlantArgs,
     #[command(flatten)]
     output: OutputArgs,
+    /// Write what is hidden to this file; nothing else tells it where the hidden is drawn at random
+    #[arg(long, value_name = "FILE.json")]
+    truth: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum ProtocolName {
     /// Six slow triangles of decreasing amplitude, as in the paper's Fig. 8
     Fig8,
@@ -90,6 +144,8 @@ enum ProtocolName {
     Holds,
     /// Random ramps, by the seed
     Ramps,
+    /// Everything a diagnosis needs, 12,000 rows by the seed, with load and temperature
+    Rich,
 }
 
 #[derive(Args)]
@@ -110,7 +166,9 @@ struct ReferenceArgs {
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Record(args) => record(&args),
-        Command::Plant(args) => serve(std::io::stdin().lock(), std::io::stdout().lock(), &mut args.plant()),
+        Command::Plant(args) => {
+            serve(std::io::stdin().lock(), std::io::stdout().lock(), &mut args.plant(), args.columns())
+        }
         Command::Reference(args) => reference(args),
     };
     match done {
@@ -122,32 +180,43 @@ fn main() -> ExitCode {
     }
 }
 
-fn record(RecordArgs { protocol: name, plant, output }: &RecordArgs) -> Result<()> {
+fn record(RecordArgs { protocol: name, plant: args, output, truth }: &RecordArgs) -> Result<()> {
     let protocol = match name {
         ProtocolName::Fig8 => Protocol::decreasing_triangles(),
         ProtocolName::Rates => Protocol::rates(),
         ProtocolName::Holds => Protocol::holds(),
-        ProtocolName::Ramps => Protocol::random_ramps(plant.seed),
+        ProtocolName::Ramps => Protocol::random_ramps(args.seed),
+        ProtocolName::Rich => Protocol::rich(args.seed),
     };
+    let (rate_hz, columns) = match name {
+        ProtocolName::Rich => (100.0, Columns::All),
+        _ => (RATE_HZ, args.columns()),
+    };
+    let rate_hz = output.rate_hz.unwrap_or(rate_hz);
     let name = name.to_possible_value().expect("no protocol is skipped");
-    let (noise, no_noise) = if plant.no_noise {
-        ("no noise".to_owned(), " --no-noise")
+    let noise = if args.no_noise {
+        "no noise".to_owned()
     } else {
-        (format!("noise {PRESSURE_NOISE_BAR} bar, {CONTRACTION_NOISE_MM} mm"), "")
+        format!("noise {PRESSURE_NOISE_BAR} bar, {CONTRACTION_NOISE_MM} mm")
     };
-    let (name, seed, load_n, rate_hz) = (name.get_name(), plant.seed, plant.load_n, output.rate_hz);
+    let (name, seed) = (name.get_name(), args.seed);
     let made_by = [
         format!("protocol {name}, seed {seed}, rig {}, simulated; {noise}", env!("CARGO_PKG_VERSION")),
-        format!("rig record --protocol {name} --rate-hz {rate_hz} --seed {seed} --load-n {load_n}{no_noise}"),
+        format!("rig record --protocol {name} --rate-hz {rate_hz}{}", args.arguments()),
     ];
+    let mut plant = args.plant();
+    if let Some(file) = truth {
+        let json = serde_json::to_vec_pretty(&plant.truth())?;
+        write_whole(file, output.force, |out| out.write_all(&json))?;
+    }
     write_whole(&output.output, output.force, |out| {
-        write_recording(out, &made_by, &protocol, &mut plant.plant(), rate_hz)
+        write_recording(out, &made_by, recording::record(&protocol, &mut plant, rate_hz), columns)
     })
 }
 
 fn reference(ReferenceArgs { amplitudes_mm, trough_mm, period_s, output }: ReferenceArgs) -> Result<()> {
     let peaks: Vec<_> = amplitudes_mm.iter().map(f64::to_string).collect();
-    let (peaks, rate_hz) = (peaks.join(","), output.rate_hz);
+    let (peaks, rate_hz) = (peaks.join(","), output.rate_hz.unwrap_or(RATE_HZ));
     let made_by = [
         format!("raised cosines, rig {}", env!("CARGO_PKG_VERSION")),
         format!(
@@ -160,6 +229,10 @@ fn reference(ReferenceArgs { amplitudes_mm, trough_mm, period_s, output }: Refer
 
 fn rate_hz(text: &str) -> Result<f64, String> {
     within(text, 1.0, 10_000.0, "Hz")
+}
+
+fn strength(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 3.0, "times the nominal effect")
 }
 
 fn load_n(text: &str) -> Result<f64, String> {

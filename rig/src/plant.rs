@@ -1,35 +1,139 @@
 //! The rig as a controller sees it: command in, measured pressure and contraction out.
 //!
-//! Valve, then muscle under its dead load, then sensors. The caller sets the pace: a command is held over any
-//! time step, the valve is exact for it and the muscle has no time in it. Steps of 50 ms and of 1 ms agree
-//! within 5 µm.
+//! Valve, pressure sensor, line, then a [`Body`] in its surroundings, then the gauge and the sensors. The
+//! caller sets the pace: a command is held over any time step, the valve is exact for it and a sound muscle
+//! has no time in it. Steps of 50 ms and of 1 ms agree within 5 µm. Where effects are hidden the plant takes
+//! steps of at most [`SUBSTEP_S`] inside.
+//!
+//! What is recorded of the pressure is the valve's; dead time and leaks lie behind it.
 
-use crate::muscle::Muscle;
+use crate::body::{Balance, Body};
+use crate::delay::DelayLine;
+use crate::effect::Effect;
+use crate::effects::Effects;
+use crate::gauge::Gauge;
+use crate::operator::Operator;
+use crate::parameters::DEAD_LOAD_N;
 use crate::sensor::{Measurement, Sensors};
-use crate::valve::Valve;
+use crate::surroundings::{Course, Surroundings};
+use crate::truth::Truth;
+use crate::valve::{DeadBand, Valve};
+use crate::wander::Staircase;
+
+/// Longest step inside a plant with effects, s.
+pub const SUBSTEP_S: f64 = 1e-3;
+
+/// Largest share of the pressure that a leak takes at strength 1.
+const LEAK_SHARE: f64 = 0.15;
+
+/// Which body a plant has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kind {
+    /// The balance of forces.
+    #[default]
+    Rig,
+    /// The paper's operator model, see [`crate::operator`].
+    Mgpi,
+}
+
+/// What a plant is made of.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// Its body.
+    pub kind: Kind,
+    /// What is wrong with it.
+    pub effects: Effects,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Dead load, from 0 N to [`LOAD_LIMIT_N`](crate::parameters::LOAD_LIMIT_N).
+    pub load_n: f64,
+    /// Whether the sensors are noisy.
+    pub noise: bool,
+}
+
+impl Setup {
+    /// A sound force balance with noisy sensors under its own dead load.
+    pub fn sound(seed: u64) -> Self {
+        Self { kind: Kind::Rig, effects: Effects::default(), seed, load_n: DEAD_LOAD_N, noise: true }
+    }
+}
 
 /// A muscle on its valve with its sensors.
-#[derive(Debug, Clone)]
 pub struct Plant {
+    effects: Effects,
     valve: Valve,
-    muscle: Muscle,
+    line: Option<DelayLine>,
+    leak: Option<(f64, Staircase)>,
+    course: Course,
+    body: Box<dyn Body>,
+    contraction_mm: f64,
+    gauge: Gauge,
     sensors: Sensors,
-    load_n: f64,
+    time_s: f64,
 }
 
 impl Plant {
-    /// A vented plant at rest under `load_n`, from 0 N to [`LOAD_LIMIT_N`](crate::parameters::LOAD_LIMIT_N).
+    /// A sound plant, vented and at rest under `load_n`.
     pub fn at_rest(load_n: f64, sensors: Sensors) -> Self {
-        Self { valve: Valve::default(), muscle: Muscle::at_rest(load_n), sensors, load_n }
+        Self { sensors, ..Self::new(&Setup { load_n, ..Setup::sound(0) }) }
+    }
+
+    /// A plant at rest.
+    pub fn new(setup: &Setup) -> Self {
+        let Setup { kind, effects, seed, load_n, noise } = setup;
+        let mut course = Course::new(*load_n, effects, *seed);
+        let (mut body, dead_band): (Box<dyn Body>, _) = match kind {
+            Kind::Rig => (Box::new(Balance::at_rest(*load_n, effects)), DeadBand::Hold),
+            Kind::Mgpi => (Box::new(Operator::at_rest(*load_n, effects, *seed)), DeadBand::Backlash),
+        };
+        let leak_strength = effects.outsider(Effect::Leak);
+        Self {
+            valve: Valve::with(effects, dead_band),
+            line: effects.transport_delay.as_ref().map(|hidden| DelayLine::new(hidden.delay_s, 0.0)),
+            leak: (leak_strength > 0.0)
+                .then(|| (leak_strength * LEAK_SHARE, Staircase::new(Effect::Leak.course(*seed), 3.0, 15.0))),
+            contraction_mm: body.step(0.0, &course.at(0.0), SUBSTEP_S),
+            course,
+            body,
+            gauge: Gauge::new(effects, *seed),
+            sensors: if *noise { Sensors::noisy(*seed) } else { Sensors::ideal() },
+            time_s: 0.0,
+            effects: effects.clone(),
+        }
+    }
+
+    /// What is wrong with it.
+    pub fn truth(&self) -> Truth {
+        Truth::new(&self.effects, &self.body.sensitivities())
     }
 
     /// Holds `command_bar` for `dt_s` (0 s and more), then measures.
     pub fn step(&mut self, command_bar: f64, dt_s: f64) -> Measurement {
-        self.valve.step(command_bar, dt_s);
-        self.muscle.step(self.valve.pressure_bar(), self.load_n);
+        let steps = if self.effects.is_none() { 1.0 } else { (dt_s / SUBSTEP_S).ceil().max(1.0) };
+        if dt_s > 0.0 {
+            for _ in 0..steps as u64 {
+                self.advance(command_bar, dt_s / steps);
+            }
+        }
+        let Surroundings { recorded_load_n: load_n, temperature_c, .. } = self.course.at(self.time_s);
         self.sensors.measure(Measurement {
             pressure_bar: self.valve.pressure_bar(),
-            contraction_mm: self.muscle.contraction_mm(),
+            contraction_mm: self.gauge.read(self.contraction_mm, self.time_s),
+            load_n,
+            temperature_c,
         })
+    }
+
+    fn advance(&mut self, command_bar: f64, dt_s: f64) {
+        self.time_s += dt_s;
+        self.valve.step(command_bar, dt_s);
+        let mut pressure_bar = self.valve.pressure_bar();
+        if let Some(line) = &mut self.line {
+            pressure_bar = line.step(pressure_bar, dt_s);
+        }
+        if let Some((share, opening)) = &mut self.leak {
+            pressure_bar *= (1.0 - *share * opening.at(self.time_s)).max(0.0);
+        }
+        self.contraction_mm = self.body.step(pressure_bar, &self.course.at(self.time_s), dt_s);
     }
 }

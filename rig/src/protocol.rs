@@ -2,11 +2,11 @@
 //!
 //! Two waypoints at one time are a jump; the later one holds from that time on. Each protocol starts at 0 s.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardUniform};
-
+use crate::draw::{Draw, Stream};
 use crate::parameters::VALVE_RANGE_BAR;
+
+/// Time of the last of 12,000 instants at 100 Hz, s.
+const RICH_S: f64 = 119.99;
 
 /// A command over time.
 #[derive(Debug, Clone)]
@@ -41,14 +41,57 @@ impl Protocol {
 
     /// Sixty ramps to random pressures of the whole range, each of a random duration of 0.5 to 4 s.
     pub fn random_ramps(seed: u64) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        // Not the stream the sensors draw their noise from under the same seed.
-        rng.set_stream(1);
-        let mut draw = |low: f64, high: f64| {
-            let unit: f64 = StandardUniform.sample(&mut rng);
-            low + (high - low) * unit
+        let mut draw = Draw::new(seed, Stream::Protocol);
+        (0..60).fold(Self::vented(), |protocol, _| {
+            protocol.ramp(draw.uniform(0.0, VALVE_RANGE_BAR), draw.uniform(0.5, 4.0))
+        })
+    }
+
+    /// A recording to diagnose from, 12,000 rows at 100 Hz: slow triangles of falling height, jumps with
+    /// holds of 3 to 12 s at all levels, faster triangles at all levels, random ramps, more holds, and the
+    /// first triangle again. Levels, their order and the ramps are by the seed.
+    pub fn rich(seed: u64) -> Self {
+        let mut draw = Draw::new(seed, Stream::Protocol);
+        let near = |draw: &mut Draw, bar: f64| (bar * draw.uniform(0.9, 1.1)).min(VALVE_RANGE_BAR);
+        let mut holds = [
+            (0.7, 12.0),
+            (1.3, 3.5),
+            (1.9, 4.0),
+            (2.4, 10.0),
+            (2.9, 3.5),
+            (3.6, 4.0),
+            (4.5, 3.5),
+            (5.6, 3.5),
+        ];
+        let levels_s = holds.map(|hold| hold.1);
+        draw.shuffle(&mut holds);
+        let mut durations_s = levels_s;
+        draw.shuffle(&mut durations_s);
+        let held = |protocol: Self, draw: &mut Draw, from: usize| {
+            (from..from + 4).fold(protocol, |protocol, index| {
+                protocol.ramp(near(draw, holds[index].0), 0.0).hold(durations_s[index])
+            })
         };
-        (0..60).fold(Self::vented(), |protocol, _| protocol.ramp(draw(0.0, VALVE_RANGE_BAR), draw(0.5, 4.0)))
+
+        let slow = [(6.0, 6.0), (4.3, 5.0), (2.7, 4.0)];
+        let mut protocol = slow.iter().fold(Self::vented(), |protocol, &(peak_bar, half_s)| {
+            protocol.ramp(peak_bar, half_s).ramp(0.0, half_s)
+        });
+        protocol = held(protocol, &mut draw, 0);
+        for (low_bar, high_bar, half_s) in
+            [(0.2, 6.0, 1.5), (0.5, 2.2, 0.75), (1.5, 3.8, 0.75), (3.0, 6.0, 0.75), (0.2, 6.0, 0.5)]
+        {
+            let (low_bar, high_bar) = (near(&mut draw, low_bar), near(&mut draw, high_bar));
+            for _ in 0..2 {
+                protocol = protocol.ramp(high_bar, half_s).ramp(low_bar, half_s);
+            }
+        }
+        for _ in 0..12 {
+            protocol = protocol.ramp(draw.uniform(0.0, VALVE_RANGE_BAR), draw.uniform(0.4, 2.2));
+        }
+        protocol = held(protocol, &mut draw, 4);
+        let repeat_s = RICH_S - protocol.duration_s() - 0.5;
+        protocol.ramp(0.0, 0.5).ramp(VALVE_RANGE_BAR, 0.5 * repeat_s).ramp(0.0, 0.5 * repeat_s)
     }
 
     /// Time of the last waypoint, s.
@@ -119,6 +162,24 @@ mod tests {
         for protocol in [Protocol::decreasing_triangles(), Protocol::rates(), Protocol::holds(), ramps(3)] {
             assert!(protocol.waypoints.iter().all(|w| (0.0..=VALVE_RANGE_BAR).contains(&w.1)));
             assert!(protocol.waypoints.is_sorted_by_key(|w| w.0));
+        }
+    }
+
+    #[test]
+    fn rich_recordings_have_holds_fast_and_slow_parts_and_a_repeat_whatever_the_seed() {
+        for seed in 0..200 {
+            let legs = Protocol::rich(seed).waypoints;
+            assert!(legs.iter().all(|leg| (0.0..=VALVE_RANGE_BAR).contains(&leg.1)));
+            assert!(legs.is_sorted_by_key(|leg| leg.0) && (legs[legs.len() - 1].0 - RICH_S).abs() < 1e-9);
+            let legs: Vec<_> =
+                legs.windows(2).map(|leg| (leg[1].0 - leg[0].0, leg[1].1 - leg[0].1)).collect();
+            let held_s =
+                |at_least_s: f64| legs.iter().filter(|leg| leg.1 == 0.0 && leg.0 >= at_least_s).count();
+            assert!(held_s(3.0) == 8 && held_s(10.0) == 2);
+            let rates =
+                || legs.iter().filter(|leg| leg.0 > 0.0 && leg.1 != 0.0).map(|leg| leg.1.abs() / leg.0);
+            assert!(rates().any(|rate| rate < 1.0) && rates().any(|rate| rate > 8.0));
+            assert!(legs[legs.len() - 1].0 > 1.0, "the repeat of seed {seed} is cut short");
         }
     }
 }

@@ -1,15 +1,52 @@
 //! The CSV files the rig writes: recordings of the plant, and references to track.
 //!
 //! Comment lines say how the file was made, then comes the header. Times are rounded to 1 µs, pressures to
-//! 0.1 mbar, contractions to 0.1 µm: a tenth of the noise and less.
+//! 0.1 mbar, contractions to 0.1 µm, loads to 1 mN and temperatures to 1 mK: a tenth of the noise and less.
 
 use std::f64::consts::TAU;
 use std::io::{self, Write};
 
 use crate::plant::Plant;
 use crate::protocol::Protocol;
+use crate::sensor::{Columns, Measurement};
 
-/// Plays `protocol` on `plant` at `rate_hz` and writes `time_s,command_bar,pressure_bar,contraction_mm`.
+/// One row of a recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// Time, s.
+    pub time_s: f64,
+    /// Command, held since the row before, bar.
+    pub command_bar: f64,
+    /// What the sensors say.
+    pub measured: Measurement,
+}
+
+/// Plays `protocol` on `plant` at `rate_hz`: the rows, rounded as in a file.
+pub fn record<'a>(
+    protocol: &'a Protocol,
+    plant: &'a mut Plant,
+    rate_hz: f64,
+) -> impl Iterator<Item = Row> + 'a {
+    let mut last_s = 0.0;
+    instants_s(protocol.duration_s(), rate_hz).map(move |time_s| {
+        let command_bar = protocol.command_bar(time_s);
+        let measured = plant.step(command_bar, time_s - last_s);
+        last_s = time_s;
+        Row {
+            time_s: rounded(time_s, 1e6),
+            command_bar: rounded(command_bar, 1e4),
+            measured: Measurement {
+                pressure_bar: rounded(measured.pressure_bar, 1e4),
+                contraction_mm: rounded(measured.contraction_mm, 1e4),
+                load_n: rounded(measured.load_n, 1e3),
+                temperature_c: rounded(measured.temperature_c, 1e3),
+            },
+        }
+    })
+}
+
+/// Writes the rows of a recording as `time_s,command_bar,pressure_bar,contraction_mm`, and
+/// `load_n,temperature_c` where asked for.
 ///
 /// `made_by` are the comment lines, without their mark.
 ///
@@ -18,25 +55,19 @@ use crate::protocol::Protocol;
 pub fn write_recording(
     out: &mut dyn Write,
     made_by: &[String],
-    protocol: &Protocol,
-    plant: &mut Plant,
-    rate_hz: f64,
+    rows: impl Iterator<Item = Row>,
+    columns: Columns,
 ) -> io::Result<()> {
-    write_head(out, made_by, "time_s,command_bar,pressure_bar,contraction_mm")?;
-    let mut last_s = 0.0;
-    for time_s in instants_s(protocol.duration_s(), rate_hz) {
-        let command_bar = protocol.command_bar(time_s);
-        let measured = plant.step(command_bar, time_s - last_s);
-        last_s = time_s;
-        let (pressure_bar, contraction_mm) = (measured.pressure_bar, measured.contraction_mm);
-        writeln!(
-            out,
-            "{},{},{},{}",
-            rounded(time_s, 1e6),
-            rounded(command_bar, 1e4),
-            rounded(pressure_bar, 1e4),
-            rounded(contraction_mm, 1e4)
-        )?;
+    let all = columns == Columns::All;
+    let further = if all { ",load_n,temperature_c" } else { "" };
+    write_head(out, made_by, &format!("time_s,command_bar,pressure_bar,contraction_mm{further}"))?;
+    for Row { time_s, command_bar, measured } in rows {
+        let Measurement { pressure_bar, contraction_mm, load_n, temperature_c } = measured;
+        write!(out, "{time_s},{command_bar},{pressure_bar},{contraction_mm}")?;
+        if all {
+            write!(out, ",{load_n},{temperature_c}")?;
+        }
+        writeln!(out)?;
     }
     Ok(())
 }

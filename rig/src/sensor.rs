@@ -1,9 +1,6 @@
-//! The sensors of pressure and contraction: seeded white Gaussian noise, or none.
+//! The sensors: seeded white Gaussian noise on pressure and contraction, or none.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-
+use crate::draw::{Draw, Stream};
 use crate::parameters::{CONTRACTION_NOISE_MM, PRESSURE_NOISE_BAR};
 
 /// What the sensors say at one instant.
@@ -13,18 +10,31 @@ pub struct Measurement {
     pub pressure_bar: f64,
     /// Contraction of the muscle, mm.
     pub contraction_mm: f64,
+    /// Load as far as it is recorded, N.
+    pub load_n: f64,
+    /// Temperature, °C.
+    pub temperature_c: f64,
 }
 
-/// The two sensors and the source of their noise.
+/// Which of a measurement's fields are handed on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Columns {
+    /// Pressure and contraction.
+    Muscle,
+    /// Load and temperature too.
+    All,
+}
+
+/// The sensors and the source of their noise.
 #[derive(Debug, Clone)]
 pub struct Sensors {
-    noise: Option<ChaCha8Rng>,
+    noise: Option<Draw>,
 }
 
 impl Sensors {
     /// Sensors with noise: the same seed, the same noise.
     pub fn noisy(seed: u64) -> Self {
-        Self { noise: Some(ChaCha8Rng::seed_from_u64(seed)) }
+        Self { noise: Some(Draw::new(seed, Stream::Noise)) }
     }
 
     /// Sensors that tell the truth.
@@ -35,10 +45,10 @@ impl Sensors {
     /// Measures once.
     pub fn measure(&mut self, truth: Measurement) -> Measurement {
         let Some(noise) = &mut self.noise else { return truth };
-        let mut deviate = || -> f64 { StandardNormal.sample(noise) };
         Measurement {
-            pressure_bar: truth.pressure_bar + PRESSURE_NOISE_BAR * deviate(),
-            contraction_mm: truth.contraction_mm + CONTRACTION_NOISE_MM * deviate(),
+            pressure_bar: truth.pressure_bar + PRESSURE_NOISE_BAR * noise.normal(),
+            contraction_mm: truth.contraction_mm + CONTRACTION_NOISE_MM * noise.normal(),
+            ..truth
         }
     }
 }
@@ -47,7 +57,8 @@ impl Sensors {
 mod tests {
     use super::*;
 
-    const TRUTH: Measurement = Measurement { pressure_bar: 3.0, contraction_mm: 90.0 };
+    const TRUTH: Measurement =
+        Measurement { pressure_bar: 3.0, contraction_mm: 90.0, load_n: 2.0, temperature_c: 20.0 };
 
     #[test]
     fn noise_is_unbiased_and_as_large_as_stated() {

@@ -1,4 +1,5 @@
-//! The plant protocol: a line of `time_s command_bar` in, a line of `pressure_bar contraction_mm` out.
+//! The plant protocol: a line of `time_s command_bar` in, a line of `pressure_bar contraction_mm` out,
+//! with `load_n temperature_c` behind them where asked for.
 //!
 //! The first line sets the clock and finds the plant at rest. From then on a line says: this command, from
 //! the previous time to this one; and the answer is what the sensors say at this time. Numbers are written in
@@ -10,6 +11,7 @@ use std::io::{BufRead, ErrorKind, Read, Write};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::plant::Plant;
+use crate::sensor::Columns;
 
 /// Longest line accepted, bytes: two numbers in any notation fit.
 const LINE_LIMIT: usize = 256;
@@ -18,7 +20,12 @@ const LINE_LIMIT: usize = 256;
 ///
 /// # Errors A line that is not two finite numbers, or whose time is not after the previous one's; a broken
 /// input or output.
-pub fn serve(mut input: impl BufRead, mut output: impl Write, plant: &mut Plant) -> Result<()> {
+pub fn serve(
+    mut input: impl BufRead,
+    mut output: impl Write,
+    plant: &mut Plant,
+    columns: Columns,
+) -> Result<()> {
     let mut last_s = None;
     let mut line = Vec::with_capacity(LINE_LIMIT);
     for number in 1u64.. {
@@ -34,7 +41,11 @@ pub fn serve(mut input: impl BufRead, mut output: impl Write, plant: &mut Plant)
             "line {number}: time_s is {time_s} s, not after the previous line's {start_s} s"
         );
         let measured = plant.step(command_bar, time_s - start_s);
-        let answer = format!("{} {}\n", measured.pressure_bar, measured.contraction_mm);
+        let mut answer = format!("{} {}", measured.pressure_bar, measured.contraction_mm);
+        if columns == Columns::All {
+            answer += &format!(" {} {}", measured.load_n, measured.temperature_c);
+        }
+        answer.push('\n');
         match output.write_all(answer.as_bytes()).and_then(|()| output.flush()) {
             // A controller that has gone is the end, as the end of its commands is.
             Err(error) if error.kind() == ErrorKind::BrokenPipe => break,

@@ -1,16 +1,53 @@
-//! The proportional pressure regulator: limits, then a first-order lag.
+//! The proportional pressure regulator: dead band, limits, then a first-order lag.
 //!
-//! Exact for a command held over the step, whatever the step.
+//! Exact for a command held over the step, whatever the step. A sound regulator has no dead band, and a
+//! supply above its range.
 
+use crate::effects::Effects;
 use crate::parameters::{SUPPLY_BAR, VALVE_RANGE_BAR, VALVE_TIME_CONSTANT_S};
 
+/// How a valve ignores small changes of its command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DeadBand {
+    /// A command nearer than the band to the last accepted one is ignored, any other accepted whole.
+    Hold,
+    /// The accepted command is dragged behind at half the band: play.
+    Backlash,
+}
+
 /// A regulator and the pressure it has reached.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Valve {
+    dead_band: DeadBand,
+    band_bar: f64,
+    supply_bar: f64,
+    time_constant_s: f64,
+    accepted_bar: f64,
     pressure_bar: f64,
 }
 
+impl Default for Valve {
+    fn default() -> Self {
+        Self::with(&Effects::default(), DeadBand::Hold)
+    }
+}
+
 impl Valve {
+    /// A vented regulator with what of `effects` is the valve's.
+    pub fn with(effects: &Effects, dead_band: DeadBand) -> Self {
+        Self {
+            dead_band,
+            band_bar: effects.valve_deadband.as_ref().map_or(0.0, |hidden| hidden.band_bar),
+            supply_bar: effects.supply_saturation.as_ref().map_or(SUPPLY_BAR, |hidden| hidden.supply_bar),
+            time_constant_s: effects
+                .valve_lag
+                .as_ref()
+                .map_or(VALVE_TIME_CONSTANT_S, |hidden| hidden.time_constant_s),
+            accepted_bar: 0.0,
+            pressure_bar: 0.0,
+        }
+    }
+
     /// The pressure in the muscle, bar.
     pub fn pressure_bar(&self) -> f64 {
         self.pressure_bar
@@ -19,33 +56,70 @@ impl Valve {
     /// Holds `command_bar` for `dt_s` (0 s and more). A command outside the range or beyond the supply is
     /// cut.
     pub fn step(&mut self, command_bar: f64, dt_s: f64) {
-        let target_bar = command_bar.clamp(0.0, VALVE_RANGE_BAR.min(SUPPLY_BAR));
-        self.pressure_bar += (target_bar - self.pressure_bar) * -(-dt_s / VALVE_TIME_CONSTANT_S).exp_m1();
+        self.accepted_bar = match self.dead_band {
+            DeadBand::Hold if (command_bar - self.accepted_bar).abs() < self.band_bar => self.accepted_bar,
+            DeadBand::Hold => command_bar,
+            DeadBand::Backlash => {
+                let half_bar = 0.5 * self.band_bar;
+                self.accepted_bar.clamp(command_bar - half_bar, command_bar + half_bar)
+            }
+        };
+        let target_bar = self.accepted_bar.clamp(0.0, VALVE_RANGE_BAR.min(self.supply_bar));
+        self.pressure_bar += (target_bar - self.pressure_bar) * -(-dt_s / self.time_constant_s).exp_m1();
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::{SupplySaturation, ValveDeadband, ValveLag};
 
     #[test]
     fn step_response_is_a_first_order_lag_at_any_step_size() {
-        for steps in [1, 7, 50] {
-            let mut valve = Valve::default();
-            for _ in 0..steps {
-                valve.step(4.0, VALVE_TIME_CONSTANT_S / f64::from(steps));
+        for time_constant_s in [VALVE_TIME_CONSTANT_S, 0.3] {
+            for steps in [1, 7, 50] {
+                let valve_lag = Some(ValveLag { time_constant_s });
+                let effects = Effects { valve_lag, ..Effects::default() };
+                let mut valve = Valve::with(&effects, DeadBand::Hold);
+                for _ in 0..steps {
+                    valve.step(4.0, time_constant_s / f64::from(steps));
+                }
+                let expected_bar = 4.0 * (1.0 - (-1.0f64).exp());
+                assert!((valve.pressure_bar() - expected_bar).abs() < 1e-12, "{steps} steps");
             }
-            let expected_bar = 4.0 * (1.0 - (-1.0f64).exp());
-            assert!((valve.pressure_bar() - expected_bar).abs() < 1e-12, "{steps} steps");
         }
     }
 
     #[test]
-    fn pressure_stays_between_vented_and_the_range() {
-        let mut valve = Valve::default();
-        valve.step(100.0, 10.0);
-        assert!((valve.pressure_bar() - VALVE_RANGE_BAR).abs() < 1e-12);
-        valve.step(-100.0, 10.0);
-        assert!(valve.pressure_bar().abs() < 1e-12);
+    fn pressure_stays_between_vented_and_the_range_or_a_weak_supply() {
+        let weak =
+            Effects { supply_saturation: Some(SupplySaturation { supply_bar: 4.5 }), ..Effects::default() };
+        for (effects, highest_bar) in [(Effects::default(), VALVE_RANGE_BAR), (weak, 4.5)] {
+            let mut valve = Valve::with(&effects, DeadBand::Hold);
+            valve.step(100.0, 10.0);
+            assert!((valve.pressure_bar() - highest_bar).abs() < 1e-12);
+            valve.step(-100.0, 10.0);
+            assert!(valve.pressure_bar().abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn dead_band_ignores_changes_below_it_in_either_form() {
+        let valve_deadband = Some(ValveDeadband { band_bar: 0.2 });
+        let effects = Effects { valve_deadband, ..Effects::default() };
+        let settled_bar = |dead_band, commands_bar: &[f64]| {
+            let mut valve = Valve::with(&effects, dead_band);
+            commands_bar.iter().for_each(|command_bar| valve.step(*command_bar, 10.0));
+            valve.pressure_bar()
+        };
+        for (commands_bar, hold_bar, backlash_bar) in [
+            (&[2.0, 2.1][..], 2.0, 2.0),
+            (&[2.0, 2.15], 2.0, 2.05),
+            (&[2.0, 2.3], 2.3, 2.2),
+            (&[2.0, 1.5], 1.5, 1.6),
+        ] {
+            assert!((settled_bar(DeadBand::Hold, commands_bar) - hold_bar).abs() < 1e-9);
+            assert!((settled_bar(DeadBand::Backlash, commands_bar) - backlash_bar).abs() < 1e-9);
+        }
     }
 }

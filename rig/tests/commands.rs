@@ -72,6 +72,47 @@ fn recording_depends_on_nothing_but_its_arguments() {
 }
 
 #[test]
+fn hidden_effects_are_repeated_by_seed_and_add_the_columns_of_load_and_temperature() {
+    let folder = TempDir::new().unwrap();
+    let record = |name: &str, arguments: &str| {
+        let output = rig(folder.path(), &format!("record --rate-hz 30 -o {name} {arguments}"));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        fs::read_to_string(folder.path().join(name)).unwrap()
+    };
+    for plant in ["rig", "mgpi"] {
+        let hidden = format!("--protocol rich --plant {plant} --hide creep+load --strength 0.33 --seed 9");
+        let first = record("first.csv", &format!("{hidden} --force"));
+        assert_eq!(first, record("second.csv", &format!("{hidden} --force")));
+        assert!(first.contains("\ntime_s,command_bar,pressure_bar,contraction_mm,load_n,temperature_c\n"));
+    }
+    let rows =
+        |csv: &str| csv.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>();
+    let none = record("none.csv", "--protocol fig8 --hide none");
+    assert_eq!(rows(&none), rows(&record("zero.csv", "--protocol fig8 --hide inertia --strength 0")));
+}
+
+#[test]
+fn what_is_drawn_at_random_stands_in_the_truth_file_only() {
+    let folder = TempDir::new().unwrap();
+    for (hide, count) in [("random", 0..=1), ("random-pair", 2..=2)] {
+        for seed in 1..6 {
+            let arguments =
+                format!("record --protocol rich --hide {hide} --seed {seed} --rate-hz 20 --force");
+            let output = rig(folder.path(), &format!("{arguments} -o r.csv --truth truth.json"));
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let csv = fs::read_to_string(folder.path().join("r.csv")).unwrap();
+            let truth = fs::read_to_string(folder.path().join("truth.json")).unwrap();
+            let truth: serde_json::Value = serde_json::from_str(&truth).unwrap();
+            let causes: Vec<&String> = truth["causes"].as_object().unwrap().keys().collect();
+            assert!(count.contains(&causes.len()), "{causes:?}");
+            let comments: String = csv.lines().filter(|line| line.starts_with('#')).collect();
+            assert!(causes.iter().all(|cause| !comments.contains(*cause)), "{comments} tells {causes:?}");
+            assert!(String::from_utf8_lossy(&output.stdout).is_empty());
+        }
+    }
+}
+
+#[test]
 fn existing_file_is_kept_unless_forced() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("kept.csv");
@@ -95,6 +136,9 @@ fn bad_arguments_are_named_with_their_limits_and_write_nothing() {
         ("record --protocol fig8 --rate-hz NaN -o r.csv", "must be from 1 to 10000 Hz"),
         ("record --protocol fig8 --load-n 500 -o r.csv", "must be from 0 to 80 N"),
         ("record --protocol fig8 --seed x -o r.csv", "--seed"),
+        ("record --protocol rich --hide lag -o r.csv", "no effect \"lag\"; there are none, random"),
+        ("record --protocol rich --hide creep+creep -o r.csv", "creep is named twice"),
+        ("record --protocol rich --hide creep --strength 9 -o r.csv", "must be from 0 to 3 times"),
         ("record --protocol fig8 -o missing/r.csv", "cannot write in missing"),
         ("record --protocol fig8 --force -o .", ".: not a file"),
         ("reference --amplitudes-mm 110,x -o r.csv", "invalid value 'x'"),
@@ -149,6 +193,14 @@ fn plant_repeats_itself_by_seed() {
     let run = |arguments| dialogue(arguments, input).stdout;
     assert_eq!(run("--seed 4"), run("--seed 4"));
     assert_ne!(run("--seed 4"), run("--seed 5"));
+}
+
+#[test]
+fn plant_with_something_hidden_answers_load_and_temperature_too() {
+    let answer = |arguments| String::from_utf8(dialogue(arguments, b"0 1\n0.1 2\n").stdout).unwrap();
+    for (arguments, fields) in [("", 2), ("--hide creep", 4), ("--hide none --plant mgpi", 4)] {
+        assert!(answer(arguments).lines().all(|line| line.split(' ').count() == fields), "{arguments}");
+    }
 }
 
 #[test]

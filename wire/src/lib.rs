@@ -15,11 +15,19 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod fault;
 mod frame;
 mod message;
+mod protection;
+mod status;
 
+pub use fault::{FAULTS, Fault};
 pub use frame::{FRAME_BYTES, FrameError, Receiver, encode};
 pub use message::{
-    Configuration, DEAD_ZONES, Fault, Flags, Hello, PLAYS, Refusal, Request, Response, Scaling, State,
-    TickReply, TickRequest, VERSION,
+    Configuration, DEAD_ZONES, Flags, Hello, PLAYS, Refusal, Request, Response, Scaling, State, TickReply,
+    TickRequest, VERSION,
+};
+pub use protection::{NEVER, OnModelFault, Protection};
+pub use status::{
+    CAPTURE_CHUNK, CaptureOrder, CaptureSample, Captured, FaultRecord, Signals, TRACE, Telemetry, TraceEntry,
 };

@@ -3,6 +3,8 @@
 use model_core::{Mode, TrackingParameters};
 use serde::{Deserialize, Serialize};
 
+use crate::{CaptureOrder, Captured, Fault, FaultRecord, Protection, Telemetry};
+
 /// Version of the messages. Raised with every change that the other side would misread.
 pub const VERSION: u16 = 3;
 /// The largest number of plays that a board takes.
@@ -30,10 +32,25 @@ pub enum Request {
     Reference(f32),
     /// The samples of one tick, for an emulated board. Answer: [`Response::Tick`].
     Tick(TickRequest),
+    /// Take these limits of the plant. Refused unless vented.
+    Protect(Protection),
+    /// The fault has been seen to: test the board anew, and be ready.
+    Acknowledge,
+    /// Put this code out, slew and pressure limited, without a controller: for wiring and calibration. The first one
+    /// enters the service state; [`Request::Stop`] leaves it. Unit: DAC code.
+    Service(u16),
+    /// Answer: [`Response::Telemetry`].
+    Telemetry,
+    /// What was the first fault? Answer: [`Response::FaultRecord`].
+    FaultRecord,
+    /// Record the loop, or read what was recorded. Answer to a reading: [`Response::Captured`].
+    Capture(CaptureOrder),
 }
 
 /// From the board to the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+// What was captured is the one large response; boxing it needs a heap, which the board does not have.
+#[allow(clippy::large_enum_variant)]
 pub enum Response {
     /// Sent at the start of the board and on [`Request::Identify`].
     Hello(Hello),
@@ -43,6 +60,12 @@ pub enum Response {
     Refused(Refusal),
     /// The outcome of a tick.
     Tick(TickReply),
+    /// The state of the board in numbers.
+    Telemetry(Telemetry),
+    /// The first fault since the last acknowledgement, if any.
+    FaultRecord(Option<FaultRecord>),
+    /// A part of the recorded loop.
+    Captured(Captured),
 }
 
 /// Who a board is.
@@ -54,7 +77,7 @@ pub struct Hello {
     pub firmware: [u16; 3],
     /// The board's state.
     pub state: State,
-    /// The first fault since the last configuration.
+    /// The fault that is latched.
     pub fault: Option<Fault>,
     /// ADC code of the pressure in bar.
     pub pressure: Scaling,
@@ -100,31 +123,35 @@ impl Scaling {
     }
 }
 
-/// Why a board has vented. The numbers are stable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Fault {
-    /// The ADC did not answer in time.
-    Acquisition = 1,
-    /// The pressure sensor's code is outside its range: open, short or overpressure.
-    PressureSensor = 2,
-    /// The contraction sensor's code is outside its range: open, short or slack.
-    ContractionSensor = 3,
-    /// The reference is not a finite number.
-    Reference = 4,
-}
-
-/// A board's state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// A board's state; the firmware's state machine tells how they follow each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum State {
     /// Vented, without a configuration.
+    #[default]
     Off,
-    /// Vented, configured.
+    /// Vented, configured; the board looks at sensors and valve.
+    SelfTest,
+    /// Vented, tested.
     Ready,
     /// The controller drives the valve.
     Tracking,
-    /// Vented by a fault, which is latched until the next configuration.
+    /// The controller holds its last command.
+    Holding,
+    /// Vented by a fault, which is latched until it is acknowledged.
     Fault,
+    /// The host drives the valve by codes, without a controller.
+    Service,
+}
+
+impl State {
+    /// All of them.
+    pub const ALL: [Self; 7] =
+        [Self::Off, Self::SelfTest, Self::Ready, Self::Tracking, Self::Holding, Self::Fault, Self::Service];
+
+    /// Whether the valve may be open.
+    pub const fn is_driven(self) -> bool {
+        matches!(self, Self::Tracking | Self::Holding | Self::Service)
+    }
 }
 
 /// Model with its extensions, gains and limits.

@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use model_core::ParameterError;
 use thiserror::Error;
 
+use crate::diagnosis::DiagnosisError;
 use crate::emulator::EmulatorError;
 use crate::emulator::image::ImageError;
 use crate::identification::IdentificationError;
 use crate::model_file::ModelFileError;
 use crate::output::OutputError;
 use crate::pil::PilError;
+use crate::plan::PlanError;
 use crate::report::DrawingError;
 use crate::table::DataError;
 
@@ -41,9 +43,20 @@ pub enum Error {
     /// A run of the firmware does not come to its end.
     #[error(transparent)]
     Pil(#[from] PilError),
+    /// An excitation cannot be planned.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
     /// Options that do not go together.
     #[error("{0}")]
     Usage(String),
+    /// Nothing can be said of a recording.
+    #[error("{}: {source}", file.display())]
+    Diagnosis {
+        /// The recording.
+        file: PathBuf,
+        /// Why.
+        source: DiagnosisError,
+    },
     /// No model can be made of a recording.
     #[error("{}, {columns}: {source}", file.display())]
     Identification {

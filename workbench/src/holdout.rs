@@ -7,6 +7,7 @@
 use crate::figures::Figures;
 use crate::identification::{self, Options, Problem};
 use crate::recording::Recording;
+use crate::turning::turning_points;
 
 /// The least height of a cycle, as a share of the input's span.
 const LEAST_HEIGHT: f64 = 0.1;
@@ -65,24 +66,8 @@ fn split(input: &[f64], scored: &[bool]) -> Option<usize> {
 fn minima(input: &[f64]) -> Vec<usize> {
     let (low, high) =
         input.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
-    let height = LEAST_HEIGHT * (high - low);
-    let mut minima = Vec::new();
-    let (mut lowest, mut highest, mut falling) = ((0, f64::INFINITY), f64::NEG_INFINITY, false);
-    for (row, &x) in input.iter().enumerate() {
-        if falling {
-            if x < lowest.1 {
-                lowest = (row, x);
-            } else if x > lowest.1 + height {
-                minima.push(lowest.0);
-                (falling, highest) = (false, x);
-            }
-        } else if x > highest {
-            highest = x;
-        } else if x < highest - height {
-            (falling, lowest) = (true, (row, x));
-        }
-    }
-    minima
+    let turns = turning_points(input, LEAST_HEIGHT * (high - low));
+    turns.iter().filter(|turn| !turn.is_peak).map(|turn| turn.row).collect()
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ macro_rules! say {
 pub mod child;
 pub mod commands;
 pub mod comparison;
+pub mod diagnosis;
 pub mod emulator;
 pub mod error;
 pub mod figures;
@@ -24,10 +25,12 @@ pub mod identification;
 pub mod model_file;
 pub mod output;
 pub mod pil;
+pub mod plan;
 pub mod recording;
 pub mod report;
 pub mod simulation;
 pub mod table;
+pub mod turning;
 pub mod unit;
 
 pub use error::Error;

@@ -113,8 +113,15 @@ impl Recording {
     /// # Errors
     /// The file is no table ([`Table::read`]), lacks a column, or breaks the module's contract.
     pub fn read(path: &Path, choice: &Choice) -> Result<Self, DataError> {
-        let table = Table::read(path)?;
-        Ok(Self { drive: Drive::of(&table, choice)?, output: output(&table, choice)? })
+        Self::of(&Table::read(path)?, choice)
+    }
+
+    /// Takes a recording from a table.
+    ///
+    /// # Errors
+    /// The table lacks a column, or breaks the module's contract.
+    pub fn of(table: &Table, choice: &Choice) -> Result<Self, DataError> {
+        Ok(Self { drive: Drive::of(table, choice)?, output: output(table, choice)? })
     }
 
     /// What is to be identified.

@@ -37,6 +37,16 @@ pub fn mgpi() -> Command {
     command
 }
 
+/// Plays the game of hidden causes with the workbench as it stands.
+///
+/// # Errors
+/// When cargo fails, or the verdicts stay under their bounds.
+pub fn game(arguments: &[String]) -> Result<()> {
+    build()?;
+    let game = ["run", "--release", "--package", "host-tests", "--bin", "game", "--"];
+    run::succeed(run::cargo(&game).args(arguments))
+}
+
 /// Runs every test of the workspace; those that need the emulator find the firmware.
 ///
 /// # Errors

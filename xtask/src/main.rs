@@ -4,8 +4,10 @@
 
 mod board_compiler;
 mod demo;
+mod faults;
 mod figures;
 mod firmware;
+mod fuzz;
 mod gates;
 mod host;
 mod run;
@@ -23,7 +25,7 @@ struct Cli {
     task: Task,
 }
 
-#[derive(Clone, Copy, Subcommand)]
+#[derive(Clone, Subcommand)]
 enum Task {
     /// Install what is missing: a compiler for the board, and the emulator.
     Setup,
@@ -35,11 +37,29 @@ enum Task {
     Test,
     /// Run the firmware in the emulator by hand.
     Emulate,
+    /// Hide causes in simulated plants and hold `mgpi diagnose` to finding them.
+    Game {
+        /// What to play; `--help` behind `--` tells.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Count instructions and bytes, look for panics, and hold the figures against gates.toml.
     Gates {
         /// Write the bounds anew around what is measured.
         #[arg(long)]
         bless: bool,
+    },
+    /// Give mutated inputs to every parser of bytes from outside.
+    Fuzz {
+        /// How long, all targets together. Unit: s.
+        #[arg(long, default_value_t = 60)]
+        seconds: u64,
+    },
+    /// Write docs/faults.md anew from the firmware's tables.
+    Faults {
+        /// Write nothing; fail where the page is out of date.
+        #[arg(long)]
+        check: bool,
     },
     /// Redraw the figures of docs/figures.
     Figures {
@@ -78,7 +98,10 @@ fn perform(task: Task) -> anyhow::Result<()> {
             firmware::build(&setup::ensure()?)?;
             host::emulate()?;
         }
+        Task::Game { arguments } => host::game(&arguments)?,
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
+        Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
+        Task::Faults { check } => faults::faults(check)?,
         Task::Figures { check } => figures::figures(check)?,
     }
     Ok(())

@@ -32,6 +32,14 @@ const NEEDS: &[Need] = &[
     },
 ];
 
+/// What fuzzing needs beyond that.
+const FUZZER: Need = Need {
+    name: "the fuzzer (cargo-fuzz)",
+    is_met: || run::output("cargo", &["fuzz", "--version"]).is_some(),
+    cures: &[Cure::CargoInstall("cargo-fuzz")],
+    by_hand: "cargo install --locked cargo-fuzz (it needs a C++ compiler)",
+};
+
 /// Something the commands cannot do without.
 struct Need {
     name: &'static str,
@@ -45,12 +53,16 @@ struct Need {
 enum Cure {
     /// rustup installs the target's precompiled `core`.
     RustupTarget,
+    /// cargo installs this program, in the user's directory.
+    CargoInstall(&'static str),
     /// apt-get installs these packages.
     Packages(&'static [&'static str]),
 }
 
 /// How long rustup may take for a download of some 30 MB before the next cure is tried.
 const RUSTUP_LIMIT: Duration = Duration::from_secs(180);
+/// How long cargo may take for the compilation of a program.
+const CARGO_LIMIT: Duration = Duration::from_secs(600);
 /// How long apt-get may take for some 300 MB.
 const APT_LIMIT: Duration = Duration::from_secs(1200);
 
@@ -79,6 +91,14 @@ pub fn ensure() -> Result<BoardCompiler> {
     }
 }
 
+/// Installs the fuzzer if it is missing.
+///
+/// # Errors
+/// [`Missing`].
+pub fn ensure_fuzzer() -> Result<()> {
+    FUZZER.meet().map_err(|missing| Missing(vec![missing]).into())
+}
+
 impl Need {
     fn meet(&self) -> Result<(), String> {
         if (self.is_met)() {
@@ -99,6 +119,9 @@ impl Cure {
             Self::RustupTarget => {
                 run::output("rustup", &["--version"]).is_some()
                     && announced(Command::new("rustup").args(["target", "add", TARGET]), RUSTUP_LIMIT)
+            }
+            Self::CargoInstall(program) => {
+                announced(Command::new("cargo").args(["install", "--locked", program]), CARGO_LIMIT)
             }
             Self::Packages(packages) => {
                 let install = [&["install", "-y", "--no-install-recommends"], *packages].concat();

@@ -116,7 +116,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
     /// One sample.
     ///
     /// # Errors
-    /// A value that is not finite, a time step that is not finite or shorter than [`SHORTEST_STEP_S`], or more samples within
+    /// A value that is not finite, a time step that is not finite or shorter than `SHORTEST_STEP_S` (1 ns), or more samples within
     /// the delay than it can hold; the state is then as it was.
     pub fn step(&self, state: &mut ExtendedState<T, N>, sample: &Sample<T>) -> Result<Output<T>, InputError> {
         let Sample { input, surroundings, dt_s } = *sample;

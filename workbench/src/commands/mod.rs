@@ -1,10 +1,13 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
 pub mod compare;
+pub mod diagnose;
+mod diagnosed_json;
 pub mod emulate;
 mod identified_json;
 pub mod identify;
 pub mod pil;
+pub mod plan;
 pub mod report;
 mod search;
 pub mod simulate;
@@ -25,9 +28,11 @@ pub struct CommandLine {
 enum Command {
     Identify(identify::Arguments),
     Compare(compare::Arguments),
+    Diagnose(diagnose::Arguments),
     Simulate(simulate::Arguments),
     Report(report::Arguments),
     Pil(Box<pil::Arguments>),
+    Plan(plan::Arguments),
     Emulate(emulate::Arguments),
 }
 
@@ -40,9 +45,11 @@ impl CommandLine {
         match self.command {
             Command::Identify(arguments) => identify::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
+            Command::Diagnose(arguments) => diagnose::run(&arguments),
             Command::Simulate(arguments) => simulate::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
             Command::Pil(arguments) => pil::run(&arguments),
+            Command::Plan(arguments) => plan::run(&arguments),
             Command::Emulate(arguments) => emulate::run(&arguments),
         }
     }

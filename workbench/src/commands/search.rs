@@ -42,6 +42,16 @@ pub struct Effort {
 }
 
 impl Columns {
+    /// What they are chosen by.
+    pub fn choice(&self) -> Choice {
+        Choice {
+            input: self.input.clone(),
+            output: self.output.clone(),
+            rest_length_mm: self.rest_length,
+            input_range: self.input_range,
+        }
+    }
+
     /// Reads a recording and another one that models are tried on.
     ///
     /// # Errors
@@ -51,12 +61,7 @@ impl Columns {
         training: &Path,
         heldout: Option<&Path>,
     ) -> Result<(Recording, Option<Recording>), Error> {
-        let choice = Choice {
-            input: self.input.clone(),
-            output: self.output.clone(),
-            rest_length_mm: self.rest_length,
-            input_range: self.input_range,
-        };
+        let choice = self.choice();
         let training = Recording::read(training, &choice)?;
         // The same columns, also where the choice was left open and the other file offers others.
         let choice = Choice {

@@ -19,18 +19,27 @@ const LAGS: usize = 32;
 /// longer one (Sun, Phillips and Jin 2008): 2 (1.5 g² n)^⅓, g = Σ 2 k ρₖ / (1 + Σ 2 ρₖ), ρₖ the autocorrelation of the n
 /// residuals at lag k. The sums end before the first ρₖ below the two standard errors 2/√n of white residuals.
 pub fn memory(residuals: &[f64]) -> usize {
-    let rows = residuals.len() as f64;
+    let (total, by_lag) = sums(residuals);
+    let length = 2.0 * (1.5 * (by_lag / total).powi(2) * residuals.len() as f64).cbrt();
+    (length.ceil() as usize).clamp(1, residuals.len())
+}
+
+/// How many times the variance of a mean of the residuals is that of as many white ones: 1 + Σ 2 ρₖ, as in [`memory`].
+pub fn inflation(residuals: &[f64]) -> f64 {
+    sums(residuals).0
+}
+
+/// 1 + Σ 2 ρₖ and Σ 2 k ρₖ.
+fn sums(residuals: &[f64]) -> (f64, f64) {
+    let least = 2.0 / (residuals.len() as f64).sqrt();
     let products = |lag: usize| -> f64 { residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a * b).sum() };
     let square = products(0);
     // A quarter of the rows at most: over less, nothing shows how the quarters differ.
     let lags = (1..=residuals.len() / 4).map(|lag| (lag as f64, products(lag) / square));
-    let (total, by_lag) = lags
-        .take_while(|(_, correlation)| *correlation > 2.0 / rows.sqrt())
+    lags.take_while(|(_, correlation)| *correlation > least)
         .fold((1.0, 0.0), |(total, by_lag), (lag, correlation)| {
             (total + 2.0 * correlation, by_lag + 2.0 * lag * correlation)
-        });
-    let length = 2.0 * (1.5 * (by_lag / total).powi(2) * rows).cbrt();
-    (length.ceil() as usize).clamp(1, residuals.len())
+        })
 }
 
 /// The covariance of the sum over all rows of derivatives times residuals, for residuals that are alike over `memory`

@@ -30,7 +30,7 @@
 //! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the model's
 //! validity range.
 
-mod autocorrelation;
+pub mod autocorrelation;
 mod collinear;
 mod coordinates;
 mod data;

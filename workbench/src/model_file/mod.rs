@@ -22,6 +22,7 @@ mod read;
 mod section;
 mod write;
 
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -135,7 +136,16 @@ impl ModelFile {
     /// # Errors
     /// See the module's design.
     pub fn read(path: &Path) -> Result<Self, ModelFileError> {
-        read::read(path).map_err(|problem| ModelFileError { file: path.to_owned(), problem })
+        let refuse = |problem| ModelFileError { file: path.to_owned(), problem };
+        Self::parse(path, &fs::read_to_string(path).map_err(|error| refuse(error.into()))?)
+    }
+
+    /// Reads the contents of a model file; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// See the module's design.
+    pub fn parse(file: &Path, text: &str) -> Result<Self, ModelFileError> {
+        read::parse(text).map_err(|problem| ModelFileError { file: file.to_owned(), problem })
     }
 
     /// The file's text.

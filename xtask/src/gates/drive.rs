@@ -32,7 +32,7 @@ pub fn emulated(link: &UnixStream, parameters: &Parameters, samples: &[Sample]) 
         link.write_all(frame)?;
         receive(link, &mut receiver)
     };
-    let mut control = Control::new();
+    let mut control = Control::simulated(Box::leak(Box::default()), Box::leak(Box::default()));
     let mut lock_step = LockStepBoard::new();
     let mut host = |request: &Request| match request {
         Request::Tick(tick) => Response::Tick(lock_step.tick(&mut control, *tick)),

@@ -10,6 +10,7 @@
 //! | [`elf`] | functions, sizes and panics of an image |
 //! | [`accuracy`] | `f32` against `f64` |
 //! | [`models`] | the models whose tick is counted |
+//! | [`production`] | tick and stack of the production image |
 //! | [`bounds`] | what the figures have to be |
 //!
 //! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`, with
@@ -26,6 +27,7 @@ mod drive;
 mod elf;
 mod inputs;
 mod models;
+mod production;
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
@@ -54,10 +56,10 @@ const TICK: &str = "TIM2";
 /// be built or run.
 pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     run::step("the check for panics, checked", || find_deliberate_panic(compiler))?;
-    let law = run::step("control law", || build_control_law(compiler, "control_law"))?;
+    let [law, tick] = run::step("control law and tick", || build_unpanicking(compiler, ""))?;
     images::build(compiler)?;
     let plugin = run::step("instruction counter", build_plugin)?;
-    let (emulated, production) =
+    let (emulated, stm32f405) =
         (Image::read(&images::emulated_elf())?, Image::read(&images::elf("stm32f405"))?);
 
     let parameters = paper_parameters()?;
@@ -65,8 +67,11 @@ pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     let mut figures = run::step("instructions", || costs(&plugin, &law, &emulated, &parameters, &samples))?;
     figures
         .extend(run::step("instructions of each model", || costs_of_models(&plugin, &emulated, &samples))?);
+    let of_production =
+        run::step("production image", || production::figures(&stm32f405, &plugin, &parameters, &samples))?;
+    figures.extend(of_production);
     figures.extend(sizes("emulated", &emulated));
-    figures.extend(sizes("stm32f405", &production));
+    figures.extend(sizes("stm32f405", &stm32f405));
     let (error, sample) = accuracy::inverse_error(&parameters, &samples)?;
     figures.push(Figure {
         name: "inverse, error of f32, 1e-9 of full scale".to_owned(),
@@ -75,28 +80,33 @@ pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     });
 
     let mut problems = judge(&compiler.version(), &figures, bless)?;
-    problems.extend(law.panics().into_iter().map(|name| format!("the control law can end in {name}")));
-    println!("\ncontrol law: {} panicking functions among {}", law.panics().len(), law.functions.len());
+    println!();
+    for (title, image) in [("the control law", &law), ("the tick", &tick)] {
+        problems.extend(image.panics().into_iter().map(|name| format!("{title} can end in {name}")));
+        println!("{title}: {} panicking functions among {}", image.panics().len(), image.functions.len());
+    }
     problems.iter().for_each(|problem| eprintln!("gate: {problem}"));
     ensure!(problems.is_empty(), "{} gates are not passed", problems.len());
     Ok(())
 }
 
-/// A panic put into the control law on purpose has to be found; a check that finds nothing would pass anything.
+/// A panic put in on purpose has to be found; a check that finds nothing would pass anything.
 fn find_deliberate_panic(compiler: &BoardCompiler) -> Result<()> {
-    let spoilt = build_control_law(compiler, "control_law,deliberate_panic")?;
-    let found = spoilt.panics().into_iter().find(|name| name.ends_with("panic_bounds_check"));
-    let name = found.context("an index out of bounds, put into the control law on purpose, is not found")?;
-    println!("   found: {name}");
+    for spoilt in build_unpanicking(compiler, ",deliberate_panic")? {
+        let found = spoilt.panics().into_iter().find(|name| name.ends_with("panic_bounds_check"));
+        let missing = || format!("an index out of bounds, put into {}, is not found", spoilt.path.display());
+        println!("   found: {}", found.with_context(missing)?);
+    }
     Ok(())
 }
 
-fn build_control_law(compiler: &BoardCompiler, features: &str) -> Result<Image> {
-    images::build_images(compiler, features)?;
-    let image = Image::read(&images::elf("control_law"))?;
+/// The images that must not panic: the control law, and the tick. `features`: more of the package's, after a comma.
+fn build_unpanicking(compiler: &BoardCompiler, features: &str) -> Result<[Image; 2]> {
+    images::build_images(compiler, &format!("control_law,control_tick{features}"))?;
+    let (law, tick) = (Image::read(&images::elf("control_law"))?, Image::read(&images::elf("control_tick"))?);
     // An image without the law has no panics either.
-    image.function(INVERSE).and(image.function(CONTROLLER))?;
-    Ok(image)
+    law.function(INVERSE).and(law.function(CONTROLLER)).and(tick.function(CONTROLLER))?;
+    Ok([law, tick])
 }
 
 fn build_plugin() -> Result<PathBuf> {

@@ -25,14 +25,17 @@ mod usart;
 
 use defmt_semihosting as _;
 
+/// There is no valve.
+fn make_safe() {}
+
 /// Ends the emulator with a failure.
-fn end() -> ! {
+fn end(_: wire::Fault, _: u32) -> ! {
     semihosting::process::exit(1)
 }
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
-    use firmware::{Control, LockStepBoard, Order};
+    use firmware::{BlackBox, Capture, Control, LockStepBoard, Order};
     use stm32f4::stm32f405::Interrupt;
     use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickReply, TickRequest};
 
@@ -62,10 +65,10 @@ mod app {
         logged: State,
     }
 
-    #[init]
+    #[init(local = [black_box: BlackBox = BlackBox::new(), capture: Capture = Capture::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let mut usart = Usart::new(cx.device.USART2, CLOCK_HZ);
-        let mut control = Control::new();
+        let mut control = Control::simulated(cx.local.black_box, cx.local.capture);
         let mut frame = [0; FRAME_BYTES];
         usart.send(&mut frame, &control.apply(Order::Identify));
         defmt::info!("emulated board, messages version {=u16}", wire::VERSION);

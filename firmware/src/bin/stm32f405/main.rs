@@ -1,59 +1,74 @@
 //! The production image for the STM32F405.
 //!
-//! | task | priority | interrupt | runs | deadline |
+//! | task | priority | raised by | does | deadline |
 //! |---|---|---|---|---|
-//! | `tick` | 2 | TIM2, each millisecond | sample, control, drive the valve | before the next, 1 ms; else an overrun is counted |
-//! | `link` | 1 | USART2 | receives bytes, answers requests | a byte time, 21 µs, while a request arrives |
+//! | `tick` | 2 | SysTick, each millisecond | samples, controls, drives the valve, feeds the watchdog | half a period, else counted as late |
+//! | `link` | 1 | USART2, and the supervisor | receives bytes, answers requests | a byte time, 21 µs, while a request arrives |
+//! | supervisor | 0 | - | status light, log; looks whether the link runs | 250 ticks |
 //!
 //! A tick takes some tens of microseconds and may delay `link` by that; the port's two bytes of buffer cover it.
 //! `link` holds the control's lock only to carry out an order that it has prepared before.
 //!
-//! # Pins
-//! | pin | function |
-//! |---|---|
-//! | PA0 | ADC1 channel 0: pressure |
-//! | PA1 | ADC1 channel 1: contraction |
-//! | PA2, PA3 | USART2, sending and receiving |
-//! | PA4 | DAC channel 1: set point of the valve |
-//!
 //! # Safety
-//! The valve's output is the vented code from the first instructions of `init` on; the control drives it only while
-//! tracking. Every wait for the hardware is bounded: a clock that does not start is replaced by the internal one, a
-//! conversion that does not end is a latched fault. Panics and faults of the processor end in [`safe_end`], vented.
+//! The valve's output is the vented code from before the program proper starts; the control drives it in the states that
+//! say so. Every wait for the hardware is bounded, and the tick has none: a clock that does not start is replaced by the
+//! internal one, a conversion that does not end is a fault. Panics and faults of the processor vent, seal the record and
+//! reset; what starts then is at fault until the host acknowledges it.
+//!
+//! # Parameters
+//! A configuration and limits that were accepted are stored, and taken again at the next start. Storing them stops the
+//! processor for some milliseconds, up to half a second when a sector is full: see [`drivers::parameter_flash`].
 //!
 //! # Limits
 //! The internal oscillator, which is the fall-back, is 1 % off; so is the tick then.
 #![no_std]
 #![no_main]
 
-mod clock;
+#[path = "../../board/stm32f405/mod.rs"]
+mod drivers;
 #[path = "../../hardware/link.rs"]
 mod link;
-mod peripherals;
 #[path = "../../hardware/safe_end.rs"]
 mod safe_end;
-mod tick_timer;
 #[path = "../../hardware/usart.rs"]
 mod usart;
 
 use defmt_rtt as _;
+use drivers::{memory, valve};
+use firmware::watchdog::CheckIns;
+use wire::Fault;
 
-/// Stays, so that the converter keeps the valve vented; a reset would let its output float.
-fn end() -> ! {
-    loop {
-        cortex_m::asm::nop();
-    }
+/// Where the tasks check in.
+static CHECK_INS: CheckIns = CheckIns::new();
+
+/// Vents, whatever state the program is in.
+fn make_safe() {
+    valve::vent();
+}
+
+/// Keeps what happened, and starts anew.
+fn end(fault: Fault, detail: u32) -> ! {
+    memory::seal(fault, detail);
+    cortex_m::peripheral::SCB::sys_reset()
 }
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
-    use firmware::Control;
-    use wire::{FRAME_BYTES, Receiver, State};
+    use firmware::store::{ParameterStore, Parameters};
+    use firmware::watchdog::{Task, Watchdog};
+    use firmware::{Capture, Control, led, prepare};
+    use stm32f4::stm32f405::Interrupt;
+    use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State};
 
-    use crate::clock;
+    use crate::CHECK_INS;
+    use crate::drivers::clock::{self, Source};
+    use crate::drivers::parameter_flash::ParameterFlash;
+    use crate::drivers::pins::{self, Light, VoltageDetector};
+    use crate::drivers::scan::Scan;
+    use crate::drivers::tick::{TICKS_PER_SECOND, Tick};
+    use crate::drivers::watchdog::HardwareWatchdog;
+    use crate::drivers::{SensorsAndValve, memory, output};
     use crate::link::{answer, log_change};
-    use crate::peripherals::{SensorsAndValve, route_pins};
-    use crate::tick_timer::TickTimer;
     use crate::usart::Usart;
 
     #[shared]
@@ -64,49 +79,132 @@ mod app {
     #[local]
     struct Local {
         board: SensorsAndValve,
-        timer: TickTimer,
+        clock: Tick,
+        watchdog: Watchdog,
+        hardware_watchdog: HardwareWatchdog,
+        voltage: VoltageDetector,
         usart: Usart,
         receiver: Receiver,
         frame: [u8; FRAME_BYTES],
+        light: Light,
         logged: State,
+        store: ParameterStore<ParameterFlash>,
+        parameters: Parameters,
     }
 
-    #[init]
+    #[init(local = [capture: Capture = Capture::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let device = cx.device;
         clock::feed_peripherals(&device.RCC);
-        let board = SensorsAndValve::vented(device.DAC, device.ADC1, &device.ADC_COMMON);
-        route_pins(&device.GPIOA);
+        let hardware_watchdog = HardwareWatchdog::start(device.IWDG, &device.DBGMCU);
+        pins::route(&device.GPIOA, &device.GPIOC);
+        let reset = memory::reset_cause(&device.RCC);
         let clocks = clock::start(&device.RCC, &device.FLASH);
         defmt::info!("valve board, messages version {=u16}, {}", wire::VERSION, clocks);
-        let usart = Usart::new(device.USART2, clocks.slow_bus_hz);
-        let timer = TickTimer::start(device.TIM2, clocks.timer_hz);
-        let control = Control::new();
+        let valve = output::vented(device.DAC, device.TIM3, clocks.timer_hz);
+        let board = SensorsAndValve::new(Scan::new(device.ADC1, &device.ADC_COMMON), valve);
+        Scan::start(&device.TIM2, &clocks, TICKS_PER_SECOND);
+        let clock = Tick::start(cx.core.SYST, clocks.core_hz);
+        let mut control = Control::new(
+            Protection::STANDARD,
+            Some(clock.clock()),
+            memory::black_box(reset),
+            cx.local.capture,
+        );
+        if clocks.source == Source::Internal {
+            control.note(Fault::Clock);
+        }
+        let mut store = ParameterStore::new(ParameterFlash::new(device.FLASH));
+        let parameters = restore(&mut store, &mut control);
         let logged = control.state();
-        let local = Local { board, timer, usart, receiver: Receiver::new(), frame: [0; FRAME_BYTES], logged };
+        let local = Local {
+            board,
+            clock,
+            watchdog: Watchdog::default(),
+            hardware_watchdog,
+            voltage: VoltageDetector::start(device.PWR),
+            usart: Usart::new(device.USART2, clocks.slow_bus_hz),
+            receiver: Receiver::new(),
+            frame: [0; FRAME_BYTES],
+            light: Light::dark(device.GPIOB),
+            logged,
+            store,
+            parameters,
+        };
         (Shared { control }, local)
     }
 
-    #[task(binds = TIM2, priority = 2, shared = [control], local = [board, timer])]
+    /// Takes what is stored, and brings its layout up to date.
+    fn restore(store: &mut ParameterStore<ParameterFlash>, control: &mut Control) -> Parameters {
+        let parameters = store.load().unwrap_or_else(|error| {
+            defmt::error!("stored parameters: {}", defmt::Debug2Format(&error));
+            control.report(error.fault());
+            Parameters::FACTORY
+        });
+        for request in parameters.requests() {
+            match prepare(request) {
+                Ok(order) => drop(control.apply(order)),
+                Err(refusal) => {
+                    defmt::error!("stored parameters: {}", defmt::Debug2Format(&refusal));
+                    control.report(Fault::ConfigurationCorrupt);
+                }
+            }
+        }
+        keep(store, control.state(), &parameters);
+        parameters
+    }
+
+    /// Stores a set. That it cannot be stored does not keep it from being used.
+    fn keep(store: &mut ParameterStore<ParameterFlash>, state: State, parameters: &Parameters) {
+        if let Err(error) = store.save(state, parameters) {
+            defmt::error!("parameters are not stored: {}", defmt::Debug2Format(&error));
+        }
+    }
+
+    /// The supervisor. The tick wakes it.
+    #[idle(shared = [control], local = [light, logged])]
+    fn supervise(mut cx: supervise::Context) -> ! {
+        loop {
+            CHECK_INS.check_in(Task::Supervisor);
+            rtic::pend(Interrupt::USART2);
+            let (state, fault, ticks) =
+                cx.shared.control.lock(|control| (control.state(), control.fault(), control.ticks()));
+            cx.local.light.set(led::is_lit(state, fault, ticks));
+            log_change(cx.local.logged, state);
+            cortex_m::asm::wfi();
+        }
+    }
+
+    #[task(binds = SysTick, priority = 2, shared = [control], local = [board, clock, watchdog, hardware_watchdog, voltage])]
     fn tick(mut cx: tick::Context) {
-        let tick::LocalResources { board, timer, .. } = cx.local;
-        timer.acknowledge();
+        let tick::LocalResources { board, clock, watchdog, hardware_watchdog, voltage, .. } = cx.local;
         cx.shared.control.lock(|control| {
+            let is_content = watchdog.is_content(&CHECK_INS);
+            let seen = [(voltage.is_low(), Fault::BrownOut), (!is_content, Fault::TaskSilent)];
+            for (_, fault) in seen.into_iter().filter(|(is_seen, _)| *is_seen) {
+                control.report(fault);
+            }
             control.tick(board);
-            if timer.is_due() {
-                control.note_overrun();
+            control.close_tick(clock.end());
+            if is_content {
+                hardware_watchdog.feed(control.state().is_driven());
             }
         });
     }
 
-    #[task(binds = USART2, priority = 1, shared = [control], local = [usart, receiver, frame, logged])]
+    #[task(binds = USART2, priority = 1, shared = [control], local = [usart, receiver, frame, store, parameters])]
     fn link(mut cx: link::Context) {
-        let link::LocalResources { usart, receiver, frame, logged, .. } = cx.local;
+        let link::LocalResources { usart, receiver, frame, store, parameters, .. } = cx.local;
+        CHECK_INS.check_in(Task::Link);
         let Some(received) = usart.read().and_then(|byte| receiver.push(byte)) else {
             return;
         };
+        let changed = received.as_ref().ok().and_then(|request| parameters.changed_by(request));
         let response = answer(received, |order| cx.shared.control.lock(|control| control.apply(order)));
+        if let (Response::Accepted, Some(changed)) = (&response, changed) {
+            *parameters = changed;
+            keep(store, cx.shared.control.lock(|control| control.state()), parameters);
+        }
         usart.send(frame, &response);
-        log_change(logged, cx.shared.control.lock(|control| control.state()));
     }
 }

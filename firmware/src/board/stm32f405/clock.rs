@@ -12,14 +12,18 @@ const POLLS: u32 = 100_000;
 pub struct Clocks {
     /// Where they come from.
     pub source: Source,
+    /// The processor. Unit: Hz.
+    pub core_hz: u32,
     /// APB1, which clocks USART2. Unit: Hz.
     pub slow_bus_hz: u32,
-    /// TIM2. Unit: Hz.
+    /// APB2, which clocks the analogue inputs. Unit: Hz.
+    pub fast_bus_hz: u32,
+    /// TIM2 and TIM3. Unit: Hz.
     pub timer_hz: u32,
 }
 
 /// An oscillator.
-#[derive(Clone, Copy, Debug, defmt::Format)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
 pub enum Source {
     /// The crystal, multiplied to 168 MHz.
     Crystal,
@@ -27,13 +31,27 @@ pub enum Source {
     Internal,
 }
 
-const FAST: Clocks = Clocks { source: Source::Crystal, slow_bus_hz: 42_000_000, timer_hz: 84_000_000 };
-const FALL_BACK: Clocks = Clocks { source: Source::Internal, slow_bus_hz: 16_000_000, timer_hz: 16_000_000 };
+const FAST: Clocks = Clocks {
+    source: Source::Crystal,
+    core_hz: 168_000_000,
+    slow_bus_hz: 42_000_000,
+    fast_bus_hz: 84_000_000,
+    timer_hz: 84_000_000,
+};
+const FALL_BACK: Clocks = Clocks {
+    source: Source::Internal,
+    core_hz: 16_000_000,
+    slow_bus_hz: 16_000_000,
+    fast_bus_hz: 16_000_000,
+    timer_hz: 16_000_000,
+};
 
 /// Clocks the peripherals that the image uses.
 pub fn feed_peripherals(rcc: &RCC) {
-    rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled());
-    rcc.apb1enr().modify(|_, w| w.dacen().enabled().tim2en().enabled().usart2en().enabled());
+    rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled().gpioben().enabled().gpiocen().enabled());
+    rcc.apb1enr().modify(|_, w| {
+        w.dacen().enabled().pwren().enabled().tim2en().enabled().tim3en().enabled().usart2en().enabled()
+    });
     rcc.apb2enr().modify(|_, w| w.adc1en().enabled());
 }
 

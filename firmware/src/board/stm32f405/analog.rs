@@ -1,0 +1,29 @@
+//! The valve's output as a voltage: channel 1 of the DAC, 0 to 3.3 V at PA4, which the board amplifies to 0 to 10 V for a
+//! proportional regulator.
+
+use core::convert::Infallible;
+
+use firmware::DacCode;
+use firmware::board::Valve;
+use stm32f4::stm32f405::{DAC, TIM3};
+
+use super::valve::vent;
+
+/// The output.
+pub struct Output(DAC);
+
+/// Vented. The converter has to be clocked.
+pub fn vented(dac: DAC, _: TIM3, _timer_hz: u32) -> Output {
+    vent();
+    dac.cr().write(|w| w.en1().enabled());
+    Output(dac)
+}
+
+impl Valve for Output {
+    type Error = Infallible;
+
+    fn set(&mut self, code: DacCode) -> Result<(), Infallible> {
+        self.0.dhr12r1().write(|w| w.daccdhr().set(code.0));
+        Ok(())
+    }
+}

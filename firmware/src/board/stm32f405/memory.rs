@@ -1,0 +1,50 @@
+//! The memory that a reset leaves alone, and why the processor has started.
+//!
+//! The black box is written by the tick, and sealed by whatever ends the program; a program that ends does not go on, so
+//! that no two of them ever work on it.
+
+use core::mem::MaybeUninit;
+
+use firmware::BlackBox;
+use firmware::faults::black_box::Reset;
+use stm32f4::stm32f405::RCC;
+use wire::Fault;
+
+// SAFETY: the section is one of memory.x, large enough, and used for nothing else.
+#[unsafe(link_section = ".fault_record")]
+static mut RECORD: MaybeUninit<BlackBox> = MaybeUninit::uninit();
+
+/// The black box as the reset has left it, made ready to go on in. To be called once, at the start.
+pub fn black_box(reset: Reset) -> &'static mut BlackBox {
+    let record = &raw mut RECORD;
+    // SAFETY: the words were written before the reset or are what power-on left there: the linker does not know them, a
+    // volatile read takes them as they are, and any words make up a black box. Nobody else has a reference yet.
+    unsafe {
+        let found = record.cast::<BlackBox>().read_volatile();
+        (*record).write(BlackBox::after(reset, found))
+    }
+}
+
+/// Seals the black box with what ends the program.
+pub fn seal(fault: Fault, detail: u32) {
+    // SAFETY: any words make up a black box; whoever has the other reference does not go on.
+    unsafe { &mut *(&raw mut RECORD).cast::<BlackBox>() }.crash(fault, detail);
+}
+
+/// Why the processor has started; the next reset finds the flags cleared.
+pub fn reset_cause(rcc: &RCC) -> Reset {
+    let flags = rcc.csr().read();
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    // In this order: power-on sets the flag of low voltage too, and every reset that of the pin.
+    if flags.porrstf().bit_is_set() {
+        Reset::PowerOn
+    } else if flags.borrstf().bit_is_set() {
+        Reset::BrownOut
+    } else if flags.wdgrstf().bit_is_set() || flags.wwdgrstf().bit_is_set() {
+        Reset::Watchdog
+    } else if flags.sftrstf().bit_is_set() {
+        Reset::Software
+    } else {
+        Reset::Pin
+    }
+}

@@ -1,0 +1,58 @@
+//! The drivers of the STM32F405, by its registers. No wait in them is unbounded; the tick's do not wait at all.
+//!
+//! | file | what it drives |
+//! |---|---|
+//! | [`clock`] | crystal, multiplier, buses |
+//! | [`scan`] | the analogue inputs |
+//! | [`output`] | the valve: `analog.rs` by a voltage, or `pulses.rs` with the feature `solenoid` |
+//! | [`valve`] | the safe value of either by raw registers |
+//! | [`tick`] | the clock of the control |
+//! | [`watchdog`] | the hardware watchdog |
+//! | [`memory`] | the black box, and why the processor has started |
+//! | [`parameter_flash`] | the sectors of the parameter store |
+//! | [`pins`] | routing, status light, voltage detector |
+
+pub mod clock;
+pub mod memory;
+#[cfg_attr(not(feature = "solenoid"), path = "analog.rs")]
+#[cfg_attr(feature = "solenoid", path = "pulses.rs")]
+pub mod output;
+pub mod parameter_flash;
+pub mod pins;
+pub mod scan;
+pub mod tick;
+pub mod valve;
+pub mod watchdog;
+
+use firmware::board::Valve;
+use firmware::{AcquisitionError, Board, DacCode, Samples};
+
+use output::Output;
+use scan::Scan;
+
+/// Sensors and valve.
+pub struct SensorsAndValve {
+    scan: Scan,
+    valve: Output,
+    /// Whether the output has not taken the last code.
+    has_failed: bool,
+}
+
+impl SensorsAndValve {
+    /// Both together.
+    pub fn new(scan: Scan, valve: Output) -> Self {
+        Self { scan, valve, has_failed: false }
+    }
+}
+
+impl Board for SensorsAndValve {
+    fn read(&mut self) -> Result<Samples, AcquisitionError> {
+        let samples = self.scan.read();
+        // Converters that fail are of one kind: after some ticks in a row the valve is vented.
+        if self.has_failed { Err(AcquisitionError) } else { samples }
+    }
+
+    fn drive(&mut self, code: DacCode) {
+        self.has_failed = self.valve.set(code).is_err();
+    }
+}

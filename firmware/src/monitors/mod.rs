@@ -1,0 +1,242 @@
+//! The monitors: what tells a fault of sensors, valve, muscle and supply from the samples of each tick.
+//!
+//! | file | what it watches |
+//! |---|---|
+//! | [`sensor`] | pressure and contraction, each for itself: open, short, spikes, stuck |
+//! | [`slow`] | supply and temperature |
+//! | [`following`] | pressure against command: leak, burst, stuck valve |
+//! | [`survey`] | the model against itself, and contraction against pressure |
+//! | [`persistence`] | how long something has to last |
+//!
+//! # Contract
+//! [`Monitors::take`] once a tick, in every state but `Off` and `Fault`: it answers the measured quantities or the fault
+//! that vents. It reads whole numbers where it can: codes are compared with limits that were turned into codes once.
+
+pub mod following;
+pub mod persistence;
+pub mod sensor;
+pub mod slow;
+pub mod survey;
+
+use model_core::tracking::Command;
+use wire::{Fault, Protection, Scaling, Signals};
+
+use crate::board::{AcquisitionError, DacCode, Samples};
+use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
+use following::Following;
+use persistence::{Average, InARow};
+use sensor::Sensor;
+use slow::Slow;
+use survey::Loop;
+
+/// Ticks in a row without new samples that are a fault.
+pub const MISSING_IN_A_ROW: u16 = 3;
+/// Ticks in a row with a contraction that does not go with the pressure that are a fault.
+pub const IMPLAUSIBLE_TICKS: u16 = 200;
+/// Ticks in a row with more feedback than it has authority for that are a fault.
+pub const AUTHORITY_TICKS: u16 = 1000;
+
+/// The protection's limits in the units of the monitors, and what is watched beyond them.
+#[derive(Clone, Debug)]
+struct Limits {
+    pressure: sensor::Limits,
+    contraction: sensor::Limits,
+    supply: slow::Limits,
+    temperature: slow::Limits,
+    overpressure_hard: u16,
+    overpressure_soft: u16,
+    vented: u16,
+    following: following::Limits,
+    implausible_share: f32,
+    authority_bar: f32,
+}
+
+/// The monitors with what they remember.
+#[derive(Clone, Debug)]
+pub struct Monitors {
+    limits: Limits,
+    last: Samples,
+    missing: InARow,
+    pressure: Sensor,
+    contraction: Sensor,
+    supply: Slow,
+    temperature: Slow,
+    pressure_average: Average<4>,
+    following: Following,
+    implausible: InARow,
+    authority: InARow,
+    /// What was last measured and could be trusted.
+    signals: Signals,
+}
+
+impl Monitors {
+    /// Monitors with these limits, for ticks that are `period_s` apart.
+    pub fn new(protection: &Protection, period_s: f32) -> Self {
+        Self {
+            limits: Limits::new(protection, period_s),
+            last: Samples::default(),
+            missing: InARow::default(),
+            pressure: Sensor::default(),
+            contraction: Sensor::default(),
+            supply: Slow::default(),
+            temperature: Slow::default(),
+            pressure_average: Average::default(),
+            following: Following::default(),
+            implausible: InARow::default(),
+            authority: InARow::default(),
+            signals: Signals::default(),
+        }
+    }
+
+    /// The last samples as they were read, good or not.
+    pub fn samples(&self) -> Samples {
+        self.last
+    }
+
+    /// Keeps samples that nothing is concluded from.
+    pub fn look(&mut self, samples: Result<Samples, AcquisitionError>) {
+        self.last = samples.unwrap_or(self.last);
+    }
+
+    /// Samples of pressure and contraction that were replaced by the one before.
+    pub fn bridged(&self) -> u32 {
+        self.pressure.bridged.wrapping_add(self.contraction.bridged)
+    }
+
+    /// Takes the samples of a tick. `command`: what was out until now; `outermost`: the loop of the installed model.
+    ///
+    /// # Errors
+    /// The fault that the samples show.
+    #[inline(always)]
+    pub fn take(
+        &mut self,
+        samples: Result<Samples, AcquisitionError>,
+        command: DacCode,
+        outermost: Option<&Loop>,
+    ) -> Result<Signals, Fault> {
+        if self.missing.holds_for(MISSING_IN_A_ROW, samples.is_err()) {
+            return Err(Fault::Acquisition);
+        }
+        let Ok(samples) = samples else { return Ok(self.signals) };
+        self.last = samples;
+        let Limits { pressure, contraction, supply, temperature, .. } = &self.limits;
+        let pressure_code = self.pressure.take(pressure, samples.pressure.0, command.0)?;
+        let contraction_code = self.contraction.take(contraction, samples.contraction.0, command.0)?;
+        let supply_code = self.supply.take(supply, samples.supply.0)?;
+        let temperature_code = self.temperature.take(temperature, samples.temperature.0)?;
+        // The hard limit looks at the sample itself: a burst is no less likely than a spike.
+        if samples.pressure.0 > self.limits.overpressure_hard
+            && pressure.scaling.is_plausible(samples.pressure.0)
+        {
+            return Err(Fault::OverpressureHard);
+        }
+        if self.pressure_average.of(pressure_code) > self.limits.overpressure_soft {
+            return Err(Fault::OverpressureSoft);
+        }
+        let signals = Signals {
+            pressure_bar: PRESSURE.value(pressure_code),
+            contraction_mm: CONTRACTION.value(contraction_code),
+            supply_bar: SUPPLY.value(supply_code),
+            temperature_c: TEMPERATURE.value(temperature_code),
+        };
+        self.signals = signals;
+        let share = self.limits.implausible_share;
+        let is_implausible = outermost.is_some_and(|outermost| {
+            !outermost.is_plausible(signals.pressure_bar, signals.contraction_mm, share)
+        });
+        if self.implausible.holds_for(IMPLAUSIBLE_TICKS, is_implausible) {
+            return Err(Fault::Implausible);
+        }
+        Ok(signals)
+    }
+
+    /// Looks at the pressure against the command that was out until now, while the valve is driven.
+    ///
+    /// # Errors
+    /// It does not follow.
+    #[inline(always)]
+    pub fn follow(&mut self, command: DacCode) -> Result<(), Fault> {
+        self.following.take(&self.limits.following, COMMAND.value(command.0), self.signals.pressure_bar)
+    }
+
+    /// Looks at what the controller has computed.
+    ///
+    /// # Errors
+    /// It is not finite, or the feedback contradicts the feed-forward.
+    #[inline(always)]
+    pub fn judge(&mut self, command: &Command<f32>, has_both: bool) -> Result<(), Fault> {
+        if !(command.feedforward + command.feedback + command.command).is_finite() {
+            return Err(Fault::NotFinite);
+        }
+        let is_beyond = has_both && command.feedback.abs() > self.limits.authority_bar;
+        if self.authority.holds_for(AUTHORITY_TICKS, is_beyond) { Err(Fault::Authority) } else { Ok(()) }
+    }
+
+    /// Looks at the vented muscle at the end of the self-test.
+    ///
+    /// # Errors
+    /// Pressure is left: the valve does not vent.
+    pub fn is_vented(&self) -> Result<(), Fault> {
+        if self.last.pressure.0 > self.limits.vented { Err(Fault::ValveStuck) } else { Ok(()) }
+    }
+
+    /// Forgets the past, with a fault or an installation.
+    pub fn start_anew(&mut self) {
+        self.missing = InARow::default();
+        self.pressure.start_anew();
+        self.contraction.start_anew();
+        (self.supply, self.temperature) = (Slow::default(), Slow::default());
+        self.pressure_average = Average::default();
+        self.following = Following::default();
+        self.implausible = InARow::default();
+        self.authority = InARow::default();
+    }
+}
+
+impl Limits {
+    fn new(protection: &Protection, period_s: f32) -> Self {
+        // A difference of infinite size saturates at a code that no converter has.
+        let codes = |scaling: &Scaling, difference: f32| (difference * scaling.codes_per_unit) as u16;
+        let level =
+            |scaling: &Scaling, value: f32| (scaling.zero_code + value * scaling.codes_per_unit) as u16;
+        let of = |scaling: Scaling, jump, faults| sensor::Limits {
+            scaling,
+            jump: codes(&scaling, jump),
+            stuck: codes(&COMMAND, protection.stuck_command_bar),
+            faults,
+        };
+        Self {
+            pressure: of(
+                PRESSURE,
+                protection.pressure_jump_bar,
+                [Fault::PressureSensor, Fault::PressureSpiking, Fault::PressureStuck],
+            ),
+            contraction: of(
+                CONTRACTION,
+                protection.contraction_jump_mm,
+                [Fault::ContractionSensor, Fault::ContractionSpiking, Fault::ContractionStuck],
+            ),
+            supply: slow::Limits {
+                scaling: SUPPLY,
+                lowest: level(&SUPPLY, protection.supply_min_bar),
+                highest: u16::MAX,
+                faults: [Fault::SupplySensor, Fault::SupplyLow],
+            },
+            temperature: slow::Limits {
+                scaling: TEMPERATURE,
+                lowest: 0,
+                highest: level(&TEMPERATURE, protection.temperature_max_c),
+                faults: [Fault::Temperature; 2],
+            },
+            overpressure_hard: level(&PRESSURE, protection.overpressure_hard_bar),
+            overpressure_soft: level(&PRESSURE, protection.overpressure_soft_bar),
+            vented: level(&PRESSURE, protection.vented_bar),
+            following: following::Limits {
+                band_bar: protection.following_band_bar,
+                limit: protection.following_limit_bar_s / period_s,
+            },
+            implausible_share: protection.implausible_share,
+            authority_bar: protection.authority_bar,
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! One analogue sensor: from its raw codes to codes that can be used, or to a fault.
+//!
+//! A code outside the plausible ones (open wire, short) or a jump that nothing physical makes (interference) is *bridged*:
+//! the last good code stands for it. Bridging ends in a fault: after [`BAD_IN_A_ROW`] implausible codes in a row, or when
+//! jumps come too close together. A sensor whose code stays where it is while the command moves is stuck.
+
+use wire::{Fault, Scaling};
+
+use super::persistence::InARow;
+
+/// Implausible codes in a row that are a fault.
+pub const BAD_IN_A_ROW: u16 = 3;
+/// What a jump puts into a bucket that loses 1 in every tick without one.
+const JUMP_WEIGHT: u16 = 16;
+/// More than this in the bucket is a fault: five jumps in a row, or one in fewer than 16 ticks for long.
+const JUMP_LIMIT: u16 = 64;
+/// Jumps in a row that are a fault.
+pub const JUMPS_IN_A_ROW: u16 = JUMP_LIMIT / JUMP_WEIGHT + 1;
+/// How long a sensor has to stay where it is to be stuck. Unit: tick.
+pub const STUCK_TICKS: u16 = 200;
+/// How far codes of a sensor that stays where it is may be apart: noise of the converter.
+const STILL_CODES: u16 = 2;
+
+/// What tells a good code from a bad one.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Its plausible codes.
+    pub scaling: Scaling,
+    /// Largest credible change in a tick. Unit: ADC code.
+    pub jump: u16,
+    /// How far the command has to move. Unit: DAC code.
+    pub stuck: u16,
+    /// What implausible, jumping and stuck codes are.
+    pub faults: [Fault; 3],
+}
+
+/// What is remembered of the codes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sensor {
+    /// The last good code; none before the first.
+    code: Option<u16>,
+    implausible: InARow,
+    jumps: u16,
+    /// Where the sensor stayed, and since when.
+    still: u16,
+    still_ticks: u16,
+    /// The command's lowest and highest code since then.
+    command: (u16, u16),
+    /// Codes that were bridged.
+    pub bridged: u32,
+}
+
+impl Sensor {
+    /// Takes the code of a tick, and the command (DAC code) that was out before; answers the code to use.
+    ///
+    /// # Errors
+    /// The code cannot be trusted any more.
+    #[inline(always)]
+    pub fn take(&mut self, limits: &Limits, code: u16, command: u16) -> Result<u16, Fault> {
+        let [implausible, jumping, stuck] = limits.faults;
+        let is_plausible = limits.scaling.is_plausible(code);
+        if self.implausible.holds_for(BAD_IN_A_ROW, !is_plausible) {
+            return Err(implausible);
+        }
+        let last = self.code.unwrap_or(if is_plausible { code } else { limits.scaling.code(0.0) });
+        let jumps = is_plausible && code.abs_diff(last) > limits.jump;
+        self.jumps = if jumps { self.jumps + JUMP_WEIGHT } else { self.jumps.saturating_sub(1) };
+        if self.jumps > JUMP_LIMIT {
+            self.jumps = 0;
+            return Err(jumping);
+        }
+        if !is_plausible || jumps {
+            self.bridged = self.bridged.wrapping_add(1);
+            return Ok(last);
+        }
+        self.code = Some(code);
+        if self.is_stuck(limits, code, command) { Err(stuck) } else { Ok(code) }
+    }
+
+    /// Forgets what it has of the past.
+    pub fn start_anew(&mut self) {
+        *self = Self { bridged: self.bridged, ..Self::default() };
+    }
+
+    #[inline(always)]
+    fn is_stuck(&mut self, limits: &Limits, code: u16, command: u16) -> bool {
+        if code.abs_diff(self.still) > STILL_CODES {
+            (self.still, self.still_ticks, self.command) = (code, 0, (command, command));
+            return false;
+        }
+        self.still_ticks = self.still_ticks.saturating_add(1);
+        let (low, high) = self.command;
+        self.command = (low.min(command), high.max(command));
+        self.still_ticks >= STUCK_TICKS && high - low > limits.stuck
+    }
+}

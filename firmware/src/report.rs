@@ -1,0 +1,66 @@
+//! What the control tells of itself: greeting and telemetry.
+
+use wire::{Hello, Signals, Telemetry, VERSION};
+
+use crate::board::Samples;
+use crate::control::Control;
+use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
+
+impl Control {
+    /// Who the board is.
+    pub(crate) fn hello(&self) -> Hello {
+        Hello {
+            version: VERSION,
+            firmware: FIRMWARE_VERSION,
+            state: self.state,
+            fault: self.faults.latched(),
+            pressure: PRESSURE,
+            contraction: CONTRACTION,
+            command: COMMAND,
+            ticks: self.ticks,
+            overruns: self.timing.overruns,
+        }
+    }
+
+    /// What was counted and measured.
+    pub(crate) fn telemetry(&self) -> Telemetry {
+        let Samples { pressure, contraction, supply, temperature, .. } = self.monitors.samples();
+        Telemetry {
+            state: self.state,
+            fault: self.faults.latched(),
+            ticks: self.ticks,
+            worst_tick_cycles: self.timing.worst_cycles,
+            mean_tick_cycles: self.timing.mean_cycles(),
+            overruns: self.timing.overruns,
+            late_ticks: self.timing.late,
+            limited_ticks: self.limited_ticks,
+            bridged_samples: self.monitors.bridged(),
+            resets: self.faults.resets(),
+            signals: Signals {
+                pressure_bar: PRESSURE.value(pressure.0),
+                contraction_mm: CONTRACTION.value(contraction.0),
+                supply_bar: SUPPLY.value(supply.0),
+                temperature_c: TEMPERATURE.value(temperature.0),
+            },
+            faults: self.faults.counters(),
+        }
+    }
+}
+
+/// Major, minor and patch of the package's version.
+const FIRMWARE_VERSION: [u16; 3] = [
+    number(env!("CARGO_PKG_VERSION_MAJOR")),
+    number(env!("CARGO_PKG_VERSION_MINOR")),
+    number(env!("CARGO_PKG_VERSION_PATCH")),
+];
+
+/// The value of a string of digits, at compile time.
+const fn number(digits: &str) -> u16 {
+    let mut digits = digits.as_bytes();
+    let mut value = 0;
+    while let [digit, rest @ ..] = digits {
+        value = value * 10 + (*digit - b'0') as u16;
+        digits = rest;
+    }
+    value
+}

@@ -1,0 +1,195 @@
+//! The parameters that a board keeps without power: a set ([`Parameters`]) in two sectors of NOR flash.
+//!
+//! # Design
+//! Each sector is a log of records (`sequential-storage`, CRC-32 over each); a record is a whole set with a sequence
+//! number and the version of its layout. The newest readable record is the board's set.
+//!
+//! | save | what is done |
+//! |---|---|
+//! | nothing has changed | nothing is written |
+//! | the sector of the newest record has room | the record is appended there |
+//! | else | the *other* sector is erased, and the record is its first |
+//!
+//! So the newest record is never in a sector that is being erased, and no word of it is written again: whatever a loss
+//! of power leaves of the new record, or of the other sector, the old set stays as it was until the new one is complete
+//! and its CRC right. A record that does not read back is written again in the other sector.
+//!
+//! # Contract
+//! * [`ParameterStore::save`] writes in vented states only and refuses in all others, since programming and erasing stop
+//!   the processor: 16 µs a word, up to 0.5 s for a sector of 16 KB. A watchdog's period has to be longer.
+//! * [`ParameterStore::load`] reads the present and the previous layout. Saving what was loaded brings an older layout
+//!   up to date.
+//! * Nothing panics or allocates, whatever stands in the flash; reading and writing take time bounded by its size.
+//!
+//! # Limits
+//! A bit that ages and a record that was broken off look alike: the set before is then the newest readable one. Marginal
+//! bits, which read differently each time, are seen only when they are read wrong.
+//! Endurance: a sector of 16 KB holds more than 20 records of the largest model, and lasts 10,000 erasures: 400,000
+//! changes.
+
+mod blocking;
+mod parameters;
+mod previous;
+mod record;
+mod sectors;
+
+use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
+use wire::{Fault, State};
+
+pub use parameters::Parameters;
+pub use record::{LAYOUT, RECORD_BYTES};
+
+use record::Record;
+use sectors::{Failure, Sector, Sectors};
+
+/// Why there is no set to be read; the board then has [`Parameters::FACTORY`] and a fault to report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadError {
+    /// The newest set has a layout that this firmware does not know.
+    Layout(u16),
+    /// Something was stored, and nothing of it is readable.
+    Corrupt,
+    /// The flash cannot be read.
+    Flash(NorFlashErrorKind),
+}
+
+/// Why a set was not saved; the old one is still there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SaveError {
+    /// The valve is not vented in this state.
+    WrongState(State),
+    /// A parameter is not a number: no controller takes such a set.
+    NotANumber,
+    /// The set is longer than a record may be.
+    TooLong,
+    /// The flash cannot be erased or written.
+    Flash(NorFlashErrorKind),
+    /// What was written does not read back: the flash is worn out.
+    NotKept,
+}
+
+/// The store in a flash whose first two sectors are its own.
+#[derive(Debug)]
+pub struct ParameterStore<F> {
+    sectors: Sectors<F>,
+    buffer: [u8; RECORD_BYTES],
+}
+
+/// A record and the sector that it stands in.
+struct Found {
+    record: Record,
+    sector: Sector,
+}
+
+impl<F: NorFlash> ParameterStore<F> {
+    /// The store in this flash, which is neither read nor written yet.
+    pub const fn new(flash: F) -> Self {
+        Self { sectors: Sectors::new(flash), buffer: [0; RECORD_BYTES] }
+    }
+
+    /// The flash.
+    pub fn flash(&self) -> &F {
+        self.sectors.flash()
+    }
+
+    /// The flash, given back.
+    pub fn into_flash(self) -> F {
+        self.sectors.into_flash()
+    }
+
+    /// The newest set, [`Parameters::FACTORY`] if none was ever stored.
+    ///
+    /// # Errors
+    /// Something was stored, but there is no set of it to be had.
+    pub fn load(&mut self) -> Result<Parameters, LoadError> {
+        self.newest()?.map_or(Ok(Parameters::FACTORY), |found| found.record.parameters)
+    }
+
+    /// Keeps a set. `state`: the board's, in which it stays meanwhile.
+    ///
+    /// # Errors
+    /// The state is not a vented one; the set is none; the flash fails. The old set is then still the newest; after a
+    /// failure of the flash the new one may be.
+    pub fn save(&mut self, state: State, parameters: &Parameters) -> Result<(), SaveError> {
+        if state.is_driven() {
+            return Err(SaveError::WrongState(state));
+        }
+        // What was written is compared with what it should be.
+        if !parameters.eq(parameters) {
+            return Err(SaveError::NotANumber);
+        }
+        match self.newest() {
+            Ok(Some(Found { record, .. })) if record.holds(parameters) => Ok(()),
+            Ok(Some(Found { record, sector })) => self
+                .append(sector, record.next_sequence(), parameters)
+                .or_else(|_| self.begin(Sector::First, parameters)),
+            // What cannot be read is replaced.
+            Ok(None) | Err(_) => {
+                self.begin(Sector::First, parameters).or_else(|_| self.begin(Sector::Second, parameters))
+            }
+        }
+    }
+
+    /// Erases the sector that the newest record is not in, `sector` if there is none, and makes the set its first
+    /// record.
+    fn begin(&mut self, sector: Sector, parameters: &Parameters) -> Result<(), SaveError> {
+        let (sector, sequence) = match self.newest() {
+            Ok(Some(Found { record, sector })) => (sector.other(), record.next_sequence()),
+            Ok(None) | Err(_) => (sector, 0),
+        };
+        self.sectors.erase(sector)?;
+        self.append(sector, sequence, parameters)
+    }
+
+    /// Appends the set, and makes sure that it is the newest.
+    fn append(&mut self, sector: Sector, sequence: u32, parameters: &Parameters) -> Result<(), SaveError> {
+        let bytes = record::encode(sequence, parameters, &mut self.buffer).ok_or(SaveError::TooLong)?;
+        self.sectors.append(sector, bytes)?;
+        match self.newest() {
+            Ok(Some(Found { record, .. })) if record.holds(parameters) => Ok(()),
+            _ => Err(SaveError::NotKept),
+        }
+    }
+
+    /// The newest record, `None` in a blank flash.
+    fn newest(&mut self) -> Result<Option<Found>, LoadError> {
+        let mut newest: Option<Found> = None;
+        let mut failure = None;
+        for sector in Sector::BOTH {
+            let read = self.sectors.for_each(sector, &mut self.buffer, |bytes| {
+                if let Some(record) = record::decode(bytes)
+                    && newest.as_ref().is_none_or(|found| record.sequence > found.record.sequence)
+                {
+                    newest = Some(Found { record, sector });
+                }
+            });
+            failure = failure.or(read.err());
+        }
+        match (newest, failure) {
+            (Some(found), _) => Ok(Some(found)),
+            (None, Some(Failure::Flash(kind))) => Err(LoadError::Flash(kind)),
+            (None, None) if self.sectors.are_blank()? => Ok(None),
+            (None, _) => Err(LoadError::Corrupt),
+        }
+    }
+}
+
+impl LoadError {
+    /// What the board reports.
+    pub fn fault(self) -> Fault {
+        match self {
+            Self::Layout(_) => Fault::ConfigurationVersion,
+            Self::Corrupt | Self::Flash(_) => Fault::ConfigurationCorrupt,
+        }
+    }
+}
+
+impl From<Failure> for SaveError {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Flash(kind) => Self::Flash(kind),
+            Failure::TooLong => Self::TooLong,
+            Failure::Full | Failure::Damaged => Self::NotKept,
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! A reference that holds anything: what is accepted has ticks within bounds, whose time does not fall.
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use workbench::pil::reference::{MOST_TICKS, Reference};
+use workbench::table::Table;
+
+/// How many ticks are looked at.
+const TICKS: usize = 1000;
+
+fuzz_target!(|bytes: &[u8]| {
+    let Ok(table) = Table::parse(Path::new("reference.csv"), bytes) else { return };
+    let Ok(reference) = Reference::of(&table, 1000.0) else { return };
+    assert!((1..=MOST_TICKS).contains(&reference.ticks()));
+    let times: Vec<f64> = reference.samples().take(TICKS).map(|(time_s, _)| time_s).collect();
+    assert_eq!(times.len(), reference.ticks().min(TICKS));
+    assert!(times.is_sorted());
+});

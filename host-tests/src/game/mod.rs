@@ -1,0 +1,54 @@
+//! The sealed game: a cause is hidden in a plant, a diagnosis sees nothing but the recording, and its verdict
+//! is held against what was hidden.
+//!
+//! [`case`] lists the games, [`finder`] is who is examined, [`score`] counts. Two plants hide the same effects
+//! in different forms, so that whoever has learnt one of them fails on the other. Right is the exact set of
+//! causes; `hysteresis_shape` does not count, since it is true of both plants under any finite model.
+
+pub mod case;
+pub mod finder;
+pub mod score;
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use rig::plant::Plant;
+use rig::protocol::Protocol;
+use rig::recording::{Row, record};
+
+use case::Case;
+use finder::Finder;
+use score::Outcome;
+
+/// Rows a second of the recordings. Unit: Hz.
+const RATE_HZ: f64 = 100.0;
+
+impl Case {
+    /// The plant of this game.
+    fn plant(&self) -> Plant {
+        Plant::new(&self.setup())
+    }
+
+    /// What is recorded of it: 12,000 rows.
+    pub fn recording(&self) -> Vec<Row> {
+        record(&Protocol::rich(self.seed), &mut self.plant(), RATE_HZ).collect()
+    }
+
+    /// Plays this game.
+    pub fn play(&self, finder: &impl Finder) -> Outcome {
+        let rows = self.recording();
+        let start = Instant::now();
+        let found = finder.find(&rows).map_err(|error| format!("{error:#}"));
+        Outcome::new(self.clone(), self.plant().truth(), found, start.elapsed())
+    }
+}
+
+/// Plays all games side by side, telling `finished` after each.
+pub fn play(cases: &[Case], finder: &impl Finder, finished: impl Fn(&Outcome) + Sync) -> Vec<Outcome> {
+    let one = |case: &Case| {
+        let outcome = case.play(finder);
+        finished(&outcome);
+        outcome
+    };
+    cases.par_iter().map(one).collect()
+}

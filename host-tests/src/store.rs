@@ -1,0 +1,46 @@
+//! Sets of parameters to keep.
+
+use firmware::law::paper_parameters;
+use firmware::store::Parameters;
+use model_core::cascade::CascadeParameters;
+use model_core::dead_zone::DeadZoneParameters;
+use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters};
+use model_core::play::PlayParameters;
+use model_core::{ModelParameters, TrackingParameters};
+
+/// The set with a number in it, by which sets can be told apart.
+pub fn numbered(number: u32, mut set: Parameters) -> Parameters {
+    set.protection.bus_silent_ticks = number;
+    set
+}
+
+/// The paper's model with the limits of a new board.
+///
+/// # Panics
+/// The paper's model is not valid.
+pub fn paper_set() -> Parameters {
+    Parameters { tracking: Some(paper_parameters().expect("valid")), ..Parameters::FACTORY }
+}
+
+/// The longest set: every list of the model full, no number short.
+///
+/// # Panics
+/// The paper's model is not valid.
+pub fn full_set() -> Parameters {
+    fn full<const L: usize>() -> heapless::Vec<f32, L> {
+        (1..=L).map(|i| 0.123_456_79 * i as f32).collect()
+    }
+    let model = ModelParameters::Cascade(CascadeParameters {
+        envelope: EnvelopeParameters::PiecewiseLinear(PiecewiseLinearParameters {
+            inputs: full(),
+            values: full(),
+        }),
+        plays: PlayParameters { q: 1.0, thresholds: full(), weights: full() },
+        dead_zones: DeadZoneParameters { thresholds: full(), weights: full(), offset: 0.1 },
+        input_min: 0.0,
+        input_max: 6.0,
+        preconditioned: true,
+    });
+    let tracking = TrackingParameters { model, ..paper_parameters().expect("valid") };
+    Parameters { tracking: Some(tracking), ..Parameters::FACTORY }
+}

@@ -1,0 +1,50 @@
+//! The unmodified production image in the emulator: closed loop on the rig beside the emulated image, and faults injected
+//! at its converter, its link and its registers.
+//!
+//! Skipped, in so many words, where emulator or firmware are missing; `cargo xtask test` provides both.
+//! `cargo test -p host-tests --test production -- --nocapture` prints the figures.
+
+mod bench;
+mod closed_loop;
+mod faults;
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use workbench::emulator::image;
+
+fn main() {
+    let missing = missing();
+    if let Some(reason) = &missing {
+        println!("the tests of the production image are skipped: {reason}");
+    }
+    let trial = |name: &str, test: fn() -> Result<(), Failed>| {
+        Trial::test(name, test).with_ignored_flag(missing.is_some())
+    };
+    let trials = vec![
+        trial(
+            "the_production_image_tracks_the_rig_as_the_emulated_one_does",
+            closed_loop::as_the_emulated_image,
+        ),
+        trial("every_fault_that_samples_can_show_vents_the_production_image", faults::of_samples),
+        trial("faults_of_the_processor_vent_reset_and_are_kept_until_acknowledged", faults::of_the_processor),
+    ];
+    libtest_mimic::run(&Arguments::from_args(), trials).exit()
+}
+
+/// What is missing for these tests.
+fn missing() -> Option<String> {
+    if Command::new("qemu-system-arm").arg("--version").output().is_err() {
+        return Some("no qemu-system-arm; `cargo xtask setup` installs it".to_owned());
+    }
+    match image::find(None) {
+        Err(error) => Some(error.to_string()),
+        Ok(_) => (!production().is_file()).then(|| format!("no {}", production().display())),
+    }
+}
+
+/// The image's ELF file, beside that of the emulated image.
+fn production() -> PathBuf {
+    image::find(None).unwrap_or_default().with_file_name("stm32f405")
+}

@@ -1,0 +1,81 @@
+//! Stored sets of this version and of the one before, as boards have written them: `golden/store_layout_*.bin`.
+//!
+//! A failure here says that a stored set would be read otherwise than it was written. Once a layout has been released,
+//! the answer is a new one (`firmware::store`); before that, `BLESS=1` writes the file of the present layout anew.
+
+use std::path::{Path, PathBuf};
+
+use firmware::store::{LAYOUT, LoadError, ParameterStore, Parameters};
+use host_tests::flash::MockFlash;
+use host_tests::store::paper_set;
+use wire::{OnModelFault, Protection, State};
+
+const SECTOR: usize = 4096;
+/// A layout that no firmware has yet.
+const LATER: u16 = u16::MAX;
+
+/// A store over the contents of a file; the rest of the flash is blank.
+fn store(contents: &[u8]) -> ParameterStore<MockFlash<SECTOR>> {
+    ParameterStore::new(MockFlash::with(contents))
+}
+
+fn file(layout: u16) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/store_layout_{layout}.bin"))
+}
+
+fn golden(layout: u16) -> Vec<u8> {
+    std::fs::read(file(layout)).expect("part of the sources")
+}
+
+/// The set in the files.
+fn stored() -> Parameters {
+    let protection =
+        Protection { bus_silent_ticks: 250, on_model_fault: OnModelFault::Vent, ..Protection::STANDARD };
+    Parameters { protection, ..paper_set() }
+}
+
+/// What is written of a flash.
+fn written(store: ParameterStore<MockFlash<SECTOR>>) -> Vec<u8> {
+    let flash = store.into_flash();
+    let end = flash.bytes().iter().rposition(|&byte| byte != 0xFF).map_or(0, |last| last + 1);
+    flash.bytes()[..end].to_vec()
+}
+
+#[test]
+fn the_present_layout_is_written_and_read_as_ever() {
+    let mut writing = store(&[]);
+    assert_eq!(writing.save(State::Ready, &stored()), Ok(()));
+    let written = written(writing);
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(file(LAYOUT), &written).expect("the sources can be written");
+    }
+    assert!(written == golden(LAYOUT), "layout {LAYOUT} has changed");
+    assert_eq!(store(&golden(LAYOUT)).load(), Ok(stored()));
+}
+
+#[test]
+fn the_previous_layout_is_read_with_the_limits_of_a_new_board() {
+    assert_eq!(store(&golden(LAYOUT - 1)).load(), Ok(paper_set()));
+}
+
+#[test]
+fn saving_what_was_loaded_brings_the_previous_layout_up_to_date() {
+    let mut migrated = store(&golden(LAYOUT - 1));
+    let set = migrated.load().expect("readable");
+    let before = migrated.into_flash();
+    let mut migrated = ParameterStore::new(before.clone());
+    assert_eq!(migrated.save(State::Off, &set), Ok(()));
+    assert_eq!(migrated.load(), Ok(set.clone()));
+    let after = migrated.into_flash();
+    assert!(after.work() > 0, "nothing was written");
+    // Only once.
+    let mut again = ParameterStore::new(after.clone());
+    assert_eq!(again.save(State::Off, &set), Ok(()));
+    assert_eq!(again.into_flash().work(), after.work());
+}
+
+#[test]
+fn a_layout_of_a_later_firmware_is_reported_by_its_number_and_not_guessed_at() {
+    // The record before it is of layout 2, and not taken in its place.
+    assert_eq!(store(&golden(LATER)).load(), Err(LoadError::Layout(LATER)));
+}

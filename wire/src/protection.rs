@@ -1,0 +1,101 @@
+//! What a board protects its muscle by: limits of the plant, which the host may set while the valve is vented.
+//!
+//! A limit that is infinite, or a number of ticks that is [`NEVER`], switches its monitor off.
+
+use serde::{Deserialize, Serialize};
+
+/// A number of ticks that does not pass.
+pub const NEVER: u32 = u32::MAX;
+
+/// The limits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Protection {
+    /// Length of the self-test between configuration and readiness, valve vented. Unit: tick.
+    pub self_test_ticks: u32,
+    /// Highest pressure at the end of the self-test. Unit: bar.
+    pub vented_bar: f32,
+    /// Pressure that vents in the sample that shows it. Unit: bar.
+    pub overpressure_hard_bar: f32,
+    /// Pressure that vents when its average over some 16 samples is above. Unit: bar.
+    pub overpressure_soft_bar: f32,
+    /// Lowest pressure of the supply, as an average. Unit: bar.
+    pub supply_min_bar: f32,
+    /// Largest credible change of the pressure in a tick. Unit: bar.
+    pub pressure_jump_bar: f32,
+    /// Largest credible change of the contraction in a tick. Unit: mm.
+    pub contraction_jump_mm: f32,
+    /// A sensor that shows no change while the command moves by as much is stuck. Unit: bar.
+    pub stuck_command_bar: f32,
+    /// How far outside the model's loop a contraction is implausible, as a share of the stroke. Unit: 1.
+    pub implausible_share: f32,
+    /// How far pressure and command may differ for good. Unit: bar.
+    pub following_band_bar: f32,
+    /// Integral over time of what they differ beyond that, at which the valve does not follow. Unit: bar s.
+    pub following_limit_bar_s: f32,
+    /// How much the feedback may put on the feed-forward for good. Unit: bar.
+    pub authority_bar: f32,
+    /// How long the host may be silent while the valve is driven. Unit: tick.
+    pub bus_silent_ticks: u32,
+    /// Rise of the highest command after a start. Unit: bar/s, above 0.
+    pub soft_start_bar_per_s: f32,
+    /// Largest rate of change of the command, whatever the controller asks for. Unit: bar/s, above 0.
+    pub slew_bar_per_s: f32,
+    /// Highest temperature of the board. Unit: °C.
+    pub temperature_max_c: f32,
+    /// What follows when the installed model does not stand its test.
+    pub on_model_fault: OnModelFault,
+}
+
+/// What follows when the installed model does not stand its test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum OnModelFault {
+    /// The valve stays vented.
+    Vent,
+    /// Feedback alone may track.
+    FeedbackOnly,
+}
+
+impl Protection {
+    /// Of a board on a real muscle, until the host says otherwise: a muscle for up to 6 bar.
+    pub const STANDARD: Self = Self {
+        self_test_ticks: 250,
+        vented_bar: 0.5,
+        overpressure_hard_bar: 7.5,
+        overpressure_soft_bar: 6.6,
+        supply_min_bar: 4.0,
+        pressure_jump_bar: 1.0,
+        contraction_jump_mm: 10.0,
+        stuck_command_bar: 1.5,
+        implausible_share: 0.3,
+        following_band_bar: 1.0,
+        following_limit_bar_s: 1.0,
+        authority_bar: 2.0,
+        bus_silent_ticks: 500,
+        soft_start_bar_per_s: 10.0,
+        slew_bar_per_s: 100.0,
+        temperature_max_c: 85.0,
+        on_model_fault: OnModelFault::FeedbackOnly,
+    };
+
+    /// Of a board whose muscle is a simulation, which cannot be hurt and may behave as it likes: what concerns sensors,
+    /// numbers and program stays on, what concerns the plant is off.
+    pub const SIMULATED: Self = Self {
+        self_test_ticks: 0,
+        vented_bar: f32::INFINITY,
+        overpressure_hard_bar: f32::INFINITY,
+        overpressure_soft_bar: f32::INFINITY,
+        supply_min_bar: 0.0,
+        pressure_jump_bar: f32::INFINITY,
+        contraction_jump_mm: f32::INFINITY,
+        stuck_command_bar: f32::INFINITY,
+        implausible_share: f32::INFINITY,
+        following_band_bar: f32::INFINITY,
+        following_limit_bar_s: f32::INFINITY,
+        authority_bar: f32::INFINITY,
+        bus_silent_ticks: NEVER,
+        soft_start_bar_per_s: 200.0,
+        slew_bar_per_s: 200.0,
+        temperature_max_c: f32::INFINITY,
+        on_model_fault: OnModelFault::FeedbackOnly,
+    };
+}

@@ -1,0 +1,86 @@
+//! What `mgpi diagnose --json` writes.
+
+use serde_json::{Map, Value, json};
+
+use crate::diagnosis::cause::Cause;
+use crate::diagnosis::reject::Unexplained;
+use crate::diagnosis::{Diagnosis, Verdict};
+use crate::unit::Unit;
+
+/// A diagnosis; the keys of errors carry the output's unit.
+pub fn to_json(diagnosis: &Diagnosis, unit: Unit, seconds: f64) -> Value {
+    let keyed = |entries: &[(&str, f64)]| -> Value {
+        let named =
+            entries.iter().map(|(name, value)| (format!("{name}_{}", unit.suffix()), (*value).into()));
+        Value::Object(named.collect())
+    };
+    let names = |set: &Vec<Cause>| -> Vec<&str> { set.iter().map(|cause| cause.name()).collect() };
+    let causes = diagnosis.causes.iter().map(|named| {
+        json!({
+            "name": named.cause.name(),
+            "parameters": parameters(&named.parameters),
+            "share_of_residual": named.share,
+            "evidence": named.evidence,
+        })
+    });
+    let (before, after) = diagnosis.heldout;
+    json!({
+        "verdict": diagnosis.verdict.name(),
+        "causes": causes.collect::<Vec<_>>(),
+        "alternatives": diagnosis.alternatives.iter().map(names).collect::<Vec<_>>(),
+        "baseline": keyed(&[("rmse", diagnosis.rmse.0)]),
+        "extended": keyed(&[("rmse", diagnosis.rmse.1)]),
+        "heldout": keyed(&[
+            ("before_rmse", before),
+            ("after_rmse", after),
+            ("noise_floor", diagnosis.anatomy.noise.deviation),
+        ]),
+        "pure_error": diagnosis.pure_error.map(|(before, after)| keyed(&[("before", before), ("after", after)])),
+        "figures_of_misfit": diagnosis.anatomy,
+        "examinable": diagnosis.examinable,
+        "unexplained": diagnosis.unexplained.as_ref().map(unexplained),
+        "suggested_experiment": experiment(diagnosis),
+        "seconds": seconds,
+    })
+}
+
+/// Parameters by name; a name that comes several times is a list.
+fn parameters(all: &[(&str, f64)]) -> Value {
+    let mut map = Map::new();
+    for (name, value) in all {
+        if name.ends_with("time_constants_s") {
+            if let Value::Array(list) = map.entry(*name).or_insert_with(|| json!([])) {
+                list.push((*value).into());
+            }
+        } else {
+            map.insert((*name).to_owned(), (*value).into());
+        }
+    }
+    Value::Object(map)
+}
+
+fn unexplained(seen: &Unexplained) -> Value {
+    match seen {
+        Unexplained::ZeroStep { time_s, height } => {
+            json!({"seen": "zero_step", "time_s": time_s, "height": height})
+        }
+        Unexplained::Outliers { rows, largest } => {
+            json!({"seen": "outliers", "rows": rows, "largest": largest})
+        }
+        Unexplained::NotRepeatable { pure_error, tones_hz } => {
+            json!({"seen": "not_repeatable", "pure_error": pure_error, "tones_hz": tones_hz})
+        }
+    }
+}
+
+/// The command that writes an excitation which separates what is confounded.
+fn experiment(diagnosis: &Diagnosis) -> Option<String> {
+    if diagnosis.verdict != Verdict::Confounded {
+        return None;
+    }
+    let mut names: Vec<&str> = diagnosis.causes.iter().map(|named| named.cause.name()).collect();
+    names.extend(diagnosis.alternatives.iter().flatten().map(|cause| cause.name()));
+    names.sort_unstable();
+    names.dedup();
+    Some(format!("mgpi plan --causes {} -o plan.csv", names.join(",")))
+}

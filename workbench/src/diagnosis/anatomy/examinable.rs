@@ -1,0 +1,392 @@
+//! Which causes a recording can show at all.
+//!
+//! # Design
+//! Each cause needs an excitation, or a column, in which it acts otherwise than its rivals; without it the cause is not
+//! examinable, and the reason says what the recording has and what it would need. Nothing is guessed from a residual here.
+//!
+//! # Limits
+//! That a cause is examinable does not say that it can be told from every rival, only that it would be seen.
+
+use serde::Serialize;
+
+use super::excitation::{Excitation, Variation};
+use crate::diagnosis::cause::Cause;
+
+/// The least ratio of two speeds over the same range that shows an effect of the speed.
+const SPEED_RATIO: f64 = 2.5;
+/// Holds after movement in which what lags comes after.
+const LAG_HOLDS: usize = 3;
+/// A fast swing goes over so many spans in a second; what a mass does is not seen in slower ones. Unit: 1/s.
+const FAST_SPANS: f64 = 0.4;
+/// The most time between rows in which ringing is seen. Unit: s.
+const RINGING_STEP_S: f64 = 0.05;
+/// The shortest hold in which creep is told from a lag. Unit: s.
+const CREEP_HOLD_S: f64 = 3.0;
+/// The least repeats of a swing that show a change with time, and the share of the recording between them.
+const REPEATS: usize = 3;
+const REPEATED_SHARE: f64 = 0.3;
+/// The least travel in which running in is seen. Unit: strokes.
+const WARM_UP_STROKES: f64 = 4.0;
+/// The shortest recording in which a tone is told from anything else. Unit: s.
+const TONE_S: f64 = 10.0;
+/// The least number of different heights of swings in which the shape of inner loops shows.
+const HEIGHTS: usize = 3;
+
+/// Where the valve is, as the recording sees it.
+#[derive(Clone, Copy, Debug)]
+pub enum ValveView<'a> {
+    /// The pressure alone is known, and drives the model.
+    Unseen,
+    /// The command alone is known, and drives the model: valve and muscle are one chain.
+    InChain,
+    /// Command and pressure are both known; this is what the command excites.
+    Beside(&'a Excitation),
+}
+
+/// Whether a recording can show a cause.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Examinable {
+    /// The cause.
+    #[serde(serialize_with = "by_name")]
+    pub cause: Cause,
+    /// Whether it can.
+    pub examinable: bool,
+    /// Why, or why not, with figures.
+    pub why: String,
+}
+
+fn by_name<S: serde::Serializer>(cause: &Cause, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(cause.name())
+}
+
+/// Judges every cause; `unit` is the input's symbol.
+pub fn examinable(excitation: &Excitation, valve: ValveView<'_>, unit: &str) -> Vec<Examinable> {
+    let judge = |cause: Cause| {
+        let judged = Judge { excitation, valve, unit }.judge(cause);
+        let examinable = judged.is_ok();
+        let (Ok(why) | Err(why)) = judged;
+        Examinable { cause, examinable, why }
+    };
+    Cause::ALL.map(judge).to_vec()
+}
+
+/// What a cause needs, met or not, in words.
+type Judged = Result<String, String>;
+
+struct Judge<'a> {
+    excitation: &'a Excitation,
+    valve: ValveView<'a>,
+    unit: &'a str,
+}
+
+impl Judge<'_> {
+    fn judge(&self, cause: Cause) -> Judged {
+        match cause {
+            Cause::ValveLag => self.valve_lag(),
+            Cause::ValveDeadband => self.valve_beside(),
+            Cause::SupplySaturation => self.valve_seen(),
+            Cause::TransportDelay | Cause::ViscousLag => self.lag(),
+            Cause::RateDependentWidth => self.speeds(),
+            Cause::Inertia => self.ringing(),
+            Cause::Creep => self.holds(),
+            Cause::Load => self.column("load", "N", self.excitation.load),
+            Cause::Temperature => self.column("temperature", "K", self.excitation.temperature),
+            Cause::Drift => self.repeats(),
+            Cause::WarmUp => self.travel(),
+            Cause::PeriodicDisturbance => self.tone(),
+            Cause::HysteresisShape => self.shape(),
+        }
+    }
+
+    fn valve_seen(&self) -> Judged {
+        match self.valve {
+            ValveView::Unseen => {
+                Err("there is no command beside the pressure, so nothing of the valve shows".to_owned())
+            }
+            ValveView::InChain => {
+                Ok("the command alone was recorded: what the valve does cannot be told from what the muscle does \
+                    likewise"
+                    .to_owned())
+            }
+            ValveView::Beside(_) => Ok("command and pressure were both recorded".to_owned()),
+        }
+    }
+
+    fn valve_lag(&self) -> Judged {
+        let valve = self.valve_seen()?;
+        let seen = match self.valve {
+            ValveView::Beside(excitation) => Judge { excitation, ..*self }.lag()?,
+            ValveView::Unseen | ValveView::InChain => self.lag()?,
+        };
+        Ok(format!("{valve}; {seen}"))
+    }
+
+    /// In one chain with the muscle, a dead band is the muscle's own hysteresis.
+    fn valve_beside(&self) -> Judged {
+        match self.valve {
+            ValveView::InChain => {
+                Err("the command alone was recorded: a dead band looks like the muscle's own hysteresis"
+                    .to_owned())
+            }
+            ValveView::Unseen | ValveView::Beside(_) => self.valve_seen(),
+        }
+    }
+
+    fn speeds(&self) -> Judged {
+        let Excitation { slowest, fastest, speed_ratio, swings, .. } = self.excitation;
+        let unit = self.unit;
+        if *swings == 0 {
+            return Err("the input never swings".to_owned());
+        }
+        if *speed_ratio >= SPEED_RATIO {
+            return Ok(format!(
+                "swings of {slowest:.2} to {fastest:.2} {unit}/s, over the same range up to {speed_ratio:.1} times as fast"
+            ));
+        }
+        Err(format!(
+            "swings over the same range differ in speed by a factor of {speed_ratio:.1} at most, and {SPEED_RATIO} is \
+             needed ({slowest:.2} to {fastest:.2} {unit}/s in all)"
+        ))
+    }
+
+    fn lag(&self) -> Judged {
+        let holds = self.excitation.holds.len();
+        match self.speeds() {
+            Err(why) if holds >= LAG_HOLDS => Ok(format!(
+                "{holds} holds in which what lags comes after, the longest {:.1} s; but {why}",
+                self.longest()
+            )),
+            Err(why) => {
+                Err(format!("{why}; holds would do as well, {LAG_HOLDS} at least, and there are {holds}"))
+            }
+            seen => seen,
+        }
+    }
+
+    fn ringing(&self) -> Judged {
+        let Excitation { fastest, jumps, input_span, step_s, .. } = self.excitation;
+        let unit = self.unit;
+        if *step_s > RINGING_STEP_S {
+            return Err(format!(
+                "{:.0} rows a second are too few for ringing, at least 20 are needed",
+                1.0 / step_s
+            ));
+        }
+        let needed = FAST_SPANS * input_span;
+        if *fastest < needed {
+            return Err(format!(
+                "the fastest swing has {fastest:.2} {unit}/s, and {needed:.2} {unit}/s is needed to excite a mass"
+            ));
+        }
+        Ok(format!("swings of up to {fastest:.2} {unit}/s, {jumps} jumps that end in a hold"))
+    }
+
+    fn holds(&self) -> Judged {
+        let (holds, longest) = (self.excitation.holds.len(), self.longest());
+        let words = match holds {
+            0 => "there is no hold of 1 s or more".to_owned(),
+            _ => format!("{holds} holds, the longest {longest:.1} s"),
+        };
+        if longest >= CREEP_HOLD_S {
+            Ok(words)
+        } else {
+            Err(format!("{words}; creep needs one of {CREEP_HOLD_S} s at least"))
+        }
+    }
+
+    fn column(&self, name: &str, unit: &str, column: Option<Variation>) -> Judged {
+        match column {
+            None => Err(format!("there is no column of the {name}")),
+            Some(Variation { low, high, varies: false, .. }) => {
+                Err(format!("the {name} varies by {:.3} {unit} only, no more than its noise", high - low))
+            }
+            Some(Variation { low, high, follows_time: true, .. }) => Ok(format!(
+                "the {name} goes over {:.3} {unit}, but steadily with time: it cannot be told from a drift",
+                high - low
+            )),
+            Some(Variation { low, high, .. }) => Ok(format!("the {name} goes over {:.3} {unit}", high - low)),
+        }
+    }
+
+    fn repeats(&self) -> Judged {
+        let Excitation { repeats, repeated_over_s, duration_s, .. } = self.excitation;
+        let words = match repeats {
+            0 | 1 => "no two swings are alike".to_owned(),
+            _ => format!("{repeats} swings alike, over {repeated_over_s:.0} of {duration_s:.0} s"),
+        };
+        if *repeats >= REPEATS && *repeated_over_s >= REPEATED_SHARE * duration_s {
+            Ok(words)
+        } else {
+            Err(format!(
+                "{words}; a change with time needs {REPEATS}, over {:.0} s at least",
+                REPEATED_SHARE * duration_s
+            ))
+        }
+    }
+
+    fn travel(&self) -> Judged {
+        let strokes = self.excitation.travel_strokes;
+        let repeats = self.repeats()?;
+        if strokes >= WARM_UP_STROKES {
+            Ok(format!("{repeats}; a travel of {strokes:.1} strokes"))
+        } else {
+            Err(format!("a travel of {strokes:.1} strokes, and {WARM_UP_STROKES} are needed"))
+        }
+    }
+
+    fn tone(&self) -> Judged {
+        let Excitation { duration_s, step_s, .. } = self.excitation;
+        if *duration_s < TONE_S {
+            return Err(format!("{duration_s:.1} s are too short, {TONE_S} s are needed"));
+        }
+        Ok(format!("frequencies from {:.3} to {:.1} Hz", 4.0 / duration_s, 0.5 / step_s))
+    }
+
+    fn shape(&self) -> Judged {
+        let Excitation { heights, swings, .. } = self.excitation;
+        match (*swings, *heights) {
+            (0, _) => Err("the input never swings".to_owned()),
+            (_, heights) if heights < HEIGHTS => {
+                Ok(format!("swings of {heights} different heights only: inner loops hardly show"))
+            }
+            (_, heights) => Ok(format!("swings of {heights} different heights")),
+        }
+    }
+
+    fn longest(&self) -> f64 {
+        self.excitation.longest_hold_s()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Residual;
+    use super::super::synthetic::{Noise, held_triangles, times, triangles};
+    use super::*;
+
+    type View = for<'a> fn(&'a Excitation) -> ValveView<'a>;
+
+    /// Judges 120 s of an input with some noise, 100 rows a second, whose output is proportional.
+    fn judged(
+        valve: View,
+        temperature: Option<fn(f64) -> f64>,
+        input: impl Fn(f64) -> f64,
+    ) -> Vec<Examinable> {
+        let time_s = times(12_000, 0.01);
+        let mut noise = Noise::new(1);
+        let input: Vec<f64> = time_s.iter().map(|&t| input(t) + noise.white(0.002)).collect();
+        let output: Vec<f64> = input.iter().map(|u| 20.0 * u).collect();
+        let temperature: Option<Vec<f64>> =
+            temperature.map(|of| time_s.iter().map(|&t| of(t) + noise.white(0.01)).collect());
+        let residual = Residual {
+            time_s: &time_s,
+            residual: &output,
+            input: &input,
+            output: &output,
+            load: None,
+            temperature: temperature.as_deref(),
+        };
+        let excitation = Excitation::of(&residual);
+        examinable(&excitation, valve(&excitation), "bar")
+    }
+
+    fn of(judged: &[Examinable], cause: Cause) -> &Examinable {
+        judged.iter().find(|judged| judged.cause == cause).expect("every cause is judged")
+    }
+
+    /// Triangles of 20 s, each lower than the one before.
+    fn falling(t: f64) -> f64 {
+        (1.0 - (t / 20.0).floor() / 6.0) * triangles(t, 20.0)
+    }
+
+    #[test]
+    fn slow_triangles_alone_show_neither_delay_nor_lag_inertia_width_or_creep() {
+        for input in [falling, |t: f64| triangles(t, 20.0)] {
+            let judged = judged(|seen| ValveView::Beside(seen), None, input);
+            for cause in [
+                Cause::TransportDelay,
+                Cause::ViscousLag,
+                Cause::ValveLag,
+                Cause::Inertia,
+                Cause::RateDependentWidth,
+                Cause::Creep,
+                Cause::Load,
+                Cause::Temperature,
+            ] {
+                assert!(!of(&judged, cause).examinable, "{:?}", of(&judged, cause));
+            }
+            assert!(of(&judged, Cause::ValveDeadband).examinable);
+            assert!(of(&judged, Cause::PeriodicDisturbance).examinable);
+        }
+    }
+
+    #[test]
+    fn only_alike_swings_show_drift_and_running_in() {
+        let alike = judged(|_| ValveView::Unseen, None, |t| triangles(t, 20.0));
+        let other = judged(|_| ValveView::Unseen, None, falling);
+        for cause in [Cause::Drift, Cause::WarmUp] {
+            assert!(of(&alike, cause).examinable, "{:?}", of(&alike, cause));
+            assert!(!of(&other, cause).examinable, "{:?}", of(&other, cause));
+        }
+    }
+
+    #[test]
+    fn triangles_at_two_speeds_show_delay_width_and_inertia_and_still_no_creep() {
+        let judged = judged(
+            |_| ValveView::Unseen,
+            None,
+            |t| if t < 60.0 { triangles(t, 20.0) } else { triangles(t, 2.0) },
+        );
+        for cause in [Cause::TransportDelay, Cause::ViscousLag, Cause::RateDependentWidth, Cause::Inertia] {
+            assert!(of(&judged, cause).examinable, "{:?}", of(&judged, cause));
+        }
+        let creep = of(&judged, Cause::Creep);
+        assert_eq!(creep.why, "there is no hold of 1 s or more; creep needs one of 3 s at least");
+    }
+
+    #[test]
+    fn holds_show_creep_and_lag() {
+        let judged = judged(|_| ValveView::Unseen, None, |t| held_triangles(t, 5.0));
+        assert!(
+            of(&judged, Cause::Creep).why.contains("the longest 5.0 s"),
+            "{:?}",
+            of(&judged, Cause::Creep)
+        );
+        assert!(of(&judged, Cause::Creep).examinable && of(&judged, Cause::ViscousLag).examinable);
+        assert!(!of(&judged, Cause::RateDependentWidth).examinable);
+    }
+
+    #[test]
+    fn without_a_command_beside_the_pressure_nothing_of_the_valve_shows() {
+        let cases: [(View, [bool; 3]); 3] = [
+            (|_| ValveView::Unseen, [false; 3]),
+            (|_| ValveView::InChain, [true, false, true]),
+            (|seen| ValveView::Beside(seen), [true; 3]),
+        ];
+        for (valve, seen) in cases {
+            let judged = judged(valve, None, |t| held_triangles(t, 5.0));
+            let causes = [Cause::ValveLag, Cause::ValveDeadband, Cause::SupplySaturation];
+            assert_eq!(causes.map(|cause| of(&judged, cause).examinable), seen);
+        }
+    }
+
+    #[test]
+    fn a_column_must_vary_by_more_than_its_noise_and_one_that_only_rises_is_warned_of() {
+        let temperature = |of_time: fn(f64) -> f64| {
+            let judged = judged(|_| ValveView::Unseen, Some(of_time), falling);
+            let Examinable { examinable, why, .. } = of(&judged, Cause::Temperature).clone();
+            (examinable, why.contains("cannot be told from a drift"))
+        };
+        assert_eq!(temperature(|_| 21.0), (false, false));
+        assert_eq!(temperature(|t| 21.0 + (t / 10.0).sin()), (true, false));
+        assert_eq!(temperature(|t| 21.0 + 0.02 * t), (true, true));
+    }
+
+    #[test]
+    fn a_recording_in_which_nothing_moves_shows_no_loop() {
+        let judged = judged(|_| ValveView::Unseen, None, |_| 3.0);
+        assert!(
+            !of(&judged, Cause::HysteresisShape).examinable && !of(&judged, Cause::ViscousLag).examinable
+        );
+    }
+}

@@ -1,0 +1,378 @@
+//! Fits the baseline and a set of effects together, and tries the fit on blocks of time that it has not seen.
+//!
+//! # Design
+//! The weights of the baseline and of the columns on the output are linear; strengths and shapes of the effects are not.
+//! Gauss-Newton on both at once: the effects' sensitivities, by differences, stand as columns beside the linear ones,
+//! which for these is exact. At the end the same columns make the cross-validation cheap: each fold's fit is a solution of
+//! the normal equations less the fold's part.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::basis::{Basis, COLUMNS, ENTRIES, Entries, Seen};
+use super::effect::{Effect, Form};
+use super::equivalent::Stages;
+use super::output;
+use super::signals::{FOLDS, Signals};
+
+/// Gauss-Newton steps at most.
+const STEPS: usize = 8;
+/// A step that gains less than this share of the sum of squares is the last.
+const ENOUGH: f64 = 2e-3;
+/// Ridge, as a share of a column's own square.
+const RIDGE: f64 = 1e-7;
+
+/// A fitted set of effects.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The effects, their parameters found.
+    pub effects: Vec<Effect>,
+    /// What the operators see.
+    pub seen: Seen,
+    /// Weights of the baseline, then of the effects' columns on the output.
+    pub weights: Vec<f64>,
+    /// Measured less fitted, a value a scored row.
+    pub residual: Vec<f64>,
+    /// The same, each row fitted without its own fold.
+    pub unseen: Vec<f64>,
+    /// Leverage of each row on the fit without its fold, as a multiple of the mean.
+    pub leverage: Vec<f64>,
+}
+
+impl Fit {
+    /// The weights of an effect's columns on the output.
+    pub fn output_weights(&self, signals: &Signals, effect: usize) -> &[f64] {
+        let count = |effect: &Effect| output::columns(effect, signals).0.len();
+        let first = COLUMNS + self.effects[..effect].iter().map(count).sum::<usize>();
+        &self.weights[first..first + count(&self.effects[effect])]
+    }
+
+    /// The height of a step of the zero, if there is one. Output unit.
+    pub fn step_weight(&self, signals: &Signals) -> Option<f64> {
+        let step = self.effects.iter().position(|effect| effect.form == Form::Step)?;
+        self.output_weights(signals, step).first().copied()
+    }
+
+    /// Root mean square of the residual. Output unit.
+    pub fn rms(&self) -> f64 {
+        (self.residual.iter().map(|e| e * e).sum::<f64>() / self.residual.len().max(1) as f64).sqrt()
+    }
+}
+
+/// Rows of columns at one point of the parameters.
+pub(super) struct Design {
+    /// Those of the baseline.
+    pub(super) rows: Vec<Entries>,
+    /// Those of the effects.
+    pub(super) dense: Vec<Vec<f64>>,
+    /// The first of the dense columns of each effect.
+    firsts: Vec<usize>,
+    /// Which dense columns must not have negative weights.
+    one_sign: Vec<bool>,
+}
+
+/// Normal equations.
+#[derive(Clone)]
+pub(super) struct Normal {
+    matrix: DMatrix<f64>,
+    right: DVector<f64>,
+}
+
+impl Design {
+    fn new(signals: &Signals, basis: &Basis, effects: &[Effect], seen: &Seen) -> Self {
+        let mut rows = Vec::with_capacity(signals.rows.len());
+        basis.run(seen, &signals.rows, |_, entries| rows.push(entries));
+        let (mut dense, mut firsts, mut one_sign) = (Vec::new(), Vec::new(), Vec::new());
+        for effect in effects {
+            let (columns, positive) = output::columns(effect, signals);
+            firsts.push(dense.len());
+            one_sign.extend(columns.iter().map(|_| positive));
+            dense.extend(columns);
+        }
+        Self { rows, dense, firsts, one_sign }
+    }
+
+    /// How many.
+    pub(super) fn columns(&self) -> usize {
+        COLUMNS + self.dense.len()
+    }
+
+    /// These rows with further columns.
+    pub(super) fn with_columns(&self, columns: &[Vec<f64>]) -> Self {
+        Self {
+            rows: self.rows.clone(),
+            dense: self.dense.iter().chain(columns).cloned().collect(),
+            firsts: Vec::new(),
+            one_sign: Vec::new(),
+        }
+    }
+
+    /// The sum of a row with these weights.
+    fn predict(&self, row: usize, weights: &[f64]) -> f64 {
+        self.rows[row].sum(weights)
+            + self.dense.iter().zip(&weights[COLUMNS..]).map(|(column, w)| column[row] * w).sum::<f64>()
+    }
+
+    /// The normal equations of the rows, each added to those that `part` names.
+    pub(super) fn normal<const P: usize>(
+        &self,
+        target: impl Fn(usize) -> f64,
+        part: impl Fn(usize) -> [bool; P],
+    ) -> [Normal; P] {
+        let count = self.columns();
+        let dense = self.dense.len();
+        let empty = Normal { matrix: DMatrix::zeros(count, count), right: DVector::zeros(count) };
+        let mut parts: [Normal; P] = std::array::from_fn(|_| empty.clone());
+        let mut places = vec![0; ENTRIES + dense];
+        let mut values = vec![0.0; ENTRIES + dense];
+        for (i, place) in places[ENTRIES..].iter_mut().enumerate() {
+            *place = COLUMNS + i;
+        }
+        for (row, entries) in self.rows.iter().enumerate() {
+            for i in 0..ENTRIES {
+                places[i] = entries.columns[i] as usize;
+                values[i] = entries.values[i];
+            }
+            for (value, column) in values[ENTRIES..].iter_mut().zip(&self.dense) {
+                *value = column[row];
+            }
+            let wanted = target(row);
+            for (normal, _) in parts.iter_mut().zip(part(row)).filter(|(_, named)| *named) {
+                // The columns of a row are in rising order: the upper triangle, column by column.
+                for (j, (&place, &value)) in places.iter().zip(&values).enumerate() {
+                    normal.right[place] += value * wanted;
+                    let mut column = normal.matrix.column_mut(place);
+                    for (&other, &factor) in places[..=j].iter().zip(&values[..=j]) {
+                        column[other] += value * factor;
+                    }
+                }
+            }
+        }
+        parts
+    }
+}
+
+impl Normal {
+    fn less(&self, other: &Self) -> Self {
+        Self { matrix: &self.matrix - &other.matrix, right: &self.right - &other.right }
+    }
+
+    /// The solution in the columns that are `free`, the others 0; and the factor of those columns.
+    pub(super) fn solve(&self, free: &[usize]) -> Option<(Vec<f64>, nalgebra::Cholesky<f64, nalgebra::Dyn>)> {
+        let count = free.len();
+        let mut matrix = DMatrix::zeros(count, count);
+        for (j, &column) in free.iter().enumerate() {
+            for (i, &row) in free.iter().enumerate().take(j + 1) {
+                matrix[(j, i)] = self.matrix[(row.min(column), row.max(column))];
+            }
+            matrix[(j, j)] = matrix[(j, j)] * (1.0 + RIDGE) + 1e-12;
+        }
+        let right = DVector::from_iterator(count, free.iter().map(|&column| self.right[column]));
+        let factor = nalgebra::Cholesky::new(matrix)?;
+        let solution = factor.solve(&right);
+        let mut all = vec![0.0; self.right.len()];
+        for (&column, &value) in free.iter().zip(solution.iter()) {
+            all[column] = value;
+        }
+        Some((all, factor))
+    }
+}
+
+/// Where a search stands.
+pub(super) struct Point {
+    pub(super) effects: Vec<Effect>,
+    pub(super) stages: Stages,
+    pub(super) design: Design,
+    /// Linear weights, and those columns that may differ from 0.
+    pub(super) weights: Vec<f64>,
+    free: Vec<usize>,
+    pub(super) residual: Vec<f64>,
+    pub(super) squares: f64,
+}
+
+impl Point {
+    pub(super) fn new(signals: &Signals, basis: &Basis, effects: Vec<Effect>) -> Option<Self> {
+        let stages = Stages::new(signals, &effects);
+        let design = Design::new(signals, basis, &effects, &stages.seen);
+        let target = |row: usize| signals.output[signals.rows[row].at];
+        let [normal] = design.normal(target, |_| [true]);
+        let mut free: Vec<usize> = (0..design.columns()).collect();
+        let weights = loop {
+            let (weights, _) = normal.solve(&free)?;
+            let wrong = (0..design.dense.len())
+                .filter(|&i| design.one_sign[i] && weights[COLUMNS + i] < 0.0)
+                .min_by(|&i, &j| weights[COLUMNS + i].total_cmp(&weights[COLUMNS + j]));
+            match wrong {
+                Some(i) => free.retain(|&column| column != COLUMNS + i),
+                None => break weights,
+            }
+        };
+        let residual: Vec<f64> =
+            (0..design.rows.len()).map(|row| target(row) - design.predict(row, &weights)).collect();
+        let squares = residual.iter().map(|e| e * e).sum();
+        Some(Self { effects, stages, design, weights, free, residual, squares })
+    }
+
+    /// The change of the fitted values with every nonlinear parameter, as columns.
+    pub(super) fn sensitivities(&self, signals: &Signals, basis: &Basis) -> Vec<Vec<f64>> {
+        let fitted: Vec<f64> =
+            signals.rows.iter().zip(&self.residual).map(|(row, e)| signals.output[row.at] - e).collect();
+        let mut columns = Vec::new();
+        for (i, effect) in self.effects.iter().enumerate() {
+            for j in 0..effect.parameters.len() {
+                let mut moved = self.effects.clone();
+                let parameter = &mut moved[i].parameters[j];
+                if parameter.low == parameter.high {
+                    columns.push(vec![0.0; fitted.len()]);
+                    continue;
+                }
+                let step = if parameter.value + parameter.step > parameter.high {
+                    -parameter.step
+                } else {
+                    parameter.step
+                };
+                parameter.value += step;
+                let seen = self.stages.with(signals, &moved, i);
+                let mut column = vec![0.0; fitted.len()];
+                basis.run(&seen, &signals.rows, |row, entries| column[row] = entries.sum(&self.weights));
+                let own = output::columns(&moved[i], signals).0;
+                let first = self.design.firsts[i];
+                for (place, values) in self.design.dense.iter().enumerate() {
+                    let values = place.checked_sub(first).and_then(|k| own.get(k)).unwrap_or(values);
+                    let weight = self.weights[COLUMNS + place];
+                    column.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+                }
+                for (value, at) in column.iter_mut().zip(&fitted) {
+                    *value = (*value - at) / step;
+                }
+                columns.push(column);
+            }
+        }
+        columns
+    }
+}
+
+impl Point {
+    /// The columns that can move, of the linear ones and then of the sensitivities: not those of a parameter at a bound.
+    pub(super) fn movable(&self, normal: &Normal) -> Vec<usize> {
+        let first = self.design.columns();
+        let parameters = self.effects.iter().flat_map(|effect| &effect.parameters).enumerate();
+        let moving = parameters.filter(|(i, parameter)| {
+            parameter.value > parameter.low
+                && parameter.value < parameter.high
+                && normal.matrix[(first + i, first + i)] > 0.0
+        });
+        self.free.iter().copied().chain(moving.map(|(i, _)| first + i)).collect()
+    }
+}
+
+/// Fits effects from where their parameters stand; None where the normal equations cannot be solved.
+pub fn fit(signals: &Signals, basis: &Basis, effects: &[Effect]) -> Option<Fit> {
+    let mut point = Point::new(signals, basis, effects.to_vec())?;
+    let nonlinear = effects.iter().map(|effect| effect.parameters.len()).sum::<usize>();
+    let mut sensitivities = Vec::new();
+    for _ in 0..STEPS {
+        sensitivities = point.sensitivities(signals, basis);
+        if nonlinear == 0 {
+            break;
+        }
+        let Some(step) = step(&point, &sensitivities) else { break };
+        let before = point.squares;
+        let Some(next) = descend(signals, basis, &point, &step) else { break };
+        point = next;
+        if point.squares > (1.0 - ENOUGH) * before {
+            sensitivities = point.sensitivities(signals, basis);
+            break;
+        }
+    }
+    Some(cross_validate(signals, point, sensitivities))
+}
+
+/// The Gauss-Newton step of the nonlinear parameters, within their bounds.
+fn step(point: &Point, sensitivities: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let all = point.design.with_columns(sensitivities);
+    let [normal] = all.normal(|row| point.residual[row], |_| [true]);
+    let first = point.design.columns();
+    let parameters: Vec<_> = point.effects.iter().flat_map(|effect| &effect.parameters).collect();
+    let mut moving: Vec<usize> = (0..parameters.len())
+        .filter(|&i| parameters[i].high > parameters[i].low && normal.matrix[(first + i, first + i)] > 0.0)
+        .collect();
+    loop {
+        let free: Vec<usize> = point.free.iter().copied().chain(moving.iter().map(|i| first + i)).collect();
+        let (solution, _) = normal.solve(&free)?;
+        // What stands at a bound and wants beyond it stays.
+        let blocked = moving.iter().position(|&i| {
+            let (parameter, change) = (parameters[i], solution[first + i]);
+            (parameter.value <= parameter.low && change < 0.0)
+                || (parameter.value >= parameter.high && change > 0.0)
+        });
+        match blocked {
+            Some(place) => {
+                moving.remove(place);
+            }
+            None => return Some(solution[first..].to_vec()),
+        }
+    }
+}
+
+/// The first point on the way that is better, halving the step a few times.
+fn descend(signals: &Signals, basis: &Basis, point: &Point, step: &[f64]) -> Option<Point> {
+    let mut share = 1.0;
+    for _ in 0..5 {
+        let mut effects = point.effects.clone();
+        for (parameter, change) in effects.iter_mut().flat_map(|effect| &mut effect.parameters).zip(step) {
+            parameter.value = (parameter.value + share * change).clamp(parameter.low, parameter.high);
+        }
+        let next = Point::new(signals, basis, effects);
+        if let Some(next) = next.filter(|next| next.squares < point.squares) {
+            return Some(next);
+        }
+        share *= 0.3;
+    }
+    None
+}
+
+/// Residuals of each fold from a fit without it.
+fn cross_validate(signals: &Signals, point: Point, sensitivities: Vec<Vec<f64>>) -> Fit {
+    let all = point.design.with_columns(&sensitivities);
+    let part = |row: usize| -> [bool; FOLDS] {
+        let row = &signals.rows[row];
+        std::array::from_fn(|fold| row.fold() == fold || row.near == Some(fold))
+    };
+    let parts: [Normal; FOLDS] = all.normal(|row| point.residual[row], part);
+    let [total] = all.normal(|row| point.residual[row], |_| [true]);
+    let free = point.movable(&total);
+    let mut place = vec![None; all.columns()];
+    for (i, &column) in free.iter().enumerate() {
+        place[column] = Some(i);
+    }
+    let (mut unseen, mut leverage) = (point.residual.clone(), vec![0.0; point.residual.len()]);
+    for (fold, held_out) in parts.iter().enumerate() {
+        let taught = total.less(held_out);
+        let Some((change, factor)) = taught.solve(&free) else { continue };
+        let inverse = factor.inverse();
+        for row in (0..unseen.len()).filter(|&row| signals.rows[row].fold() == fold) {
+            unseen[row] -= all.predict(row, &change);
+            let entries = &all.rows[row];
+            let mut here: Vec<(usize, f64)> = entries
+                .columns
+                .iter()
+                .zip(&entries.values)
+                .filter_map(|(&column, &value)| Some((place[column as usize]?, value)))
+                .collect();
+            here.extend(
+                all.dense
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(i, column)| Some((place[COLUMNS + i]?, column[row]))),
+            );
+            leverage[row] = here
+                .iter()
+                .map(|&(i, a)| a * here.iter().map(|&(j, b)| inverse[(i, j)] * b).sum::<f64>())
+                .sum();
+        }
+    }
+    let mean = free.len() as f64 / leverage.len().max(1) as f64;
+    leverage.iter_mut().for_each(|leverage| *leverage /= mean.max(1e-300));
+    let Point { effects, stages, weights, residual, .. } = point;
+    Fit { effects, seen: stages.seen, weights, residual, unseen, leverage }
+}

@@ -1,0 +1,272 @@
+//! What a model gets wrong about a recording, the physical cause of it, and whether there is one that can be named.
+//!
+//! # Design
+//! | file | what it does |
+//! |---|---|
+//! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
+//! | [`cause`] | the causes that can be named |
+//! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
+//! | [`basis`] | the baseline: any rate-independent hysteresis, linear in its weights |
+//! | [`effect`], [`equivalent`], [`output`] | each cause as a nested extension in its physical place |
+//! | [`fit`] | baseline and effects together by Gauss-Newton, and tried on blocks that it has not seen |
+//! | [`free_run`] | the same without the measured contraction |
+//! | [`gain`], [`pure_error`] | what a set of causes is judged by |
+//! | [`screen`], [`spectrum`], [`search`] | which sets are tried |
+//! | [`valve`] | the valve, told apart from the muscle |
+//! | [`reject`] | what is wrong but none of the causes |
+//! | [`physical`] | the parameters in units that people measure in |
+//!
+//! # Contract
+//! The verdict does not depend on the number of threads. A cause is named only where the recording can show it, where
+//! the evidence on blocks of time that its fit has not seen is clear, and where no other set does as well.
+//!
+//! # Limits
+//! The thresholds of the evidence were found on simulated plants of two kinds and hold where the noise, the number of
+//! cycles and the misfit of the operator model are of that order. A cause whose form is far from ours may come out as a
+//! neighbour of it; the pure error then says that something is left.
+
+pub mod anatomy;
+pub mod basis;
+pub mod cause;
+pub mod effect;
+pub mod equivalent;
+pub mod fit;
+pub mod free_run;
+pub mod gain;
+pub mod output;
+pub mod physical;
+pub mod pure_error;
+pub mod reject;
+pub mod screen;
+pub mod search;
+pub mod signals;
+pub mod spectrum;
+pub mod valve;
+pub mod verdict;
+
+#[cfg(test)]
+mod tests;
+
+use thiserror::Error;
+
+use anatomy::examinable::{Examinable, ValveView, examinable};
+use anatomy::excitation::Excitation;
+use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
+use cause::Cause;
+use reject::{Unexplained, unexplained};
+use search::{Candidate, Search};
+use signals::Signals;
+use valve::{ValveFit, examine};
+pub use verdict::{Evidence, Named, Verdict};
+
+/// The columns of a recording.
+#[derive(Clone, Debug, Default)]
+pub struct Columns {
+    /// Unit: s.
+    pub time_s: Vec<f64>,
+    /// What the muscle is modelled from.
+    pub input: Vec<f64>,
+    /// Whether that is the command, the pressure unknown.
+    pub input_is_command: bool,
+    /// The command, where the input is the measured pressure.
+    pub command: Option<Vec<f64>>,
+    /// Measured contraction.
+    pub output: Vec<f64>,
+    /// Which rows are scored.
+    pub scored: Vec<bool>,
+    /// Unit: N.
+    pub load_n: Option<Vec<f64>>,
+    /// Unit: degree Celsius.
+    pub temperature_c: Option<Vec<f64>>,
+}
+
+/// Seed of what the anatomy measures chance with.
+const ANATOMY_SEED: u64 = 1;
+
+/// Why there is no diagnosis.
+#[derive(Debug, Error, PartialEq)]
+pub enum DiagnosisError {
+    /// Too few rows.
+    #[error(transparent)]
+    TooShort(#[from] TooShort),
+    /// The input or the output is constant.
+    #[error("the {0} does not move: nothing can be diagnosed")]
+    Still(&'static str),
+    /// The baseline cannot be fitted.
+    #[error("no baseline can be fitted to the recording")]
+    NoBaseline,
+}
+
+/// A diagnosis. Errors in the output's unit.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// What it comes to.
+    pub verdict: Verdict,
+    /// The named causes.
+    pub causes: Vec<Named>,
+    /// Other sets of causes that do as well.
+    pub alternatives: Vec<Vec<Cause>>,
+    /// What is seen and not explained.
+    pub unexplained: Option<Unexplained>,
+    /// What the recording can show.
+    pub examinable: Vec<Examinable>,
+    /// Root mean square before and with the causes.
+    pub rmse: (f64, f64),
+    /// The same on blocks that the fit has not seen.
+    pub heldout: (f64, f64),
+    /// What visits to the same state differ by, before and with the causes; None where too few states are visited twice.
+    pub pure_error: Option<(f64, f64)>,
+    /// The residuals' rows, and the residuals before and with the causes.
+    pub rows: Vec<usize>,
+    /// Before.
+    pub residual_before: Vec<f64>,
+    /// With the causes.
+    pub residual_after: Vec<f64>,
+    /// The residual taken apart, before.
+    pub anatomy: Anatomy,
+    /// The evidence for each cause alone, the strongest first.
+    pub singles: Vec<Evidence>,
+    /// The valve, if it can be told apart.
+    pub valve: Option<ValveFit>,
+}
+
+/// Diagnoses a recording. `progress` is called with a share of the work and what is being done.
+///
+/// # Errors
+/// See [`DiagnosisError`].
+pub fn diagnose(
+    columns: &Columns,
+    progress: &(dyn Fn(f64, &str) + Sync),
+) -> Result<Diagnosis, DiagnosisError> {
+    check(columns)?;
+    progress(0.0, "preparing");
+    let mut signals = Signals::new(columns);
+    let valve = examine(columns, signals.input_noise);
+    let scored = Scored::of(columns);
+    let excitation = Excitation::of(&scored.residual(&scored.output));
+    let of_command = scored
+        .command
+        .as_ref()
+        .map(|command| Excitation::of(&Residual { input: command, ..scored.residual(&scored.output) }));
+    let view = match (&of_command, columns.input_is_command) {
+        (Some(excitation), _) => ValveView::Beside(excitation),
+        (None, true) => ValveView::InChain,
+        (None, false) => ValveView::Unseen,
+    };
+    let examinable = examinable(&excitation, view, "bar");
+    let can_show = |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
+    let muscle = Cause::ALL
+        .into_iter()
+        .filter(|&cause| can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command));
+    let muscle = muscle.collect();
+    progress(0.1, "baseline");
+    let search = Search::new(&mut signals, muscle).ok_or(DiagnosisError::NoBaseline)?;
+    let (best, sizes) = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
+    progress(0.8, "what is left");
+    let unexplained = unexplained(&search, &best);
+    conclude(&search, best, &sizes, unexplained, valve, examinable)
+}
+
+fn conclude(
+    search: &Search<'_>,
+    best: Candidate,
+    sizes: &[Vec<Candidate>],
+    unexplained: Option<Unexplained>,
+    valve: Option<ValveFit>,
+    examinable: Vec<Examinable>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let baseline = &search.baseline;
+    let alternatives = verdict::alternatives(&best, sizes);
+    let causes = verdict::named(search, &best, valve.as_ref());
+    let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
+    let rows: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();
+    let of_rows = |values: &[f64]| -> Vec<f64> { rows.iter().map(|&at| values[at]).collect() };
+    let signals = search.signals;
+    let (load, temperature) =
+        (signals.load.as_deref().map(of_rows), signals.temperature.as_deref().map(of_rows));
+    let residual = Residual {
+        time_s: &of_rows(&signals.time_s),
+        residual: &baseline.fit.residual,
+        input: &of_rows(&signals.input),
+        output: &of_rows(&signals.output),
+        load: load.as_deref(),
+        temperature: temperature.as_deref(),
+    };
+    let anatomy = Anatomy::of(&residual, ANATOMY_SEED)?;
+    Ok(Diagnosis {
+        verdict,
+        causes,
+        alternatives,
+        unexplained,
+        examinable,
+        rmse: (signals::root_mean_square(&baseline.residual), signals::root_mean_square(&best.residual)),
+        heldout: (baseline.score.mean(), best.score.mean()),
+        pure_error: baseline.pure_error.zip(best.pure_error),
+        residual_before: baseline.fit.residual.clone(),
+        residual_after: best.residual.clone(),
+        singles: verdict::singles(search, sizes),
+        rows,
+        anatomy,
+        valve,
+    })
+}
+
+fn check(columns: &Columns) -> Result<(), DiagnosisError> {
+    let rows = columns.scored.iter().filter(|&&scored| scored).count();
+    if rows < LEAST_ROWS {
+        return Err(TooShort { rows }.into());
+    }
+    let moves = |values: &[f64]| {
+        let (low, high) = signals::quantiles(values, 0.0);
+        high > low
+    };
+    if !moves(&columns.input) {
+        return Err(DiagnosisError::Still("input"));
+    }
+    if !moves(&columns.output) {
+        return Err(DiagnosisError::Still("contraction"));
+    }
+    Ok(())
+}
+
+/// The scored rows of a recording.
+struct Scored {
+    time_s: Vec<f64>,
+    input: Vec<f64>,
+    output: Vec<f64>,
+    command: Option<Vec<f64>>,
+    load: Option<Vec<f64>>,
+    temperature: Option<Vec<f64>>,
+}
+
+impl Scored {
+    fn of(columns: &Columns) -> Self {
+        let pick = |values: &[f64]| -> Vec<f64> {
+            values
+                .iter()
+                .zip(&columns.scored)
+                .filter(|(_, scored)| **scored)
+                .map(|(value, _)| *value)
+                .collect()
+        };
+        Self {
+            time_s: pick(&columns.time_s),
+            input: pick(&columns.input),
+            output: pick(&columns.output),
+            command: columns.command.as_deref().map(pick),
+            load: columns.load_n.as_deref().map(pick),
+            temperature: columns.temperature_c.as_deref().map(pick),
+        }
+    }
+
+    fn residual<'a>(&'a self, residual: &'a [f64]) -> Residual<'a> {
+        Residual {
+            time_s: &self.time_s,
+            residual,
+            input: &self.input,
+            output: &self.output,
+            load: self.load.as_deref(),
+            temperature: self.temperature.as_deref(),
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The columns that effects put on the output: linear in their weights.
+
+use std::f64::consts::TAU;
+
+use super::effect::{Driver, Effect, Form};
+use super::signals::{Signals, hats};
+
+/// Curves over time that [`Form::Wander`] is made of.
+const WANDER: usize = 9;
+
+/// Columns of an effect for the scored rows, and whether their weights must not be negative.
+pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
+    let of_rows = |value: &dyn Fn(usize) -> f64| signals.rows.iter().map(|row| value(row.at)).collect();
+    let start_s = signals.time_s.first().copied().unwrap_or(0.0);
+    let duration_s = signals.duration_s().max(1e-9);
+    let time = |at: usize| signals.time_s[at] - start_s;
+    let parameter = |i: usize| effect.parameters.get(i).map_or(0.0, |parameter| parameter.value);
+    match effect.form {
+        Form::Added(driver) => {
+            let lambda = parameter(0).exp();
+            let column = |tent: usize| -> Vec<f64> {
+                of_rows(&|at| signals.tents[at][tent] * driven(signals, driver, lambda, at))
+            };
+            ((0..super::signals::TENTS).map(column).collect(), false)
+        }
+        Form::OutputLag => (vec![of_rows(&|at| -signals.rate[at])], true),
+        Form::OutputInertia => {
+            (vec![of_rows(&|at| -signals.acceleration[at]), of_rows(&|at| -signals.rate[at])], true)
+        }
+        Form::Creep => (creep(signals), true),
+        Form::Drift => (vec![of_rows(&|at| time(at) / duration_s - 0.5)], false),
+        Form::Tone => {
+            let phase = |at: usize| TAU * parameter(0) * time(at);
+            (vec![of_rows(&|at| phase(at).sin()), of_rows(&|at| phase(at).cos())], false)
+        }
+        Form::Step => (vec![of_rows(&|at| f64::from(u8::from(signals.time_s[at] >= parameter(0))))], false),
+        Form::Wander => {
+            let knots: [f64; WANDER] = std::array::from_fn(|i| i as f64 / (WANDER - 1) as f64);
+            let column = |i: usize| -> Vec<f64> { of_rows(&|at| hats(&knots, time(at) / duration_s)[i]) };
+            // The first one is what the baseline's constant makes of the others.
+            ((1..WANDER).map(column).collect(), false)
+        }
+        _ => (Vec::new(), false),
+    }
+}
+
+/// What drives an effect at a row. `lambda`: output unit.
+pub fn driven(signals: &Signals, driver: Driver, lambda: f64, at: usize) -> f64 {
+    let recorded = |column: &Option<Vec<f64>>| column.as_ref().map_or(0.0, |column| column[at]);
+    match driver {
+        Driver::Load => recorded(&signals.load),
+        Driver::Temperature => recorded(&signals.temperature),
+        Driver::WarmUp => (-signals.travel[at] / lambda).exp(),
+        Driver::Rate => signals.rate[at],
+    }
+}
+
+/// What has not come yet of the output, by each low-pass.
+fn creep(signals: &Signals) -> Vec<Vec<f64>> {
+    signals
+        .creep_s
+        .iter()
+        .map(|&tau_s| {
+            let slow = low_pass(&signals.output, &signals.time_s, tau_s);
+            signals.rows.iter().map(|row| slow[row.at] - signals.output[row.at]).collect()
+        })
+        .collect()
+}
+
+/// A first-order low-pass from rest at the first value, exact for values that are held.
+pub fn low_pass(values: &[f64], time_s: &[f64], time_constant_s: f64) -> Vec<f64> {
+    let mut state = values.first().copied().unwrap_or(0.0);
+    let (mut last_s, mut known) = (time_s.first().copied().unwrap_or(0.0), (0.0, 0.0));
+    values
+        .iter()
+        .zip(time_s)
+        .map(|(value, &time_s)| {
+            let step_s = time_s - last_s;
+            last_s = time_s;
+            if (step_s - known.0).abs() > 1e-9 {
+                known = (step_s, -(-step_s / time_constant_s).exp_m1());
+            }
+            state += (value - state) * known.1;
+            state
+        })
+        .collect()
+}

@@ -1,0 +1,199 @@
+//! The parameters of named causes, in the units that people measure in.
+//!
+//! An equivalent input becomes a change of contraction by the slope of the fitted loop, where it slides: at mid stroke,
+//! or where the effect's tents stand.
+
+use super::basis::Seen;
+use super::cause::Cause;
+use super::effect::{Driver, Effect, Form, Rate};
+use super::fit::Fit;
+use super::search::{Candidate, Search};
+use super::signals::{Signals, TENTS, hats};
+use super::valve::Valve;
+
+/// Points of the loop that slopes are taken from, each way.
+const POINTS: usize = 400;
+
+/// A parameter's name, unit included, and its value.
+pub type Parameters = Vec<(&'static str, f64)>;
+
+/// A loop over the whole input range: input and output, up and down.
+struct Loop {
+    input: Vec<f64>,
+    output: Vec<f64>,
+}
+
+impl Loop {
+    fn of(search: &Search<'_>, fit: &Fit) -> Self {
+        let (low, high) = super::signals::quantiles(&search.signals.input, 0.0);
+        let step = (high - low) / POINTS as f64;
+        let up = (0..=POINTS).map(|i| low + step * i as f64);
+        let down = (0..POINTS).rev().map(|i| low + step * i as f64);
+        // Twice, so that the first rise is not that of a fresh muscle.
+        let input: Vec<f64> = up.clone().chain(down.clone()).chain(up).chain(down).collect();
+        let seen = Seen { input, wider: Vec::new() };
+        let output = search.basis.simulate(&seen, &fit.weights);
+        let half = seen.input.len() / 2;
+        Self { input: seen.input[half..].to_vec(), output: output[half..].to_vec() }
+    }
+
+    /// The mean slope of both branches around an output. Unit: output unit/input unit.
+    fn slope(&self, at: f64) -> f64 {
+        let (low, high) = super::signals::quantiles(&self.output, 0.0);
+        let near = 0.08 * (high - low);
+        let slopes: Vec<f64> = self
+            .input
+            .windows(2)
+            .zip(self.output.windows(2))
+            .filter(|(_, y)| (0.5 * (y[0] + y[1]) - at).abs() < near)
+            .map(|(u, y)| (y[1] - y[0]) / (u[1] - u[0]))
+            .collect();
+        slopes.iter().sum::<f64>() / slopes.len().max(1) as f64
+    }
+}
+
+/// The parameters of every cause of a set.
+pub fn parameters(search: &Search<'_>, set: &Candidate) -> Vec<(Cause, Parameters)> {
+    let turn = Loop::of(search, &set.fit);
+    let first = set.fit.effects.len() - set.causes.len();
+    set.causes
+        .iter()
+        .enumerate()
+        .map(|(i, &cause)| {
+            let effect = &set.fit.effects[first + i];
+            let weights = set.fit.output_weights(search.signals, first + i);
+            (cause, of_effect(search.signals, cause, effect, weights, &turn))
+        })
+        .collect()
+}
+
+/// Those of the valve's causes.
+pub fn of_valve(valve: &Valve, cause: Cause) -> Parameters {
+    match cause {
+        Cause::ValveLag => vec![("time_constant_s", valve.lag_s)],
+        Cause::TransportDelay => valve.delay_s.map(|delay_s| ("delay_s", delay_s)).into_iter().collect(),
+        Cause::ValveDeadband => valve.band.map(|(_, band)| ("band_bar", band)).into_iter().collect(),
+        Cause::SupplySaturation => valve.supply_bar.map(|bar| ("supply_bar", bar)).into_iter().collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], turn: &Loop) -> Parameters {
+    let parameter = |i: usize| effect.parameters.get(i).map_or(0.0, |parameter| parameter.value);
+    let weight = |i: usize| weights.get(i).copied().unwrap_or(0.0);
+    let middle = 0.5 * (signals.knots[0] + signals.knots[TENTS - 1]);
+    // A strength at mid stroke, from the parameter `first` on.
+    let at_middle = |first: usize| -> f64 {
+        hats(&signals.knots, middle).iter().enumerate().map(|(i, hat)| hat * parameter(first + i)).sum()
+    };
+    match effect.form {
+        Form::Delay => vec![("delay_s", parameter(0))],
+        Form::Lag => vec![("time_constant_s", parameter(0).exp())],
+        Form::Driven(Driver::Rate) => vec![("time_constant_s", at_middle(0) * turn.slope(middle))],
+        Form::OutputLag => vec![("time_constant_s", weight(0))],
+        Form::Inertia => {
+            let slope = turn.slope(middle);
+            ringing(at_middle(0) * slope, at_middle(TENTS) * slope)
+        }
+        Form::OutputInertia => ringing(weight(0), weight(1)),
+        Form::Thresholds(rate) => {
+            let typical = signals.typical_speed(rate);
+            width(parameter(1) / typical.powf(parameter(0)), parameter(0), rate)
+        }
+        Form::Friction(rate) => {
+            let typical = signals.typical_speed(rate);
+            let range = parameter(1).exp() * at_middle(2) / typical.powf(parameter(0));
+            width(range / half_width(turn, middle).max(1e-9), parameter(0), rate)
+        }
+        Form::Width => Vec::new(),
+        Form::Driven(driver) | Form::Added(driver) => {
+            // The change of the output at the tents, per unit of what drives it.
+            let changes: [f64; TENTS] = std::array::from_fn(|tent| match effect.form {
+                Form::Added(_) => weight(tent),
+                _ => {
+                    let first = effect.parameters.len() - TENTS;
+                    -parameter(first + tent) * turn.slope(signals.knots[tent])
+                }
+            });
+            moved(signals, cause, driver, parameter(0), &changes)
+        }
+        Form::Creep | Form::CreepOfInput => {
+            let fractions: Vec<f64> = match effect.form {
+                Form::Creep => {
+                    let sum: f64 = weights.iter().sum();
+                    weights.iter().map(|weight| weight / (1.0 + sum)).collect()
+                }
+                _ => effect.parameters.iter().map(|parameter| parameter.value).collect(),
+            };
+            creep(&fractions, &signals.creep_s)
+        }
+        Form::Drift => vec![("mm_per_s", weight(0) / signals.duration_s().max(1e-9))],
+        Form::Tone => {
+            vec![("frequency_hz", parameter(0)), ("amplitude_mm", weight(0).hypot(weight(1)))]
+        }
+        Form::Step | Form::Wander => Vec::new(),
+    }
+}
+
+/// Natural frequency and damping of y + damping y' + mass y''.
+fn ringing(mass: f64, damping: f64) -> Parameters {
+    let natural_per_s = mass.max(1e-12).sqrt().recip();
+    vec![
+        ("natural_frequency_hz", natural_per_s / std::f64::consts::TAU),
+        ("damping_ratio", 0.5 * damping * natural_per_s),
+    ]
+}
+
+fn width(gain: f64, exponent: f64, rate: Rate) -> Parameters {
+    let name = match rate {
+        Rate::Input => "width_gain",
+        Rate::Contraction => "width_gain_of_contraction_rate",
+    };
+    vec![(name, gain), ("rate_exponent", exponent)]
+}
+
+/// Half the width of the loop at an output. Input unit.
+fn half_width(turn: &Loop, at: f64) -> f64 {
+    let crossings: Vec<f64> = turn
+        .output
+        .windows(2)
+        .zip(&turn.input)
+        .filter(|(y, _)| (y[0] - at) * (y[1] - at) <= 0.0)
+        .map(|(_, &u)| u)
+        .collect();
+    let highest = crossings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let lowest = crossings.iter().copied().fold(f64::INFINITY, f64::min);
+    if crossings.len() < 2 { 0.0 } else { 0.5 * (highest - lowest) }
+}
+
+/// Offset and gain of a change over the contraction; a warm-up's share of the stroke and its travel.
+fn moved(signals: &Signals, cause: Cause, driver: Driver, lambda: f64, changes: &[f64; TENTS]) -> Parameters {
+    let mean_y = signals.knots.iter().sum::<f64>() / TENTS as f64;
+    let mean = changes.iter().sum::<f64>() / TENTS as f64;
+    let (mut over, mut under) = (0.0, 0.0);
+    for (y, change) in signals.knots.iter().zip(changes) {
+        over += (y - mean_y) * (change - mean);
+        under += (y - mean_y).powi(2);
+    }
+    let gain = over / under.max(1e-12);
+    match (cause, driver) {
+        (Cause::Load, _) => vec![("offset_mm_per_n", mean - gain * mean_y), ("gain_per_n", gain)],
+        (Cause::Temperature, _) => vec![("offset_mm_per_k", mean - gain * mean_y), ("gain_per_k", gain)],
+        _ => {
+            let stroke = signals.knots[TENTS - 1] - signals.knots[0];
+            let largest = changes.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
+            vec![("fraction", largest / stroke.max(1e-9)), ("travel_mm", lambda.exp())]
+        }
+    }
+}
+
+fn creep(fractions: &[f64], time_constants_s: &[f64]) -> Parameters {
+    let active: Vec<usize> = (0..fractions.len()).filter(|&i| fractions[i] > 1e-4).collect();
+    // Two elements a decade.
+    let decades =
+        active.last().zip(active.first()).map_or(0.5, |(last, first)| 0.5 * (last - first + 1) as f64);
+    let sum: f64 = fractions.iter().sum();
+    let mut all = vec![("fraction_per_decade", sum / decades.max(1.0))];
+    all.extend(active.iter().map(|&i| ("time_constants_s", time_constants_s[i])));
+    all
+}

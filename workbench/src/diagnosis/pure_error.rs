@@ -1,0 +1,62 @@
+//! Pure error: how much the residual differs between visits to the same state far apart in time.
+//!
+//! A misfit of shape that repeats itself, however large, cancels in the difference; what a missing cause or a
+//! disturbance does is not the same at both visits.
+
+use super::basis::{Basis, Seen};
+use super::signals::{Signals, median};
+
+/// Rows that are compared, at most.
+const ROWS: usize = 1500;
+/// Two visits are at least so far apart, as a share of the record.
+const APART: f64 = 0.04;
+/// Two states are the same within so much in every direction: of the input's span, of each stop's range.
+const SAME: f64 = 0.12;
+/// Weight of the input against the stops in that.
+const INPUT_WEIGHT: f64 = 8.0;
+/// Fewest pairs that say something.
+const PAIRS: usize = 60;
+
+/// The pure error of a residual, a value a scored row, of what saw this input; None where the recording visits too few
+/// states twice. Output unit.
+pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64]) -> Option<f64> {
+    let states = basis.states(seen, &signals.rows);
+    let every = states.len().div_ceil(ROWS).max(1);
+    let apart_s = APART * signals.duration_s();
+    let mut differences = Vec::new();
+    for i in (0..states.len()).step_by(every) {
+        let time_s = signals.time_s[signals.rows[i].at];
+        let mut nearest = (SAME, None);
+        for j in (0..states.len()).step_by(every) {
+            if (signals.time_s[signals.rows[j].at] - time_s).abs() < apart_s {
+                continue;
+            }
+            let away = distance(&states[i], &states[j], nearest.0);
+            if away < nearest.0 {
+                nearest = (away, Some(j));
+            }
+        }
+        if let Some(j) = nearest.1 {
+            differences.push((residual[i] - residual[j]).powi(2));
+        }
+    }
+    if differences.len() < PAIRS {
+        return None;
+    }
+    // A few pairs of a coarse match do not count for more than ten times the middle ones.
+    let most = 20.0 * median(&mut differences.clone());
+    let mean = differences.iter().map(|&d| d.min(most)).sum::<f64>() / differences.len() as f64;
+    Some((mean / 2.0).sqrt())
+}
+
+/// The largest difference; anything above `enough` where it is that.
+fn distance<const K: usize>(one: &[f64; K], other: &[f64; K], enough: f64) -> f64 {
+    let mut largest = INPUT_WEIGHT * (one[0] - other[0]).abs();
+    for (a, b) in one[1..].iter().zip(&other[1..]) {
+        if largest >= enough {
+            return largest;
+        }
+        largest = largest.max((a - b).abs());
+    }
+    largest
+}

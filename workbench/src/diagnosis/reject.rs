@@ -1,0 +1,122 @@
+//! What is wrong, but none of the causes: then nothing is named, and what is seen is said.
+//!
+//! - A step of the zero at a free time: if with it fewer causes do better than all of them without, or if it alone is
+//!   worth its place where no cause is.
+//! - A pure error that stays large: visits to the same state still differ by much of the residual, and naming the causes
+//!   has removed less than half of that.
+//! - Single rows far off their neighbours.
+//!
+//! They do not take part in the search: a free curve also beats each single cause of a true pair.
+
+use rayon::prelude::*;
+
+use super::effect::Effect;
+use super::fit::fit;
+use super::screen::Screen;
+use super::search::{Candidate, EVIDENCE, Search};
+use super::signals::Signals;
+
+/// Times at which a step is looked for.
+const TIMES: usize = 80;
+/// A pure error above the first share of the held-out error is large: then the second share of its square has to have
+/// been removed by the causes.
+const LARGE: [(f64, f64); 2] = [(0.45, 0.5), (0.65, 0.8)];
+/// And it has to be above so many times the noise: states are never quite the same.
+const SEEN: f64 = 4.0;
+/// A row is far off beyond so many times the noise, and so many such rows are too many.
+const FAR: f64 = 10.0;
+const MOVES: f64 = 4.0;
+const TOO_MANY: usize = 4;
+
+/// Something that is seen and not explained.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unexplained {
+    /// The zero jumps. Units: s, output unit.
+    ZeroStep {
+        /// When.
+        time_s: f64,
+        /// By how much.
+        height: f64,
+    },
+    /// Visits to the same state differ. Output unit.
+    NotRepeatable {
+        /// The pure error beside the causes that fit best.
+        pure_error: f64,
+        /// Frequencies of its strongest tones. Unit: Hz.
+        tones_hz: Vec<f64>,
+    },
+    /// Single rows far off their neighbours.
+    Outliers {
+        /// How many.
+        rows: usize,
+        /// The largest distance. Output unit.
+        largest: f64,
+    },
+}
+
+/// What a set of causes leaves unexplained, if that is too much.
+pub fn unexplained(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
+    outliers(search.signals).or_else(|| zero_step(search, set)).or_else(|| not_repeatable(search, set))
+}
+
+fn outliers(signals: &Signals) -> Option<Unexplained> {
+    let far: Vec<f64> = signals
+        .output
+        .windows(5)
+        .filter_map(|w| {
+            // Off its neighbours by far more than these move themselves.
+            let off = (w[2] - 0.5 * (w[1] + w[3])).abs();
+            let moves = (w[1] - w[0]).abs().max((w[4] - w[3]).abs()).max((w[3] - w[1]).abs());
+            (off > FAR * signals.noise && off > MOVES * moves).then_some(off)
+        })
+        .collect();
+    let largest = far.iter().copied().fold(0.0, f64::max);
+    (far.len() >= TOO_MANY).then_some(Unexplained::Outliers { rows: far.len(), largest })
+}
+
+/// The best step beside a fit.
+fn best_step(search: &Search<'_>, set: &Candidate) -> Option<(f64, Candidate)> {
+    let signals = search.signals;
+    let screen = Screen::new(signals, &search.basis, &set.fit)?;
+    let start_s = signals.time_s.first().copied().unwrap_or(0.0);
+    let (_, time_s) = (0..TIMES)
+        .into_par_iter()
+        .map(|i| start_s + signals.duration_s() * (i as f64 + 0.5) / TIMES as f64)
+        .map(|time_s| (screen.promise(&Effect::step(time_s)), time_s))
+        .max_by(|one, other| one.0.total_cmp(&other.0))?;
+    let mut effects = set.fit.effects.clone();
+    // Before the causes' own, which stand at the end.
+    effects.insert(effects.len() - set.causes.len(), Effect::step(time_s));
+    let fit = fit(signals, &search.basis, &effects)?;
+    Some((time_s, search.candidate(set.causes.clone(), fit)))
+}
+
+fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
+    let (time_s, beside) = best_step(search, set)?;
+    if set.evidence(&beside) < EVIDENCE {
+        return None;
+    }
+    let (time_s, with_step) = if set.causes.is_empty() {
+        (time_s, beside)
+    } else {
+        let (time_s, alone) = best_step(search, &search.baseline)?;
+        let (best, _) = Search { baseline: alone, ..search.clone() }.run(&|_| ());
+        // Fewer causes with the step have to do better than all of them without it.
+        if best.causes.len() >= set.causes.len() || set.evidence(&best) < EVIDENCE {
+            return None;
+        }
+        (time_s, best)
+    };
+    let place = with_step.fit.step_weight(search.signals)?;
+    Some(Unexplained::ZeroStep { time_s, height: place })
+}
+
+fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
+    let (before, after) = (search.baseline.pure_error?, set.pure_error?);
+    let removed = if set.causes.is_empty() { 0.0 } else { 1.0 - (after / before).powi(2) };
+    let is_left = |&(large, share): &(f64, f64)| after > large * set.score.mean() && removed < share;
+    let is_seen = after > SEEN * search.signals.noise;
+    let tones_hz = super::spectrum::tones(search.signals, &set.residual, 3);
+    (is_seen && LARGE.iter().any(is_left))
+        .then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
+}

@@ -1,0 +1,327 @@
+//! The search over sets of causes: a beam, then drops and swaps.
+//!
+//! # Design
+//! A set grows by the cause that lowers the held-out error most; the best few sets of each size go on, since the first
+//! cause of a true pair is not always the one that gains most alone. All causes of a set are fitted together. At the end
+//! causes that a later one has made needless are dropped, and each is tried against all others.
+
+use rayon::prelude::*;
+
+use super::basis::Basis;
+use super::cause::Cause;
+use super::effect::{Effect, Form};
+use super::fit::{Fit, fit};
+use super::free_run::free_run;
+use super::gain::{Score, mask};
+use super::pure_error::pure_error;
+use super::screen::Screen;
+use super::signals::Signals;
+use super::spectrum::tones;
+
+/// Sets of each size that go on.
+const BEAM: usize = 3;
+/// Causes of the largest set.
+const LARGEST: usize = 3;
+/// Tones to try.
+const TONES: usize = 2;
+/// Causes that are fitted beside a set, and effects of each.
+const PROMISING: usize = 5;
+const STARTS: usize = 2;
+/// Weight of the pure error beside the held-out one.
+const PURE: f64 = 0.3;
+/// The evidence that an effect has to have for it.
+pub const EVIDENCE: f64 = 0.12;
+/// What the held-out error alone has to gain.
+const GAIN: f64 = 0.05;
+/// How much more evidence one needs beside others, as a share of theirs: what little is left of a large effect that is
+/// not quite of our form is still more than nothing.
+const MORE: f64 = 0.1;
+/// What a larger set has to be better by than the best smaller one, beside being worth each of its causes.
+const BETTER: f64 = 0.05;
+/// What a second cause that resists motion has to be better by: neither is quite of our form.
+const ALIKE: f64 = 0.08;
+/// The least share of the square of the first error that a cause beside others explains.
+const SHARE: f64 = 0.03;
+/// A set that gains less than this over its parent is not built upon.
+const HOPELESS: f64 = 0.04;
+
+/// A set of causes, fitted.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Each with its effect.
+    pub causes: Vec<Cause>,
+    /// The fit; its first effect is a delay of at most half a row, unless a delay is one of the causes.
+    pub fit: Fit,
+    /// Its held-out error.
+    pub score: Score,
+    /// Measured less simulated, free-running where the measured contraction enters otherwise, a value a scored row.
+    pub residual: Vec<f64>,
+    /// What differs between visits to the same state, if there are enough. Output unit.
+    pub pure_error: Option<f64>,
+}
+
+/// What is searched.
+#[derive(Clone)]
+pub struct Search<'a> {
+    /// The recording.
+    pub signals: &'a Signals,
+    /// The baseline.
+    pub basis: Basis,
+    /// The causes that it can show.
+    pub examinable: Vec<Cause>,
+    /// The rows that are scored.
+    pub mask: Vec<bool>,
+    /// The set without causes.
+    pub baseline: Candidate,
+}
+
+impl<'a> Search<'a> {
+    /// Fits the baseline, for a fresh and for a preconditioned muscle.
+    pub fn new(signals: &'a mut Signals, examinable: Vec<Cause>) -> Option<Self> {
+        let (low, high) = super::signals::quantiles(&signals.input, 0.0);
+        let basis = Basis::new(low, high, true);
+        let first = fit(signals, &basis, &[])?;
+        signals.set_simulated(&basis.simulate(&first.seen, &first.weights));
+        let signals = &*signals;
+        let of_kind = |preconditioned| {
+            let basis = Basis::new(low, high, preconditioned);
+            let fit = Effect::nuisances(signals)
+                .into_iter()
+                .filter_map(|effects| fit(signals, &basis, &effects))
+                .min_by(|one, other| one.rms().total_cmp(&other.rms()))?;
+            let mask = mask(&fit);
+            let score = Score::of(signals, &fit.unseen, &mask);
+            let pure_error = pure_error(signals, &basis, &fit.seen, &fit.residual);
+            let residual = fit.residual.clone();
+            let baseline = Candidate { causes: Vec::new(), fit, score, residual, pure_error };
+            Some(Self { signals, basis, examinable: examinable.clone(), mask, baseline })
+        };
+        [true, false]
+            .into_par_iter()
+            .filter_map(of_kind)
+            .min_by(|one, other| one.baseline.score.mean().total_cmp(&other.baseline.score.mean()))
+    }
+
+    /// The effects that could stand for a cause beside a set.
+    fn starts(&self, set: &Candidate, cause: Cause) -> Vec<Effect> {
+        match cause {
+            Cause::PeriodicDisturbance => tones(self.signals, &set.fit.unseen, TONES)
+                .into_iter()
+                .map(|frequency_hz| Effect::tone(frequency_hz, self.signals))
+                .collect(),
+            _ => Effect::starts(cause, self.signals),
+        }
+    }
+
+    /// The promising causes beside a set, each with its most promising effects.
+    fn promising(&self, set: &Candidate) -> Vec<(Cause, Vec<Effect>)> {
+        let Some(screen) = Screen::new(self.signals, &self.basis, &set.fit) else { return Vec::new() };
+        let others = self.examinable.iter().filter(|cause| !set.causes.contains(cause));
+        let mut all: Vec<(f64, Cause, Vec<Effect>)> = others
+            .map(|&cause| {
+                let mut starts: Vec<(f64, Effect)> = self
+                    .starts(set, cause)
+                    .into_iter()
+                    .map(|effect| (screen.promise(&effect), effect))
+                    .collect();
+                starts.sort_by(|one, other| other.0.total_cmp(&one.0));
+                let best = starts.first().map_or(0.0, |start| start.0);
+                (best, cause, starts.into_iter().take(STARTS).map(|start| start.1).collect())
+            })
+            .filter(|(_, _, starts): &(f64, Cause, Vec<Effect>)| !starts.is_empty())
+            .collect();
+        all.sort_by(|one, other| other.0.total_cmp(&one.0));
+        all.into_iter().take(PROMISING).map(|(_, cause, starts)| (cause, starts)).collect()
+    }
+
+    /// A set with one more cause, by the best of these effects.
+    pub fn with(&self, set: &Candidate, cause: Cause, starts: Vec<Effect>) -> Option<Candidate> {
+        let causes: Vec<Cause> = set.causes.iter().copied().chain([cause]).collect();
+        starts
+            .into_iter()
+            .flat_map(|start| {
+                let replaces = |effect: &Effect| start.form == Form::Delay && effect.form == Form::Delay;
+                let mut effects: Vec<Effect> =
+                    set.fit.effects.iter().filter(|effect| !replaces(effect)).cloned().collect();
+                effects.push(start);
+                // The width of the baseline may have tried to be what the cause is: from its start once more.
+                let mut anew = effects.clone();
+                if let Some(width) = anew.iter_mut().find(|effect| effect.form == Form::Width) {
+                    *width = Effect::static_width(self.signals, 0.1);
+                }
+                [effects, anew].into_iter().filter_map(|effects| fit(self.signals, &self.basis, &effects))
+            })
+            .map(|fit| self.candidate(causes.clone(), fit))
+            .min_by(|one, other| one.cost().total_cmp(&other.cost()))
+    }
+
+    /// A set with its fit, judged.
+    ///
+    /// Where measured rates stand in its effects the output may explain a part of itself, and their noise goes into the
+    /// residual: then it is judged as it runs free, and the fold's loss on unseen rows is added.
+    pub fn candidate(&self, causes: Vec<Cause>, fit: Fit) -> Candidate {
+        let is_fed_back = fit.effects.iter().any(|effect| effect.form.is_fed_back());
+        let free: Vec<f64> = if is_fed_back {
+            let simulated = free_run(self.signals, &self.basis, &fit);
+            let rows = self.signals.rows.iter().zip(&simulated);
+            rows.map(|(row, simulated)| self.signals.output[row.at] - simulated).collect()
+        } else {
+            fit.residual.clone()
+        };
+        let lost = fit.unseen.iter().zip(&fit.residual).map(|(unseen, residual)| unseen - residual);
+        let unseen: Vec<f64> = lost.zip(&free).map(|(lost, free)| lost + free).collect();
+        let score = Score::of(self.signals, &unseen, &self.mask);
+        let pure_error = self
+            .baseline
+            .pure_error
+            .and_then(|_| pure_error(self.signals, &self.basis, &fit.seen, &free))
+            .map(|error| error.max(1.5 * self.signals.noise));
+        Candidate { causes, fit, score, pure_error, residual: free }
+    }
+
+    /// A set without one of its causes, the rest fitted from where it stands.
+    pub fn without(&self, set: &Candidate, cause: Cause) -> Option<Candidate> {
+        let first = set.fit.effects.len() - set.causes.len();
+        let kept = |i: usize| i < first || set.causes[i - first] != cause;
+        let mut effects: Vec<Effect> =
+            set.fit.effects.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, e)| e.clone()).collect();
+        if !effects.iter().any(|effect| effect.form == Form::Delay) {
+            effects.insert(0, Effect::small_delay(self.signals));
+        }
+        let causes: Vec<Cause> = set.causes.iter().copied().filter(|&other| other != cause).collect();
+        let without = self.candidate(causes, fit(self.signals, &self.basis, &effects)?);
+        // Without its only cause it is the baseline, which may have been found better before.
+        let is_worse = without.causes.is_empty() && self.baseline.cost() < without.cost();
+        Some(if is_worse { self.baseline.clone() } else { without })
+    }
+
+    /// The set that the evidence is for, and all sets that were looked at, by size, the best first.
+    ///
+    /// It is the best of the largest size that is worth its last cause, less the causes that a later one has made
+    /// needless, each tried against its closest rivals.
+    ///
+    /// `progress` is called with the share of the work that is done.
+    pub fn run(&self, progress: &(dyn Fn(f64) + Sync)) -> (Candidate, Vec<Vec<Candidate>>) {
+        let sizes = self.beam(progress);
+        let mut best = self.baseline.clone();
+        for size in &sizes {
+            match size.first() {
+                Some(set) if best.evidence(set) >= BETTER && self.is_needed(set) => best = set.clone(),
+                _ => break,
+            }
+        }
+        for _ in 0..LARGEST {
+            let changed = self.swapped(&best).into_iter().chain(self.dropped(&best)).next();
+            match changed {
+                Some(set) => best = set,
+                None => break,
+            }
+        }
+        (best, sizes)
+    }
+
+    /// Whether a set is worth its last cause beside the others.
+    fn is_worth(&self, without: &Candidate, set: &Candidate) -> bool {
+        let square = |set: &Candidate| set.score.mean().powi(2);
+        let share = (square(without) - square(set)) / square(&self.baseline);
+        let needed = EVIDENCE + MORE * self.baseline.evidence(without).max(0.0);
+        let gain = without.score.gain(&set.score);
+        without.evidence(set) >= needed && gain >= GAIN && (without.causes.is_empty() || share >= SHARE)
+    }
+
+    /// Whether a set is worth each of its causes.
+    fn is_needed(&self, set: &Candidate) -> bool {
+        self.dropped(set).is_none()
+    }
+
+    /// The set without its most needless cause, if that is not worth its place.
+    fn dropped(&self, set: &Candidate) -> Option<Candidate> {
+        let without: Vec<Candidate> =
+            set.causes.par_iter().filter_map(|&cause| self.without(set, cause)).collect();
+        let least = without.into_iter().min_by(|one, other| one.cost().total_cmp(&other.cost()))?;
+        (!self.is_worth(&least, set)).then_some(least)
+    }
+
+    /// The best set with one cause exchanged for a close rival, if that is better.
+    fn swapped(&self, set: &Candidate) -> Option<Candidate> {
+        let swaps: Vec<(Cause, Cause)> = set
+            .causes
+            .iter()
+            .flat_map(|&cause| cause.rivals().iter().map(move |&rival| (cause, rival)))
+            .filter(|(_, rival)| self.examinable.contains(rival) && !set.causes.contains(rival))
+            .collect();
+        swaps
+            .par_iter()
+            .filter_map(|&(cause, rival)| {
+                let kept =
+                    if set.causes.len() > 1 { self.without(set, cause)? } else { self.baseline.clone() };
+                let starts = self.starts(&kept, rival);
+                self.with(&kept, rival, starts)
+            })
+            .min_by(|one, other| one.cost().total_cmp(&other.cost()))
+            .filter(|other| other.cost() < set.cost() - 1e-3)
+    }
+
+    /// The best sets of every size, from one cause on, the best first.
+    fn beam(&self, progress: &(dyn Fn(f64) + Sync)) -> Vec<Vec<Candidate>> {
+        let mut sizes: Vec<Vec<Candidate>> = Vec::new();
+        let mut going = vec![self.baseline.clone()];
+        for size in 0..LARGEST {
+            progress(size as f64 / (LARGEST + 1) as f64);
+            let steps: Vec<(&Candidate, Cause, Vec<Effect>)> = going
+                .par_iter()
+                .flat_map(|set| {
+                    let promising = self.promising(set);
+                    promising.into_par_iter().map(move |(cause, starts)| (set, cause, starts))
+                })
+                .collect();
+            let mut found: Vec<Candidate> = steps
+                .into_par_iter()
+                .filter_map(|(set, cause, starts)| self.with(set, cause, starts))
+                .collect();
+            found.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
+            // The same set may be reached by several ways: the best is kept.
+            let mut distinct: Vec<Candidate> = Vec::new();
+            for candidate in found {
+                if !distinct.iter().any(|other| other.same_causes(&candidate)) {
+                    distinct.push(candidate);
+                }
+            }
+            // Of two fast causes neither need be among the best alone.
+            let is_fast = |set: &Candidate| set.causes.iter().all(|cause| cause.is_fast());
+            let also = |(rank, set): &(usize, &Candidate)| *rank < BEAM || (size == 0 && is_fast(set));
+            going = distinct.iter().enumerate().filter(also).map(|(_, set)| set.clone()).collect();
+            let Some(best) = distinct.first() else { break };
+            let before = sizes.last().map_or(&self.baseline, |size: &Vec<Candidate>| &size[0]);
+            let hopeless = before.evidence(best) < HOPELESS;
+            sizes.push(distinct);
+            if hopeless {
+                break;
+            }
+        }
+        sizes
+    }
+}
+
+impl Candidate {
+    /// What is minimised: the logarithm of the held-out error, and in part that of the pure error; of two causes that
+    /// explain the same the simpler one is preferred.
+    pub fn cost(&self) -> f64 {
+        let pure = self.pure_error.map_or(0.0, |error| PURE * error.max(1e-12).ln());
+        let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(1);
+        let complexity: f64 =
+            self.causes.iter().map(|cause| cause.complexity()).sum::<f64>() + ALIKE * dynamic as f64;
+        self.score.mean().max(1e-12).ln() + pure + complexity
+    }
+
+    /// How much less a later set costs.
+    pub fn evidence(&self, later: &Self) -> f64 {
+        self.cost() - later.cost()
+    }
+
+    /// Whether the causes are the same, in whatever order.
+    pub fn same_causes(&self, other: &Self) -> bool {
+        self.causes.len() == other.causes.len()
+            && self.causes.iter().all(|cause| other.causes.contains(cause))
+    }
+}

@@ -1,0 +1,306 @@
+//! The recording as the search sees it: columns, what is derived from them once, and which rows count how.
+//!
+//! # Design
+//! The measured contraction is smoothed by a local cubic, from which come its rate and acceleration; they enter the
+//! extensions of the search only (what is claimed as gain is measured on a model that runs free of them). Rows are
+//! thinned for scoring, never for the memory of the operators. Blocks of time make the folds: a row near a block of
+//! another fold does not teach what is tried there.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::Columns;
+use super::effect::Rate;
+
+/// Most rows that are scored in the search.
+const SCORED_ROWS: usize = 4000;
+/// Folds of the cross-validation.
+pub const FOLDS: usize = 4;
+/// Blocks of time, in all.
+const BLOCKS: f64 = 16.0;
+/// Least and greatest length of a block. Unit: s.
+const BLOCK_S: (f64, f64) = (4.0, 30.0);
+/// What a block keeps away from the next, as a share of a block.
+const GAP: f64 = 0.1;
+/// Half of the window of the local cubic: at least so many rows, and so long. Unit of the second: s.
+const WINDOW: (usize, f64) = (2, 0.02);
+/// A wider one, for speeds that enter by a power: there noise would be taken for motion.
+const WIDE_WINDOW: (usize, f64) = (4, 0.07);
+/// A speed counts as far as it is above so many standard deviations of its noise.
+const STANDING: f64 = 2.5;
+/// Tents over the contraction that an effect's strength is made of.
+pub const TENTS: usize = 3;
+/// Time constants of a creep, at most.
+const CREEP: usize = 6;
+
+/// Rows of one block.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Its place in the recording.
+    pub at: usize,
+    /// The block of time it lies in.
+    pub block: usize,
+    /// The fold whose block is near, if it is not its own.
+    pub near: Option<usize>,
+}
+
+impl Row {
+    /// The fold that it is held out in.
+    pub fn fold(&self) -> usize {
+        self.block % FOLDS
+    }
+}
+
+/// A recording, prepared. Each list has a value a row of the recording.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    /// Unit: s.
+    pub time_s: Vec<f64>,
+    /// What the muscle is modelled from.
+    pub input: Vec<f64>,
+    /// Measured contraction.
+    pub output: Vec<f64>,
+    /// Its smoothed rate. Unit: output unit/s.
+    pub rate: Vec<f64>,
+    /// Its smoothed acceleration. Unit: output unit/s².
+    pub acceleration: Vec<f64>,
+    /// Speeds of input and contraction: sizes of their rates above the noise. Units: those of the columns a second.
+    speeds: [Vec<f64>; 2],
+    /// Root mean squares of the speeds.
+    typical_speeds: [f64; 2],
+    /// Highest less lowest input. Input unit.
+    pub input_span: f64,
+    /// Time constants that a creep is made of, on a logarithmic grid. Unit: s.
+    pub creep_s: Vec<f64>,
+    /// Way of the contraction so far. Output unit.
+    pub travel: Vec<f64>,
+    /// The recorded load less its mean. Unit: N.
+    pub load: Option<Vec<f64>>,
+    /// The recorded temperature less its mean. Unit: K.
+    pub temperature: Option<Vec<f64>>,
+    /// Weights of the tents over the contraction. They are taken where a model of the input alone says that the
+    /// contraction is: at the measured one a residual would explain a part of itself.
+    pub tents: Vec<[f64; TENTS]>,
+    /// Where the tents stand. Output unit.
+    pub knots: [f64; TENTS],
+    /// The rows that are scored.
+    pub rows: Vec<Row>,
+    /// Number of blocks.
+    pub blocks: usize,
+    /// Median step. Unit: s.
+    pub step_s: f64,
+    /// White noise of the output. Output unit.
+    pub noise: f64,
+    /// White noise of the input. Input unit.
+    pub input_noise: f64,
+}
+
+impl Signals {
+    /// Prepares a recording.
+    pub fn new(columns: &Columns) -> Self {
+        let Columns { time_s, input, output, scored, .. } = columns;
+        let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let step_s = median(&mut steps);
+        let (smooth, rate, acceleration) = local_cubic(time_s, output, step_s, WINDOW);
+        let (noise, input_noise) = (white_noise(output), white_noise(input));
+        let speeds = [speed(time_s, input, step_s, input_noise), speed(time_s, output, step_s, noise)];
+        let (low, high) = quantiles(output, 0.02);
+        let knots = std::array::from_fn(|knot| low + (high - low) * knot as f64 / (TENTS - 1) as f64);
+        let (rows, blocks) = rows(time_s, scored);
+        let (lowest, highest) = quantiles(input, 0.0);
+        let duration_s = time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0);
+        Self {
+            input_span: (highest - lowest).max(1e-9),
+            creep_s: creep_s((5.0 * step_s).max(0.1), duration_s / 3.0),
+            travel: travel(&smooth, 4.0 * noise),
+            tents: output.iter().map(|&y| hats(&knots, y)).collect(),
+            load: varying(columns.load_n.as_deref()),
+            temperature: varying(columns.temperature_c.as_deref()),
+            input_noise,
+            time_s: time_s.clone(),
+            input: input.clone(),
+            output: output.clone(),
+            rate,
+            acceleration,
+            typical_speeds: [0, 1].map(|i: usize| root_mean_square(&speeds[i]).max(1e-9)),
+            speeds,
+            knots,
+            rows,
+            blocks,
+            step_s,
+            noise,
+        }
+    }
+
+    /// Says where a model of the input alone sees the contraction, a value a row of the recording.
+    pub fn set_simulated(&mut self, simulated: &[f64]) {
+        self.tents = simulated.iter().map(|&y| hats(&self.knots, y)).collect();
+    }
+
+    /// The speed that a width depends on.
+    pub fn speed_of(&self, rate: Rate) -> &[f64] {
+        &self.speeds[rate as usize]
+    }
+
+    /// Root mean square of a speed.
+    pub fn typical_speed(&self, rate: Rate) -> f64 {
+        self.typical_speeds[rate as usize]
+    }
+
+    /// From the first to the last time. Unit: s.
+    pub fn duration_s(&self) -> f64 {
+        self.time_s.last().unwrap_or(&0.0) - self.time_s.first().unwrap_or(&0.0)
+    }
+}
+
+/// The middle value; 0 of none.
+pub fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Time constants from the shortest on, two a decade.
+fn creep_s(shortest_s: f64, longest_s: f64) -> Vec<f64> {
+    (0..CREEP)
+        .map(|i| shortest_s * 10f64.powf(0.5 * i as f64))
+        .take_while(|&tau_s| tau_s <= longest_s)
+        .collect()
+}
+
+/// Root mean square.
+pub fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// The values that the given share lies below and above.
+pub fn quantiles(values: &[f64], share: f64) -> (f64, f64) {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1);
+    let at = |share: f64| sorted.get((share * last as f64).round() as usize).copied().unwrap_or(0.0);
+    (at(share), at(1.0 - share))
+}
+
+/// White noise from third differences, by their median: what is smooth, and rare jumps, do not count.
+fn white_noise(values: &[f64]) -> f64 {
+    let mut differences: Vec<f64> =
+        values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).collect();
+    // The third difference of white noise has twenty times its variance; 0.6745 is the median of |normal|.
+    median(&mut differences) / (0.6745 * 20.0f64.sqrt())
+}
+
+/// Value, first and second derivative of a cubic through the neighbourhood of every row.
+fn local_cubic(
+    time_s: &[f64],
+    values: &[f64],
+    step_s: f64,
+    (rows, window_s): (usize, f64),
+) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    let half = rows.max((window_s / step_s.max(1e-9)).round() as usize);
+    let longest_s = 3.0 * half as f64 * step_s;
+    let mut result = (Vec::new(), Vec::new(), Vec::new());
+    for row in 0..values.len() {
+        let window = row.saturating_sub(half)..(row + half + 1).min(values.len());
+        let (mut normal, mut right) = (SMatrix::<f64, 4, 4>::identity() * 1e-9, SVector::<f64, 4>::zeros());
+        for i in window {
+            // In units of the half window, so that the powers are alike.
+            let t = (time_s[i] - time_s[row]) / (half as f64 * step_s);
+            if t.abs() * half as f64 * step_s > longest_s {
+                continue;
+            }
+            let powers = SVector::<f64, 4>::new(1.0, t, t * t, t * t * t);
+            normal += powers * powers.transpose();
+            right += powers * (values[i] - values[row]);
+        }
+        let fit = normal.cholesky().map_or(SVector::zeros(), |cholesky| cholesky.solve(&right));
+        let unit_s = half as f64 * step_s;
+        result.0.push(values[row] + fit[0]);
+        result.1.push(fit[1] / unit_s);
+        result.2.push(2.0 * fit[2] / (unit_s * unit_s));
+    }
+    result
+}
+
+/// The size of the rate of each row, as far as it is above its noise: of the wide window where the narrow one says the
+/// same, of the narrow one where things happen fast.
+fn speed(time_s: &[f64], values: &[f64], step_s: f64, noise: f64) -> Vec<f64> {
+    // The noise of a rate from the answer to a single peak.
+    let around: Vec<f64> = (0..64).map(|i| f64::from(i) * step_s).collect();
+    let mut peak = vec![0.0; around.len()];
+    peak[32] = noise;
+    let rate = |window| {
+        let (_, answer, _) = local_cubic(&around, &peak, step_s, window);
+        let noise = answer.iter().map(|a| a * a).sum::<f64>().sqrt();
+        (local_cubic(time_s, values, step_s, window).1, STANDING * noise)
+    };
+    let ((wide, wide_noise), (narrow, narrow_noise)) = (rate(WIDE_WINDOW), rate(WINDOW));
+    let size = |(wide, narrow): (&f64, &f64)| {
+        if (wide - narrow).abs() > narrow_noise { narrow.abs() } else { (wide.abs() - wide_noise).max(0.0) }
+    };
+    wide.iter().zip(&narrow).map(size).collect()
+}
+
+/// The way so far of what moves by more than `still`.
+fn travel(values: &[f64], still: f64) -> Vec<f64> {
+    let mut held = values.first().copied().unwrap_or(0.0);
+    let mut way = 0.0;
+    values
+        .iter()
+        .map(|&value| {
+            let next = held.clamp(value - still, value + still);
+            way += (next - held).abs();
+            held = next;
+            way
+        })
+        .collect()
+}
+
+/// Weights of hat functions on equally spaced knots, constant outside.
+pub fn hats<const K: usize>(knots: &[f64; K], value: f64) -> [f64; K] {
+    let step = (knots[K - 1] - knots[0]) / (K - 1) as f64;
+    let place = ((value - knots[0]) / step.max(1e-12)).clamp(0.0, (K - 1) as f64);
+    let left = (place as usize).min(K - 2);
+    let mut weights = [0.0; K];
+    weights[left] = 1.0 - (place - left as f64);
+    weights[left + 1] = place - left as f64;
+    weights
+}
+
+/// A column less its mean, if it varies.
+fn varying(column: Option<&[f64]>) -> Option<Vec<f64>> {
+    let column = column?;
+    let mean = column.iter().sum::<f64>() / column.len().max(1) as f64;
+    let centred: Vec<f64> = column.iter().map(|value| value - mean).collect();
+    let size = centred.iter().map(|value| value.abs()).fold(0.0, f64::max);
+    (size > 1e-9 * (1.0 + mean.abs())).then_some(centred)
+}
+
+/// The rows that are scored, and the number of blocks they lie in.
+fn rows(time_s: &[f64], scored: &[bool]) -> (Vec<Row>, usize) {
+    let all: Vec<usize> = (0..time_s.len()).filter(|&at| scored[at]).collect();
+    let every = all.len().div_ceil(SCORED_ROWS).max(1);
+    let (Some(&first), Some(&last)) = (all.first(), all.last()) else { return (Vec::new(), 0) };
+    let (start_s, duration_s) = (time_s[first], time_s[last] - time_s[first]);
+    let block_s = (duration_s / BLOCKS).clamp(BLOCK_S.0, BLOCK_S.1).min(duration_s / (2 * FOLDS) as f64);
+    let blocks = ((duration_s / block_s.max(1e-9)).ceil() as usize).max(1);
+    let rows = all
+        .iter()
+        .step_by(every)
+        .map(|&at| {
+            let place = (time_s[at] - start_s) / block_s.max(1e-9);
+            let block = (place as usize).min(blocks - 1);
+            let within = place - block as f64;
+            let near = if within > 1.0 - GAP {
+                Some((block + 1) % FOLDS)
+            } else if within < GAP && block > 0 {
+                Some((block - 1) % FOLDS)
+            } else {
+                None
+            };
+            Row { at, block, near }
+        })
+        .collect();
+    (rows, blocks)
+}

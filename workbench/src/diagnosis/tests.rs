@@ -1,0 +1,215 @@
+//! Effects hidden in a plant that is neither of the rig's: a saturating curve and three plays, with noise.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::cause::Cause;
+use super::reject::Unexplained;
+use super::{Columns, Diagnosis, DiagnosisError, Verdict, diagnose};
+
+const STEP_S: f64 = 0.02;
+const ROWS: usize = 4000;
+
+/// Triangles of several speeds, jumps with holds, and the first triangles again. Unit: bar.
+fn command(time_s: f64) -> f64 {
+    let triangle = |period_s: f64, time_s: f64| {
+        let phase = (time_s / period_s).fract();
+        1.0 - (2.0 * phase - 1.0).abs()
+    };
+    match time_s {
+        t if t < 24.0 => 5.5 * triangle(12.0, t),
+        t if t < 36.0 => 4.5 * triangle(2.0, t),
+        t if t < 60.0 => [2.0, 4.5, 1.0, 3.0, 5.5, 0.5][((t - 36.0) / 4.0) as usize % 6],
+        t => 5.5 * triangle(10.0, t - 60.0),
+    }
+}
+
+/// What the plant makes of a pressure, sample by sample. Unit: mm.
+fn hysteresis(pressure: &[f64]) -> Vec<f64> {
+    let mut plays = [0.0f64; 3];
+    pressure
+        .iter()
+        .map(|&p| {
+            let bent = 3.0 * (p / 3.0).tanh();
+            let widths = [0.15, 0.4, 0.9];
+            for (play, width) in plays.iter_mut().zip(widths) {
+                *play = play.clamp(bent - width, bent + width);
+            }
+            12.0 * bent + 6.0 * plays.iter().sum::<f64>()
+        })
+        .collect()
+}
+
+struct Plant {
+    time_s: Vec<f64>,
+    pressure: Vec<f64>,
+}
+
+impl Plant {
+    fn new() -> Self {
+        let time_s: Vec<f64> = (0..ROWS).map(|row| row as f64 * STEP_S).collect();
+        let mut regulator = 0.0;
+        let follow = |&time_s: &f64| {
+            regulator += (command(time_s) - regulator) * -(-STEP_S / 0.05f64).exp_m1();
+            regulator
+        };
+        let pressure = time_s.iter().map(follow).collect();
+        Self { time_s, pressure }
+    }
+
+    /// A recording of an output, with noise.
+    fn recorded(&self, output: &[f64]) -> Columns {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let mut noise = |size: f64| {
+            let value: f64 = StandardNormal.sample(&mut rng);
+            size * value
+        };
+        Columns {
+            time_s: self.time_s.clone(),
+            input: self.pressure.iter().map(|p| p + noise(0.002)).collect(),
+            command: Some(self.time_s.iter().map(|&t| command(t)).collect()),
+            output: output.iter().map(|y| y + noise(0.03)).collect(),
+            scored: vec![true; ROWS],
+            ..Columns::default()
+        }
+    }
+}
+
+fn diagnosed(columns: &Columns) -> Diagnosis {
+    diagnose(columns, &|_, _| ()).expect("a diagnosis")
+}
+
+fn names(diagnosis: &Diagnosis) -> Vec<Cause> {
+    diagnosis.causes.iter().map(|named| named.cause).collect()
+}
+
+fn parameter(diagnosis: &Diagnosis, name: &str) -> f64 {
+    let parameters = diagnosis.causes.iter().flat_map(|named| &named.parameters);
+    parameters.clone().find(|(other, _)| *other == name).expect(name).1
+}
+
+#[test]
+fn nothing_is_named_where_nothing_is_hidden() {
+    let plant = Plant::new();
+    let diagnosis = diagnosed(&plant.recorded(&hysteresis(&plant.pressure)));
+    assert_eq!(diagnosis.verdict, Verdict::Adequate, "{:?}", names(&diagnosis));
+    assert!(diagnosis.causes.is_empty());
+}
+
+#[test]
+fn a_delay_is_named_and_measured() {
+    let plant = Plant::new();
+    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let diagnosis = diagnosed(&plant.recorded(&hysteresis(&late)));
+    assert_eq!(names(&diagnosis), [Cause::TransportDelay]);
+    assert!((parameter(&diagnosis, "delay_s") - 0.09).abs() < 0.005);
+}
+
+#[test]
+fn a_drift_is_named_and_measured() {
+    let plant = Plant::new();
+    let output: Vec<f64> =
+        hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, t)| y + 0.03 * t).collect();
+    let diagnosis = diagnosed(&plant.recorded(&output));
+    assert_eq!(names(&diagnosis), [Cause::Drift]);
+    assert!((parameter(&diagnosis, "mm_per_s") - 0.03).abs() < 0.003);
+}
+
+#[test]
+fn a_tone_is_named_and_measured() {
+    let plant = Plant::new();
+    let tone = |t: f64| 0.8 * (std::f64::consts::TAU * 0.37 * t).sin();
+    let output: Vec<f64> =
+        hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, &t)| y + tone(t)).collect();
+    let diagnosis = diagnosed(&plant.recorded(&output));
+    assert_eq!(names(&diagnosis), [Cause::PeriodicDisturbance]);
+    assert!((parameter(&diagnosis, "frequency_hz") - 0.37).abs() < 0.002);
+    assert!((parameter(&diagnosis, "amplitude_mm") - 0.8).abs() < 0.08);
+}
+
+#[test]
+fn a_recorded_load_is_named_and_an_unrecorded_one_is_not() {
+    let plant = Plant::new();
+    let load = |t: f64| {
+        20.0 + if ((t / 9.0) as usize).is_multiple_of(2) { 0.0 } else { 10.0 } + 4.0 * (0.3 * t).sin()
+    };
+    let output: Vec<f64> =
+        hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, &t)| y - 0.1 * load(t)).collect();
+    let unrecorded = plant.recorded(&output);
+    let load_n = Some(plant.time_s.iter().map(|&t| load(t)).collect());
+    let diagnosis = diagnosed(&Columns { load_n, ..unrecorded.clone() });
+    assert_eq!(names(&diagnosis), [Cause::Load]);
+    assert!((parameter(&diagnosis, "offset_mm_per_n") + 0.1).abs() < 0.015);
+    assert_eq!(diagnosed(&unrecorded).verdict, Verdict::Unexplained);
+}
+
+#[test]
+fn a_slow_valve_is_told_from_the_muscle() {
+    let plant = Plant::new();
+    let mut slow = Columns { ..plant.recorded(&hysteresis(&plant.pressure)) };
+    let commands: Vec<f64> = plant.time_s.iter().map(|&t| command(t)).collect();
+    slow.input = super::output::low_pass(&commands, &plant.time_s, 0.3);
+    slow.output = hysteresis(&slow.input).iter().zip(&slow.output).map(|(y, _)| *y).collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    for (p, y) in slow.input.iter_mut().zip(&mut slow.output) {
+        let (a, b): (f64, f64) = (StandardNormal.sample(&mut rng), StandardNormal.sample(&mut rng));
+        *p += 0.002 * a;
+        *y += 0.03 * b;
+    }
+    let diagnosis = diagnosed(&slow);
+    assert_eq!(names(&diagnosis), [Cause::ValveLag]);
+    assert!((parameter(&diagnosis, "time_constant_s") - 0.3).abs() < 0.01);
+}
+
+#[test]
+fn a_jump_of_the_zero_is_unexplained_and_said() {
+    let plant = Plant::new();
+    let jump = |t: f64| if t > 50.0 { 1.5 } else { 0.0 };
+    let output: Vec<f64> =
+        hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, &t)| y + jump(t)).collect();
+    let diagnosis = diagnosed(&plant.recorded(&output));
+    assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{:?}", names(&diagnosis));
+    let Some(Unexplained::ZeroStep { time_s, height }) = diagnosis.unexplained else {
+        panic!("{:?}", diagnosis.unexplained)
+    };
+    assert!((time_s - 50.0).abs() < 2.0 && (height - 1.5).abs() < 0.3, "{height} at {time_s}");
+}
+
+#[test]
+fn single_rows_far_off_are_unexplained_and_said() {
+    let plant = Plant::new();
+    let mut columns = plant.recorded(&hysteresis(&plant.pressure));
+    for row in (150..ROWS).step_by(400) {
+        columns.output[row] += 6.0;
+    }
+    let diagnosis = diagnosed(&columns);
+    assert!(matches!(diagnosis.unexplained, Some(Unexplained::Outliers { rows, .. }) if rows >= 8));
+}
+
+#[test]
+fn the_verdict_does_not_depend_on_the_threads() {
+    let plant = Plant::new();
+    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.05);
+    let columns = plant.recorded(&hysteresis(&late));
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| diagnosed(&columns))
+    };
+    let (one, two) = (with(1), with(2));
+    assert_eq!(one.heldout, two.heldout);
+    assert_eq!(names(&one), names(&two));
+}
+
+#[test]
+fn too_few_rows_and_what_does_not_move_are_refused() {
+    let plant = Plant::new();
+    let all = plant.recorded(&hysteresis(&plant.pressure));
+    let mut few = all.clone();
+    few.scored[50..].fill(false);
+    assert!(matches!(diagnose(&few, &|_, _| ()).unwrap_err(), DiagnosisError::TooShort(_)));
+    let still = Columns { input: vec![2.0; ROWS], ..all.clone() };
+    assert_eq!(diagnose(&still, &|_, _| ()).unwrap_err(), DiagnosisError::Still("input"));
+    let still = Columns { output: vec![2.0; ROWS], ..all };
+    assert_eq!(diagnose(&still, &|_, _| ()).unwrap_err(), DiagnosisError::Still("contraction"));
+}

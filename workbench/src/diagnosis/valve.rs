@@ -1,0 +1,273 @@
+//! The valve, from command to measured pressure: which of its effects the recording shows.
+//!
+//! Where both columns are recorded the valve is told apart from the muscle: it is simulated forward and compared at the
+//! pressure. A lag is always part of it; a delay, a dead band and a limit are added while each makes the error clearly
+//! smaller. The muscle is then modelled from the measured pressure, whatever the valve does.
+
+use super::Columns;
+use super::cause::Cause;
+use super::equivalent::delayed;
+use super::output::low_pass;
+use super::signals::median;
+
+/// A lag up to here is that of any proportional regulator, and not named. Unit: s.
+pub const ORDINARY_LAG_S: f64 = 0.07;
+/// Logarithm of the ratio of errors that an effect has to gain.
+const GAIN: f64 = 0.12;
+/// Rows that are compared, at most.
+const ROWS: usize = 20_000;
+/// Dead bands that are tried, between these shares of the command's span.
+const BANDS: (usize, f64, f64) = (28, 0.003, 0.3);
+/// Iterations for lag, delay and limit.
+const ITERATIONS: usize = 12;
+
+/// How a dead band works.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BandForm {
+    /// A command nearer than the band to the last accepted one is ignored, any other accepted whole.
+    Hold,
+    /// The output follows at the distance of half a band.
+    Backlash,
+}
+
+/// A valve's effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Valve {
+    /// Unit: s.
+    pub lag_s: f64,
+    /// Unit: s.
+    pub delay_s: Option<f64>,
+    /// Unit: bar.
+    pub band: Option<(BandForm, f64)>,
+    /// Unit: bar.
+    pub supply_bar: Option<f64>,
+}
+
+/// What was found between command and pressure.
+#[derive(Clone, Debug)]
+pub struct ValveFit {
+    /// The valve.
+    pub valve: Valve,
+    /// The causes that are named, each with the logarithmic gain of having it.
+    pub causes: Vec<(Cause, f64)>,
+    /// Root mean square of measured less simulated pressure. Unit: bar.
+    pub rmse_bar: f64,
+    /// The same for a valve that does what it is told at once. Unit: bar.
+    pub ideal_rmse_bar: f64,
+}
+
+impl Valve {
+    /// The pressure that it makes of a command. Unit: bar.
+    pub fn simulate(&self, time_s: &[f64], command: &[f64]) -> Vec<f64> {
+        let mut values = match self.delay_s {
+            Some(delay_s) => delayed(command, time_s, delay_s),
+            None => command.to_vec(),
+        };
+        if let Some((form, band)) = self.band {
+            let mut held = values.first().copied().unwrap_or(0.0);
+            for value in &mut values {
+                held = match form {
+                    BandForm::Hold if (*value - held).abs() < band => held,
+                    BandForm::Hold => *value,
+                    BandForm::Backlash => held.clamp(*value - 0.5 * band, *value + 0.5 * band),
+                };
+                *value = held;
+            }
+        }
+        if let Some(supply_bar) = self.supply_bar {
+            values.iter_mut().for_each(|value| *value = value.min(supply_bar));
+        }
+        low_pass(&values, time_s, self.lag_s)
+    }
+}
+
+/// The task: times, command and pressure.
+struct Task<'a> {
+    time_s: &'a [f64],
+    command: &'a [f64],
+    pressure: &'a [f64],
+    scored: &'a [bool],
+    step_s: f64,
+    noise: f64,
+}
+
+/// Finds the valve's effects; None without a command beside the pressure.
+pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
+    let rows = columns.time_s.len().min(ROWS);
+    let command = columns.command.as_deref()?;
+    let mut steps: Vec<f64> = columns.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let task = Task {
+        time_s: &columns.time_s[..rows],
+        command: &command[..rows],
+        pressure: &columns.input[..rows],
+        scored: &columns.scored[..rows],
+        step_s: median(&mut steps),
+        noise,
+    };
+    let ideal_rmse_bar = task.error(command);
+    let mut best = task.polished(Valve { lag_s: 0.05, delay_s: None, band: None, supply_bar: None });
+    loop {
+        let next = task.richer(&best.0).into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
+        match next {
+            Some(next) if (best.1 / next.1).ln() > GAIN => best = next,
+            _ => break,
+        }
+    }
+    let (valve, rmse_bar) = best;
+    let mut causes: Vec<(Cause, f64)> = Vec::new();
+    for (cause, poorer) in valve.poorer() {
+        let without = task.polished(poorer).1;
+        let gain = (without / rmse_bar).ln();
+        if gain > GAIN {
+            causes.push((cause, gain));
+        }
+    }
+    if valve.lag_s > ORDINARY_LAG_S {
+        let at_once = task.error(&Valve { lag_s: 1e-6, ..valve }.simulate(task.time_s, task.command));
+        causes.push((Cause::ValveLag, (at_once / rmse_bar).ln()));
+    }
+    Some(ValveFit { valve, causes, rmse_bar, ideal_rmse_bar })
+}
+
+impl Valve {
+    /// This valve without each of its effects but the lag.
+    fn poorer(&self) -> Vec<(Cause, Self)> {
+        let mut all = Vec::new();
+        if self.delay_s.is_some() {
+            all.push((Cause::TransportDelay, Self { delay_s: None, ..*self }));
+        }
+        if self.band.is_some() {
+            all.push((Cause::ValveDeadband, Self { band: None, ..*self }));
+        }
+        if self.supply_bar.is_some() {
+            all.push((Cause::SupplySaturation, Self { supply_bar: None, ..*self }));
+        }
+        all
+    }
+
+    /// Lag and, where they are there, delay and limit.
+    fn smooth(&self) -> Vec<f64> {
+        [Some(self.lag_s.ln()), self.delay_s, self.supply_bar].into_iter().flatten().collect()
+    }
+
+    /// This valve with those.
+    fn with_smooth(&self, values: &[f64], step_s: f64) -> Self {
+        let mut values = values.iter().copied();
+        let mut next = || values.next().unwrap_or(0.0);
+        Self {
+            lag_s: next().clamp((0.02 * step_s).ln(), 20.0f64.ln()).exp(),
+            delay_s: self.delay_s.map(|_| next().clamp(0.0, 5.0)),
+            supply_bar: self.supply_bar.map(|_| next()),
+            ..*self
+        }
+    }
+}
+
+impl Task<'_> {
+    /// Root mean square of the difference, never less than the pressure's noise.
+    fn error(&self, simulated: &[f64]) -> f64 {
+        let (mut squares, mut count) = (0.0, 0.0);
+        for ((simulated, measured), &scored) in simulated.iter().zip(self.pressure).zip(self.scored) {
+            if scored {
+                squares += (simulated - measured).powi(2);
+                count += 1.0;
+            }
+        }
+        (squares / f64::max(count, 1.0)).sqrt().max(self.noise)
+    }
+
+    /// The valve with each effect that it has not, polished.
+    fn richer(&self, valve: &Valve) -> Vec<(Valve, f64)> {
+        let mut all = Vec::new();
+        if valve.delay_s.is_none() {
+            all.push(self.polished(Valve { delay_s: Some(2.0 * self.step_s), ..*valve }));
+        }
+        if valve.supply_bar.is_none() {
+            let highest = self.pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            all.push(self.polished(Valve { supply_bar: Some(highest - self.noise), ..*valve }));
+        }
+        if valve.band.is_none() {
+            let span = self.command.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+                - self.command.iter().copied().fold(f64::INFINITY, f64::min);
+            for form in [BandForm::Hold, BandForm::Backlash] {
+                let at = |place: f64| {
+                    let share = BANDS.1 * (BANDS.2 / BANDS.1).powf(place / (BANDS.0 - 1) as f64);
+                    Valve { band: Some((form, share * span)), ..*valve }
+                };
+                let quick = |valve: Valve| self.error(&valve.simulate(self.time_s, self.command));
+                let rough = (0..BANDS.0)
+                    .map(|i| i as f64)
+                    .min_by(|&one, &other| quick(at(one)).total_cmp(&quick(at(other))))
+                    .unwrap_or(0.0);
+                // Ever finer around the best, lag and all refitted.
+                let mut best = (rough, self.polished(at(rough)));
+                for step in [0.6, 0.36, 0.2, 0.12, 0.07, 0.04, 0.02, 0.01] {
+                    for place in [best.0 - step, best.0 + step] {
+                        let other = self.polished(at(place));
+                        if other.1 < best.1.1 {
+                            best = (place, other);
+                        }
+                    }
+                }
+                all.push(best.1);
+            }
+        }
+        all
+    }
+
+    /// Lag, delay and limit by Gauss-Newton with differences.
+    fn polished(&self, valve: Valve) -> (Valve, f64) {
+        let mut valve = valve;
+        let mut simulated = valve.simulate(self.time_s, self.command);
+        let mut error = self.error(&simulated);
+        for _ in 0..ITERATIONS {
+            let values = valve.smooth();
+            let columns: Vec<Vec<f64>> = (0..values.len())
+                .map(|i| {
+                    let mut moved = values.clone();
+                    let step = if i == 0 { 1e-3 } else { 0.1 * self.step_s.min(1e-2) };
+                    moved[i] += step;
+                    let other = valve.with_smooth(&moved, self.step_s).simulate(self.time_s, self.command);
+                    other.iter().zip(&simulated).map(|(a, b)| (a - b) / step).collect()
+                })
+                .collect();
+            let Some(change) = self.step(&columns, &simulated) else { break };
+            let mut share = 1.0;
+            let before = error;
+            for _ in 0..4 {
+                let moved: Vec<f64> = values.iter().zip(&change).map(|(v, c)| v + share * c).collect();
+                let other = valve.with_smooth(&moved, self.step_s);
+                let next = other.simulate(self.time_s, self.command);
+                if self.error(&next) < error {
+                    (valve, error) = (other, self.error(&next));
+                    simulated = next;
+                    break;
+                }
+                share *= 0.3;
+            }
+            if error > before * (1.0 - 1e-4) {
+                break;
+            }
+        }
+        (valve, error)
+    }
+
+    fn step(&self, columns: &[Vec<f64>], simulated: &[f64]) -> Option<Vec<f64>> {
+        let count = columns.len();
+        let mut matrix = nalgebra::DMatrix::<f64>::zeros(count, count);
+        let mut right = nalgebra::DVector::<f64>::zeros(count);
+        for row in (0..simulated.len()).filter(|&row| self.scored[row]) {
+            let residual = self.pressure[row] - simulated[row];
+            for i in 0..count {
+                right[i] += columns[i][row] * residual;
+                for j in 0..=i {
+                    matrix[(i, j)] += columns[i][row] * columns[j][row];
+                }
+            }
+        }
+        for i in 0..count {
+            matrix[(i, i)] = matrix[(i, i)] * (1.0 + 1e-6) + 1e-12;
+        }
+        Some(nalgebra::Cholesky::new(matrix)?.solve(&right).iter().copied().collect())
+    }
+}

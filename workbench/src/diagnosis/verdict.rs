@@ -1,0 +1,139 @@
+//! From what the search found to a verdict.
+
+use super::cause::Cause;
+use super::physical::{self, Parameters};
+use super::reject::Unexplained;
+use super::search::{Candidate, Search};
+use super::valve::ValveFit;
+
+/// Sets whose costs differ by less than this cannot be told apart.
+const APART: f64 = 0.04;
+
+/// What a diagnosis comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The operator model describes the recording.
+    Adequate,
+    /// The named causes explain what it gets wrong.
+    Explained,
+    /// Several sets of causes explain it, and the recording does not tell them apart.
+    Confounded,
+    /// Something is wrong that none of the causes explains.
+    Unexplained,
+}
+
+impl Verdict {
+    /// The word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Adequate => "adequate",
+            Self::Explained => "explained",
+            Self::Confounded => "confounded",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// A named cause.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// Which.
+    pub cause: Cause,
+    /// Its parameters.
+    pub parameters: Parameters,
+    /// The share of the square of the baseline's error, on blocks that no fit has seen, that goes if this cause is added to
+    /// the others.
+    pub share: f64,
+    /// Why it is named, in words with figures.
+    pub evidence: Vec<String>,
+}
+
+/// What a cause alone gains.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    /// Which.
+    pub cause: Cause,
+    /// Logarithm of the ratio of the errors on blocks that no fit has seen, and its standard error.
+    pub gain: (f64, f64),
+    /// What visits to the same state differ by. Output unit.
+    pub pure_error: Option<f64>,
+}
+
+/// The evidence for each cause alone.
+pub fn singles(search: &Search<'_>, sizes: &[Vec<Candidate>]) -> Vec<Evidence> {
+    let of_set = |set: &Candidate| Evidence {
+        cause: set.causes[0],
+        gain: (search.baseline.score.gain(&set.score), search.baseline.score.gain_error(&set.score)),
+        pure_error: set.pure_error,
+    };
+    sizes.first().into_iter().flatten().map(of_set).collect()
+}
+
+/// Sets that do as well as the best and are no part of it, nor contain it.
+pub fn alternatives(best: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Vec<Cause>> {
+    let is_rival = |set: &&Candidate| {
+        let within =
+            |one: &Candidate, other: &Candidate| one.causes.iter().all(|cause| other.causes.contains(cause));
+        set.causes.len() <= best.causes.len()
+            && !within(set, best)
+            && !within(best, set)
+            && set.cost() - best.cost() < APART
+    };
+    sizes.iter().flatten().filter(is_rival).map(|set| set.causes.clone()).collect()
+}
+
+/// The causes of the best set and of the valve, with what speaks for them.
+pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) -> Vec<Named> {
+    let square = |set: &Candidate| set.score.mean().powi(2);
+    let before = square(&search.baseline).max(1e-300);
+    let mut all: Vec<Named> = physical::parameters(search, best)
+        .into_iter()
+        .map(|(cause, parameters)| {
+            let without = search.without(best, cause);
+            let share = without.as_ref().map_or(0.0, |set| (square(set) - square(best)) / before);
+            let evidence = without.map_or_else(Vec::new, |set| evidence(&set, best));
+            Named { cause, parameters, share, evidence }
+        })
+        .collect();
+    for (cause, gain) in valve.into_iter().flat_map(|fit| &fit.causes) {
+        let Some(fit) = valve else { break };
+        if all.iter().any(|named| named.cause == *cause) {
+            continue;
+        }
+        all.push(Named {
+            cause: *cause,
+            parameters: physical::of_valve(&fit.valve, *cause),
+            share: 1.0 - (-2.0 * gain).exp(),
+            evidence: vec![format!(
+                "between command and pressure: without it the error is {:.1} times as large as {:.4} bar",
+                gain.exp(),
+                fit.rmse_bar
+            )],
+        });
+    }
+    all
+}
+
+/// What a set is better by than without one of its causes, in words.
+fn evidence(without: &Candidate, with: &Candidate) -> Vec<String> {
+    let (gain, error) = (without.score.gain(&with.score), without.score.gain_error(&with.score));
+    let mut words = vec![format!(
+        "held-out error {:.3} instead of {:.3} without it (gain {gain:.2} +- {error:.2})",
+        with.score.mean(),
+        without.score.mean()
+    )];
+    if let (Some(before), Some(after)) = (without.pure_error, with.pure_error) {
+        words.push(format!("visits to the same state differ by {after:.3} instead of {before:.3}"));
+    }
+    words
+}
+
+/// What it comes to.
+pub fn verdict(causes: &[Named], unexplained: Option<&Unexplained>, alternatives: &[Vec<Cause>]) -> Verdict {
+    match (unexplained, causes.is_empty()) {
+        (Some(_), _) => Verdict::Unexplained,
+        (None, true) => Verdict::Adequate,
+        (None, false) if alternatives.is_empty() => Verdict::Explained,
+        (None, false) => Verdict::Confounded,
+    }
+}

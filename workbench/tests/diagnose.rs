@@ -1,0 +1,69 @@
+//! `mgpi diagnose`: what it writes, and what it refuses.
+
+mod common;
+
+use common::{Bench, recording};
+use serde_json::Value;
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    recording(&bench, "rec.csv");
+    bench
+}
+
+#[test]
+fn the_diagnosis_has_the_agreed_keys() {
+    let bench = bench();
+    let said = bench.succeeds("diagnose rec.csv --json d.json");
+    let json: Value = serde_json::from_str(&bench.read("d.json")).expect("JSON");
+    for key in ["verdict", "causes", "alternatives", "baseline", "extended", "heldout", "figures_of_misfit"] {
+        assert!(json.get(key).is_some(), "{key}");
+    }
+    assert!(json.get("suggested_experiment").is_some());
+    assert!(json["baseline"]["rmse_mm"].is_number() && json["extended"]["rmse_mm"].is_number());
+    for key in ["before_rmse_mm", "after_rmse_mm", "noise_floor_mm"] {
+        assert!(json["heldout"][key].is_number(), "{key}");
+    }
+    let verdict = json["verdict"].as_str().expect("a word");
+    assert!(["adequate", "explained", "confounded", "unexplained"].contains(&verdict));
+    assert!(said.starts_with(&format!("rec.csv: {verdict}\n")), "{said}");
+}
+
+#[test]
+fn a_column_that_a_cause_needs_is_said_to_be_missing() {
+    let said = bench().succeeds("diagnose rec.csv");
+    for cause in ["load", "temperature"] {
+        assert!(said.contains(&format!("not examined  {cause}: there is no column")), "{said}");
+    }
+    assert!(said.contains("not examined  creep: there is no hold"), "{said}");
+}
+
+#[test]
+fn a_recording_that_is_too_short_is_refused() {
+    let bench = bench();
+    let rows: Vec<String> = bench.read("rec.csv").lines().take(80).map(str::to_owned).collect();
+    bench.write("short.csv", rows.join("\n"));
+    let message = bench.refuses("diagnose short.csv --json d.json");
+    assert!(message.starts_with("error: short.csv: 79 scored rows are too few for a diagnosis"), "{message}");
+}
+
+#[test]
+fn an_input_that_does_not_move_is_refused() {
+    let bench = Bench::new();
+    let mut text = "time_s,pressure_bar,contraction_mm\n".to_owned();
+    for row in 0..300 {
+        text += &format!("{},2,{}\n", f64::from(row) / 20.0, f64::from(row % 7));
+    }
+    bench.write("still.csv", text);
+    let message = bench.refuses("diagnose still.csv");
+    assert_eq!(message, "error: still.csv: the input does not move: nothing can be diagnosed\n");
+}
+
+#[test]
+fn an_existing_diagnosis_is_kept_unless_forced() {
+    let bench = bench();
+    bench.write("d.json", "mine");
+    let message = bench.refuses("diagnose rec.csv --json d.json");
+    assert_eq!(message, "error: d.json: exists already; --force overwrites it\n");
+    assert_eq!(bench.read("d.json"), "mine");
+}

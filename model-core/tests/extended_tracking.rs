@@ -45,7 +45,7 @@ fn reference(tick: usize) -> f64 {
 
 fn surroundings(tick: usize) -> Surroundings<f64> {
     let t = tick as f64 * PERIOD_S;
-    Surroundings { load: Some(20.0 + 5.0 * t), temperature: Some(25.0 - 2.0 * t) }
+    Surroundings { load: Some(20.0 + t), temperature: Some(25.0 - 0.5 * t) }
 }
 
 /// The largest error of tracking a muscle with `plant`'s effects by feed-forward alone, that of the first half second

@@ -106,7 +106,11 @@ impl<T: Real> Creep<T> {
             share: relaxation::share(dt, time_constant_s),
             mean: relaxation::mean(dt, time_constant_s),
         };
-        let elements: Vec<_, CREEP_ELEMENTS> = time_constants_s.iter().zip(fractions).map(element).collect();
+        let mut elements = Vec::<_, CREEP_ELEMENTS>::new();
+        for pair in time_constants_s.iter().zip(fractions) {
+            // Both lists have the same room.
+            let _ = elements.push(element(pair));
+        }
         let late = elements.iter().fold(T::ZERO, |late, element| late + element.fraction * element.mean);
         CreepStep { elements, late, per_move: T::ONE / (T::ONE - late) }
     }

@@ -111,10 +111,11 @@ impl Scaling {
     }
 
     /// The nearest code, within the limits of the codes; that of a NaN is the lowest.
+    #[allow(clippy::manual_clamp, reason = "clamp panics where the limits are swapped")]
     pub fn code(&self, value: f32) -> u16 {
         // The conversion cuts off towards 0 and saturates; the sum makes it round.
         let nearest = (self.zero_code + value * self.codes_per_unit + 0.5) as u16;
-        nearest.clamp(self.code_min, self.code_max)
+        nearest.min(self.code_max).max(self.code_min)
     }
 
     /// Whether a code is one of a working sensor.

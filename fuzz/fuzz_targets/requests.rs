@@ -15,7 +15,8 @@ thread_local! {
 }
 
 fuzz_target!(|bytes: &[u8]| {
-    let mut board = BOARD.take().map_or_else(HostBoard::default, |board| board.restarted(Protection::SIMULATED));
+    let mut board =
+        BOARD.take().map_or_else(HostBoard::default, |board| board.restarted(Protection::SIMULATED));
     let mut rest = bytes;
     while let Ok((request, behind)) = postcard::take_from_bytes::<Request>(rest) {
         rest = behind;

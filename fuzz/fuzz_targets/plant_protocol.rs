@@ -4,13 +4,14 @@
 use libfuzzer_sys::fuzz_target;
 use rig::parameters::DEAD_LOAD_N;
 use rig::plant::Plant;
-use rig::sensor::Sensors;
+use rig::sensor::{Columns, Sensors};
 use rig::serve::serve;
 use workbench::pil::plant::measurement;
 
 fuzz_target!(|commands: &[u8]| {
     let mut answers = Vec::new();
-    let served = serve(commands, &mut answers, &mut Plant::at_rest(DEAD_LOAD_N, Sensors::ideal()));
+    let served =
+        serve(commands, &mut answers, &mut Plant::at_rest(DEAD_LOAD_N, Sensors::ideal()), Columns::All);
     let lines = commands.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).count();
     let answered =
         answers.split_inclusive(|&byte| byte == b'\n').inspect(|line| assert!(measurement(line).is_some()));

@@ -15,7 +15,7 @@ use super::output;
 use super::signals::{FOLDS, Signals};
 
 /// Gauss-Newton steps at most.
-const STEPS: usize = 8;
+const STEPS: usize = 10;
 /// A step that gains less than this share of the sum of squares is the last.
 const ENOUGH: f64 = 2e-3;
 /// Ridge, as a share of a column's own square.
@@ -267,24 +267,52 @@ impl Point {
 
 /// Fits effects from where their parameters stand; None where the normal equations cannot be solved.
 pub fn fit(signals: &Signals, basis: &Basis, effects: &[Effect]) -> Option<Fit> {
-    let mut point = Point::new(signals, basis, effects.to_vec())?;
-    let nonlinear = effects.iter().map(|effect| effect.parameters.len()).sum::<usize>();
-    let mut sensitivities = Vec::new();
-    for _ in 0..STEPS {
-        sensitivities = point.sensitivities(signals, basis);
-        if nonlinear == 0 {
-            break;
-        }
-        let Some(step) = step(&point, &sensitivities) else { break };
-        let before = point.squares;
-        let Some(next) = descend(signals, basis, &point, &step) else { break };
-        point = next;
-        if point.squares > (1.0 - ENOUGH) * before {
-            sensitivities = point.sensitivities(signals, basis);
-            break;
+    Some(Descent::new(signals, basis, effects.to_vec())?.finish())
+}
+
+/// A fit on its way.
+pub struct Descent<'a> {
+    signals: &'a Signals,
+    basis: &'a Basis,
+    point: Point,
+    /// Those of the last step; of the point itself where none was made.
+    sensitivities: Vec<Vec<f64>>,
+    steps: usize,
+}
+
+impl<'a> Descent<'a> {
+    /// From where the effects' parameters stand; None where the normal equations cannot be solved.
+    pub fn new(signals: &'a Signals, basis: &'a Basis, effects: Vec<Effect>) -> Option<Self> {
+        let point = Point::new(signals, basis, effects)?;
+        Some(Self { signals, basis, point, sensitivities: Vec::new(), steps: 0 })
+    }
+
+    /// Sum of squares so far.
+    pub fn squares(&self) -> f64 {
+        self.point.squares
+    }
+
+    /// Goes on to so many steps since the start, or to where another one gains too little.
+    pub fn advance(&mut self, steps: usize) {
+        while self.steps < steps {
+            self.sensitivities = self.point.sensitivities(self.signals, self.basis);
+            let next = step(&self.point, &self.sensitivities)
+                .and_then(|step| descend(self.signals, self.basis, &self.point, &step));
+            let before = self.point.squares;
+            let Some(next) = next else {
+                self.steps = STEPS;
+                return;
+            };
+            self.point = next;
+            self.steps = if self.squares() > (1.0 - ENOUGH) * before { STEPS } else { self.steps + 1 };
         }
     }
-    Some(cross_validate(signals, point, sensitivities))
+
+    /// The fit at the end of the way, tried on rows that it has not seen.
+    pub fn finish(mut self) -> Fit {
+        self.advance(STEPS);
+        cross_validate(self.signals, self.point, self.sensitivities)
+    }
 }
 
 /// The Gauss-Newton step of the nonlinear parameters, within their bounds.

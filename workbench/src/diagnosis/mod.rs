@@ -36,6 +36,7 @@ pub mod gain;
 pub mod output;
 pub mod physical;
 pub mod pure_error;
+pub mod race;
 pub mod reject;
 pub mod screen;
 pub mod search;

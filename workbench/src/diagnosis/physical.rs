@@ -6,6 +6,7 @@
 use super::basis::Seen;
 use super::cause::Cause;
 use super::effect::{Driver, Effect, Form, Rate};
+use super::equivalent::bend;
 use super::fit::Fit;
 use super::search::{Candidate, Search};
 use super::signals::{Signals, TENTS, hats};
@@ -31,7 +32,7 @@ impl Loop {
         let down = (0..POINTS).rev().map(|i| low + step * i as f64);
         // Twice, so that the first rise is not that of a fresh muscle.
         let input: Vec<f64> = up.clone().chain(down.clone()).chain(up).chain(down).collect();
-        let seen = Seen { input, wider: Vec::new() };
+        let seen = Seen { input, wider: Vec::new(), bend: bend(&fit.effects) };
         let output = search.basis.simulate(&seen, &fit.weights);
         let half = seen.input.len() / 2;
         Self { input: seen.input[half..].to_vec(), output: output[half..].to_vec() }
@@ -65,6 +66,16 @@ pub fn parameters(search: &Search<'_>, set: &Candidate) -> Vec<(Cause, Parameter
             (cause, of_effect(search.signals, cause, effect, weights, &turn))
         })
         .collect()
+}
+
+/// Whether an inertia among the causes swings: damped beyond that it is two lags, and no mass shows.
+pub fn swings(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
+    let Some(place) = causes.iter().position(|&cause| cause == Cause::Inertia) else { return true };
+    let at = fit.effects.len() - causes.len() + place;
+    let weights = fit.output_weights(search.signals, at);
+    let turn = Loop::of(search, fit);
+    let parameters = of_effect(search.signals, Cause::Inertia, &fit.effects[at], weights, &turn);
+    parameters.iter().all(|&(name, value)| name != "damping_ratio" || value < 1.0)
 }
 
 /// Those of the valve's causes.
@@ -105,7 +116,7 @@ fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], 
             let range = parameter(1).exp() * at_middle(2) / typical.powf(parameter(0));
             width(range / half_width(turn, middle).max(1e-9), parameter(0), rate)
         }
-        Form::Width => Vec::new(),
+        Form::Envelope | Form::Width => Vec::new(),
         Form::Driven(driver) | Form::Added(driver) => {
             // The change of the output at the tents, per unit of what drives it.
             let changes: [f64; TENTS] = std::array::from_fn(|tent| match effect.form {

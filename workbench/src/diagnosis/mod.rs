@@ -11,7 +11,7 @@
 //! | [`fit`] | baseline and effects together by Gauss-Newton, and tried on blocks that it has not seen |
 //! | [`free_run`] | the same without the measured contraction |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
-//! | [`screen`], [`spectrum`], [`search`] | which sets are tried |
+//! | [`screen`], [`search`] | which sets are tried |
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`] | what is wrong but none of the causes |
 //! | [`physical`] | the parameters in units that people measure in |
@@ -41,7 +41,6 @@ pub mod reject;
 pub mod screen;
 pub mod search;
 pub mod signals;
-pub mod spectrum;
 pub mod valve;
 pub mod verdict;
 pub mod words;
@@ -51,6 +50,7 @@ mod tests;
 
 use thiserror::Error;
 
+use crate::numbers::{range, root_mean_square};
 use anatomy::examinable::{Examinable, ValveView, examinable};
 use anatomy::excitation::Excitation;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
@@ -201,7 +201,7 @@ fn conclude(
         alternatives,
         unexplained,
         examinable,
-        rmse: (signals::root_mean_square(&baseline.residual), signals::root_mean_square(&best.residual)),
+        rmse: (root_mean_square(&baseline.residual), root_mean_square(&best.residual)),
         heldout: (baseline.score.mean(), best.score.mean()),
         pure_error: baseline.pure_error.zip(best.pure_error),
         residual_before: baseline.fit.residual.clone(),
@@ -219,7 +219,7 @@ fn check(columns: &Columns) -> Result<(), DiagnosisError> {
         return Err(TooShort { rows }.into());
     }
     let moves = |values: &[f64]| {
-        let (low, high) = signals::quantiles(values, 0.0);
+        let (low, high) = range(values);
         high > low
     };
     if !moves(&columns.input) {

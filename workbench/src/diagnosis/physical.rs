@@ -10,6 +10,7 @@ use super::fit::Fit;
 use super::search::{Candidate, Search};
 use super::signals::{Signals, TENTS, hats};
 use super::valve::Valve;
+use crate::numbers::range;
 
 /// Points of the loop that slopes are taken from, each way.
 const POINTS: usize = 400;
@@ -25,7 +26,7 @@ struct Loop {
 
 impl Loop {
     fn of(search: &Search<'_>, fit: &Fit) -> Self {
-        let (low, high) = super::signals::quantiles(&search.signals.input, 0.0);
+        let (low, high) = range(&search.signals.input);
         let step = (high - low) / POINTS as f64;
         let up = (0..=POINTS).map(|i| low + step * i as f64);
         let down = (0..POINTS).rev().map(|i| low + step * i as f64);
@@ -39,7 +40,7 @@ impl Loop {
 
     /// The mean slope of both branches around an output. Unit: output unit/input unit.
     fn slope(&self, at: f64) -> f64 {
-        let (low, high) = super::signals::quantiles(&self.output, 0.0);
+        let (low, high) = range(&self.output);
         let near = 0.08 * (high - low);
         let slopes: Vec<f64> = self
             .input

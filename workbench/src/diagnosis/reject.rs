@@ -10,6 +10,7 @@
 
 use rayon::prelude::*;
 
+use super::anatomy::spectrum::tones;
 use super::effect::Effect;
 use super::fit::fit;
 use super::screen::Screen;
@@ -116,7 +117,7 @@ fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let removed = if set.causes.is_empty() { 0.0 } else { 1.0 - (after / before).powi(2) };
     let is_left = |&(large, share): &(f64, f64)| after > large * set.score.mean() && removed < share;
     let is_seen = after > SEEN * search.signals.noise;
-    let tones_hz = super::spectrum::tones(search.signals, &set.residual, 3);
+    let tones_hz = tones(&search.signals.scored_s(), &set.residual, 3);
     (is_seen && LARGE.iter().any(is_left))
         .then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
 }

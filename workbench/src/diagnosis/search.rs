@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use super::anatomy::spectrum::tones;
 use super::basis::Basis;
 use super::cause::Cause;
 use super::effect::{Effect, Form};
@@ -16,7 +17,7 @@ use super::gain::{Score, mask};
 use super::pure_error::pure_error;
 use super::screen::Screen;
 use super::signals::Signals;
-use super::spectrum::tones;
+use crate::numbers::range;
 
 /// Sets of each size that go on.
 const BEAM: usize = 3;
@@ -78,7 +79,7 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     /// Fits the baseline, for a fresh and for a preconditioned muscle.
     pub fn new(signals: &'a mut Signals, examinable: Vec<Cause>) -> Option<Self> {
-        let (low, high) = super::signals::quantiles(&signals.input, 0.0);
+        let (low, high) = range(&signals.input);
         let basis = Basis::new(low, high, true);
         let first = fit(signals, &basis, &[])?;
         signals.set_simulated(&basis.simulate(&first.seen, &first.weights));
@@ -105,7 +106,7 @@ impl<'a> Search<'a> {
     /// The effects that could stand for a cause beside a set.
     fn starts(&self, set: &Candidate, cause: Cause) -> Vec<Effect> {
         match cause {
-            Cause::PeriodicDisturbance => tones(self.signals, &set.fit.unseen, TONES)
+            Cause::PeriodicDisturbance => tones(&self.signals.scored_s(), &set.fit.unseen, TONES)
                 .into_iter()
                 .map(|frequency_hz| Effect::tone(frequency_hz, self.signals))
                 .collect(),

@@ -30,9 +30,10 @@ pub fn section(diagnosis: &Diagnosis) -> Markup {
                     (named.cause.meaning()) ". Beside the others it explains " (format!("{:.0}", 100.0 * named.share))
                     " % of the square of the first error."
                     @if !named.parameters.is_empty() {
-                        div.wide { table { @for (name, value) in &named.parameters {
-                            @let (words, unit) = quantity(name);
-                            tr { td { (words) } td { (significant(*value)) } td { (unit) } }
+                        div.wide { table { @for same in named.parameters.chunk_by(|one, other| one.0 == other.0) {
+                            @let (words, unit) = quantity(same[0].0);
+                            @let values: Vec<String> = same.iter().map(|(_, value)| significant(*value)).collect();
+                            tr { td { (words) } td { (values.join(", ")) } td { (unit) } }
                         } } }
                     }
                     ul { @for words in &named.evidence { li { (words) } } }

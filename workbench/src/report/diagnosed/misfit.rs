@@ -58,14 +58,18 @@ pub fn section(view: &View<'_>) -> Markup {
 
 /// What the error goes with, as bars.
 fn shares(axes: &[AxisMean]) -> Markup {
+    let (beyond, chance): (Vec<_>, Vec<_>) = axes.iter().partition(|axis| axis.share > 0.0);
     let rows: Vec<(&str, [f64; 1])> =
-        axes.iter().map(|axis| (axis.axis.quantity(), [100.0 * axis.share])).collect();
+        beyond.iter().map(|axis| (axis.axis.quantity(), [100.0 * axis.share])).collect();
+    let chance: Vec<&str> = chance.iter().map(|axis| axis.axis.quantity()).collect();
     let groups: Vec<Bar<'_>> =
         rows.iter().map(|(name, values)| Bar { name, values, is_chosen: false }).collect();
     html! {
-        (bars("What the error goes with: share of its energy that is beyond chance (%)", &[], &groups, None))
-        p { "Quantities that go with each other (time and travel, say) share what they explain, so these are hints, not causes. \
-            A share of 0 is what chance does as well." }
+        @if !groups.is_empty() {
+            (bars("What the error goes with: share of its energy, beyond chance (%)", &[], &groups, None))
+            p { "Quantities that go with each other (time and travel, say) share what they explain: these are hints, not causes." }
+        }
+        @if !chance.is_empty() { p { "It goes no more than by chance with: " (chance.join(", ")) "." } }
     }
 }
 

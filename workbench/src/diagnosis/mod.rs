@@ -194,7 +194,8 @@ fn conclude(
         load: load.as_deref(),
         temperature: temperature.as_deref(),
     };
-    let anatomy = Anatomy::of(&residual, ANATOMY_SEED)?;
+    // The floor is that of all rows: thinned ones are too far apart to tell noise from movement.
+    let anatomy = Anatomy { noise: signals.noise_floor, ..Anatomy::of(&residual, ANATOMY_SEED)? };
     Ok(Diagnosis {
         verdict,
         causes,

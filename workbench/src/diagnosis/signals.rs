@@ -9,7 +9,8 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::Columns;
-use super::anatomy::{noise, steps};
+use super::anatomy::noise::{self, NoiseFloor};
+use super::anatomy::steps;
 use super::effect::Rate;
 pub use crate::numbers::{quantiles, root_mean_square};
 use crate::numbers::{range, travel};
@@ -91,7 +92,9 @@ pub struct Signals {
     pub blocks: usize,
     /// Median step. Unit: s.
     pub step_s: f64,
-    /// Noise of the output. Output unit.
+    /// Noise of the output in the scored rows. Output unit.
+    pub noise_floor: NoiseFloor,
+    /// Its standard deviation. Output unit.
     pub noise: f64,
     /// Noise of the input. Input unit.
     pub input_noise: f64,
@@ -103,8 +106,11 @@ impl Signals {
         let Columns { time_s, input, output, scored, .. } = columns;
         let (step_s, _) = steps(time_s);
         let (smooth, rate, acceleration) = local_cubic(time_s, output, step_s, WINDOW);
-        let noise_of = |values: &[f64]| noise::floor(time_s, values).deviation;
-        let (noise, input_noise) = (noise_of(output), noise_of(input));
+        let of_scored = |values: &[f64]| -> Vec<f64> {
+            values.iter().zip(scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
+        };
+        let noise_floor = noise::floor(&of_scored(time_s), &of_scored(output));
+        let (noise, input_noise) = (noise_floor.deviation, noise::floor(time_s, input).deviation);
         let speeds = [speed(time_s, input, step_s, input_noise), speed(time_s, output, step_s, noise)];
         let (low, high) = quantiles(output, 0.02);
         let knots = std::array::from_fn(|knot| low + (high - low) * knot as f64 / (TENTS - 1) as f64);
@@ -130,6 +136,7 @@ impl Signals {
             rows,
             blocks,
             step_s,
+            noise_floor,
             noise,
         }
     }

@@ -16,7 +16,8 @@ frame.addEventListener("load", () => {
     const isCut = box.left < bounds.left - 1 || box.right > bounds.right + 1
       || (drawing && (box.top < bounds.top - 1 || box.bottom > bounds.bottom + 1));
     if (isCut && !(around && view.getComputedStyle(around).overflowX === "auto")) faults.push(`cut: ${named(element)}`);
-    const scale = element.closest("svg") ? element.getScreenCTM().a : 1;
+    const turn = element.closest("svg") && element.getScreenCTM();
+    const scale = turn ? Math.hypot(turn.a, turn.b) : 1;
     const size = scale * parseFloat(view.getComputedStyle(element).fontSize);
     if (size < 9) faults.push(`letters of ${size.toFixed(1)} pixels: ${named(element)}`);
   }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::{Diagnosis, Verdict};
 use crate::report::bars::significant;
 
 /// Ends of parameters' names, each with its unit; the longer of two that fit comes first.
@@ -23,7 +23,12 @@ const UNITS: [(&str, &str); 10] = [
 pub fn section(diagnosis: &Diagnosis) -> Markup {
     html! {
         @if !diagnosis.causes.is_empty() {
-            h2 { "The causes" }
+            @if diagnosis.verdict == Verdict::Unexplained {
+                h2 { "The causes that go farthest, and do not explain it" }
+                p { "They make the error smaller, but too much is left: something else is at work, and may be what they pass for." }
+            } @else {
+                h2 { "The causes" }
+            }
             dl { @for named in &diagnosis.causes {
                 dt { (named.cause.name()) }
                 dd {

@@ -30,6 +30,7 @@ pub mod basis;
 pub mod cause;
 pub mod effect;
 pub mod equivalent;
+pub mod extend;
 pub mod fit;
 pub mod free_run;
 pub mod gain;

@@ -18,13 +18,13 @@ const POINTS: usize = 400;
 pub type Parameters = Vec<(&'static str, f64)>;
 
 /// A loop over the whole input range: input and output, up and down.
-struct Loop {
+pub(super) struct Loop {
     input: Vec<f64>,
     output: Vec<f64>,
 }
 
 impl Loop {
-    fn of(search: &Search<'_>, fit: &Fit) -> Self {
+    pub(super) fn of(search: &Search<'_>, fit: &Fit) -> Self {
         let (low, high) = super::signals::quantiles(&search.signals.input, 0.0);
         let step = (high - low) / POINTS as f64;
         let up = (0..=POINTS).map(|i| low + step * i as f64);
@@ -38,7 +38,7 @@ impl Loop {
     }
 
     /// The mean slope of both branches around an output. Unit: output unit/input unit.
-    fn slope(&self, at: f64) -> f64 {
+    pub(super) fn slope(&self, at: f64) -> f64 {
         let (low, high) = super::signals::quantiles(&self.output, 0.0);
         let near = 0.08 * (high - low);
         let slopes: Vec<f64> = self
@@ -49,6 +49,20 @@ impl Loop {
             .map(|(u, y)| (y[1] - y[0]) / (u[1] - u[0]))
             .collect();
         slopes.iter().sum::<f64>() / slopes.len().max(1) as f64
+    }
+
+    /// Half the width of the loop at an output. Input unit.
+    pub(super) fn half_width(&self, at: f64) -> f64 {
+        let crossings: Vec<f64> = self
+            .output
+            .windows(2)
+            .zip(&self.input)
+            .filter(|(y, _)| (y[0] - at) * (y[1] - at) <= 0.0)
+            .map(|(_, &u)| u)
+            .collect();
+        let highest = crossings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = crossings.iter().copied().fold(f64::INFINITY, f64::min);
+        if crossings.len() < 2 { 0.0 } else { 0.5 * (highest - lowest) }
     }
 }
 
@@ -103,7 +117,7 @@ fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], 
         Form::Friction(rate) => {
             let typical = signals.typical_speed(rate);
             let range = parameter(1).exp() * at_middle(2) / typical.powf(parameter(0));
-            width(range / half_width(turn, middle).max(1e-9), parameter(0), rate)
+            width(range / turn.half_width(middle).max(1e-9), parameter(0), rate)
         }
         Form::Width => Vec::new(),
         Form::Driven(driver) | Form::Added(driver) => {
@@ -150,20 +164,6 @@ fn width(gain: f64, exponent: f64, rate: Rate) -> Parameters {
         Rate::Contraction => "width_gain_of_contraction_rate",
     };
     vec![(name, gain), ("rate_exponent", exponent)]
-}
-
-/// Half the width of the loop at an output. Input unit.
-fn half_width(turn: &Loop, at: f64) -> f64 {
-    let crossings: Vec<f64> = turn
-        .output
-        .windows(2)
-        .zip(&turn.input)
-        .filter(|(y, _)| (y[0] - at) * (y[1] - at) <= 0.0)
-        .map(|(_, &u)| u)
-        .collect();
-    let highest = crossings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let lowest = crossings.iter().copied().fold(f64::INFINITY, f64::min);
-    if crossings.len() < 2 { 0.0 } else { 0.5 * (highest - lowest) }
 }
 
 /// Offset and gain of a change over the contraction; a warm-up's share of the stroke and its travel.

@@ -2,9 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::diagnosis::Diagnosis;
 use crate::diagnosis::cause::Cause;
 use crate::diagnosis::reject::Unexplained;
-use crate::diagnosis::{Diagnosis, Verdict};
+use crate::diagnosis::words::experiment;
 use crate::unit::Unit;
 
 /// A diagnosis; the keys of errors carry the output's unit.
@@ -71,16 +72,4 @@ fn unexplained(seen: &Unexplained) -> Value {
             json!({"seen": "not_repeatable", "pure_error": pure_error, "tones_hz": tones_hz})
         }
     }
-}
-
-/// The command that writes an excitation which separates what is confounded.
-fn experiment(diagnosis: &Diagnosis) -> Option<String> {
-    if diagnosis.verdict != Verdict::Confounded {
-        return None;
-    }
-    let mut names: Vec<&str> = diagnosis.causes.iter().map(|named| named.cause.name()).collect();
-    names.extend(diagnosis.alternatives.iter().flatten().map(|cause| cause.name()));
-    names.sort_unstable();
-    names.dedup();
-    Some(format!("mgpi plan --causes {} -o plan.csv", names.join(",")))
 }

@@ -15,6 +15,7 @@
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`] | what is wrong but none of the causes |
 //! | [`physical`] | the parameters in units that people measure in |
+//! | [`words`] | the verdict in a sentence, and the experiment that is left to be made |
 //!
 //! # Contract
 //! The verdict does not depend on the number of threads. A cause is named only where the recording can show it, where
@@ -44,6 +45,7 @@ pub mod signals;
 pub mod spectrum;
 pub mod valve;
 pub mod verdict;
+pub mod words;
 
 #[cfg(test)]
 mod tests;
@@ -58,7 +60,7 @@ use reject::{Unexplained, unexplained};
 use search::{Candidate, Search};
 use signals::Signals;
 use valve::{ValveFit, examine};
-pub use verdict::{Evidence, Named, Verdict};
+pub use verdict::{Named, Tried, Verdict};
 
 /// The columns of a recording.
 #[derive(Clone, Debug, Default)]
@@ -125,8 +127,8 @@ pub struct Diagnosis {
     pub residual_after: Vec<f64>,
     /// The residual taken apart, before.
     pub anatomy: Anatomy,
-    /// The evidence for each cause alone, the strongest first.
-    pub singles: Vec<Evidence>,
+    /// All sets of causes that were looked at, by size, the best first.
+    pub tried: Vec<Tried>,
     /// The valve, if it can be told apart.
     pub valve: Option<ValveFit>,
 }
@@ -205,7 +207,7 @@ fn conclude(
         pure_error: baseline.pure_error.zip(best.pure_error),
         residual_before: baseline.fit.residual.clone(),
         residual_after: best.residual.clone(),
-        singles: verdict::singles(search, sizes),
+        tried: verdict::tried(search, sizes),
         rows,
         anatomy,
         valve,

@@ -46,27 +46,38 @@ pub struct Named {
     pub share: f64,
     /// Why it is named, in words with figures.
     pub evidence: Vec<String>,
+    /// The others without it; None for a cause of the valve.
+    pub without: Option<Tried>,
 }
 
-/// What a cause alone gains.
+/// A set of causes that was looked at.
 #[derive(Clone, Debug)]
-pub struct Evidence {
+pub struct Tried {
     /// Which.
-    pub cause: Cause,
-    /// Logarithm of the ratio of the errors on blocks that no fit has seen, and its standard error.
+    pub causes: Vec<Cause>,
+    /// Error on blocks that no fit has seen. Output unit.
+    pub heldout: f64,
+    /// Logarithm of the ratio of that error without any cause to this one, and its standard error.
     pub gain: (f64, f64),
     /// What visits to the same state differ by. Output unit.
     pub pure_error: Option<f64>,
 }
 
-/// The evidence for each cause alone.
-pub fn singles(search: &Search<'_>, sizes: &[Vec<Candidate>]) -> Vec<Evidence> {
-    let of_set = |set: &Candidate| Evidence {
-        cause: set.causes[0],
-        gain: (search.baseline.score.gain(&set.score), search.baseline.score.gain_error(&set.score)),
-        pure_error: set.pure_error,
-    };
-    sizes.first().into_iter().flatten().map(of_set).collect()
+impl Tried {
+    fn of(search: &Search<'_>, set: &Candidate) -> Self {
+        let none = &search.baseline.score;
+        Self {
+            causes: set.causes.clone(),
+            heldout: set.score.mean(),
+            gain: (none.gain(&set.score), none.gain_error(&set.score)),
+            pure_error: set.pure_error,
+        }
+    }
+}
+
+/// All sets that were looked at, by size, the best first.
+pub fn tried(search: &Search<'_>, sizes: &[Vec<Candidate>]) -> Vec<Tried> {
+    sizes.iter().flatten().map(|set| Tried::of(search, set)).collect()
 }
 
 /// Sets that do as well as the best and are no part of it, nor contain it.
@@ -91,8 +102,9 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
         .map(|(cause, parameters)| {
             let without = search.without(best, cause);
             let share = without.as_ref().map_or(0.0, |set| (square(set) - square(best)) / before);
-            let evidence = without.map_or_else(Vec::new, |set| evidence(&set, best));
-            Named { cause, parameters, share, evidence }
+            let evidence = without.as_ref().map_or_else(Vec::new, |set| evidence(set, best));
+            let without = without.map(|set| Tried::of(search, &set));
+            Named { cause, parameters, share, evidence, without }
         })
         .collect();
     for (cause, gain) in valve.into_iter().flat_map(|fit| &fit.causes) {
@@ -109,6 +121,7 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
                 gain.exp(),
                 fit.rmse_bar
             )],
+            without: None,
         });
     }
     all

@@ -184,7 +184,7 @@ pub fn quantiles(values: &[f64], share: f64) -> (f64, f64) {
 }
 
 /// White noise from third differences, by their median: what is smooth, and rare jumps, do not count.
-fn white_noise(values: &[f64]) -> f64 {
+pub fn white_noise(values: &[f64]) -> f64 {
     let mut differences: Vec<f64> =
         values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).collect();
     // The third difference of white noise has twenty times its variance; 0.6745 is the median of |normal|.

@@ -3,9 +3,10 @@
 //! Both models run free through the whole input, the recorded columns and nothing else, so that they come to the first of
 //! these rows in the state that history has left them in.
 
-use super::Extension;
+use super::{Extended, Extension};
 use crate::diagnosis::Columns;
-use crate::diagnosis::signals::root_mean_square;
+use crate::diagnosis::signals::{root_mean_square, white_noise};
+use crate::figures::Figures;
 
 /// Blocks of rows that the uncertainty comes from.
 const BLOCKS: usize = 10;
@@ -13,10 +14,12 @@ const BLOCKS: usize = 10;
 /// A gain on rows that the fit has not seen. Output unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldOutGain {
-    /// Root mean square error without extensions.
-    pub before_rmse: f64,
+    /// Where the rows begin. Unit: s.
+    pub from_s: f64,
+    /// Errors without extensions.
+    pub before: Figures,
     /// With them.
-    pub after_rmse: f64,
+    pub after: Figures,
     /// White noise of the measurement, below which no model comes.
     pub noise_floor: f64,
     /// Standard error of after - before, from the differences of blocks of rows in time.
@@ -26,8 +29,8 @@ pub struct HeldOutGain {
 impl HeldOutGain {
     /// The share of what could be gained; None where nothing could.
     pub fn share(&self) -> Option<f64> {
-        let most = self.before_rmse - self.noise_floor;
-        (most > 0.0).then(|| (self.before_rmse - self.after_rmse) / most)
+        let most = self.before.rmse - self.noise_floor;
+        (most > 0.0).then(|| (self.before.rmse - self.after.rmse) / most)
     }
 }
 
@@ -39,14 +42,13 @@ pub fn gain(
     (before, after): (&Extension, &Extension),
     noise_floor: f64,
 ) -> Option<HeldOutGain> {
-    if scored.len() < BLOCKS {
-        return None;
-    }
+    let first = *scored.get(..BLOCKS)?.first()?;
     let errors = |model: &Extension| -> Option<Vec<f64>> {
         let simulated = model.answer(columns)?;
         Some(scored.iter().map(|&row| columns.output[row] - simulated[row]).collect())
     };
     let (before, after) = (errors(before)?, errors(after)?);
+    let figures = |errors: &[f64]| Figures::of(errors, &vec![0.0; errors.len()], &vec![true; errors.len()]);
     let length = scored.len().div_ceil(BLOCKS);
     let differences: Vec<f64> = before
         .chunks(length)
@@ -57,9 +59,17 @@ pub fn gain(
     let mean = differences.iter().sum::<f64>() / count;
     let squares: f64 = differences.iter().map(|difference| (difference - mean).powi(2)).sum();
     Some(HeldOutGain {
-        before_rmse: root_mean_square(&before),
-        after_rmse: root_mean_square(&after),
+        from_s: columns.time_s[first],
+        before: figures(&before),
+        after: figures(&after),
         noise_floor,
         gain_error: (squares / (count * (count - 1.0).max(1.0))).sqrt(),
     })
+}
+
+/// The gain on another recording, which took no part in anything; None as for [`gain`].
+pub fn on_another(columns: &Columns, extended: &Extended) -> Option<HeldOutGain> {
+    let rows: Vec<usize> = (0..columns.scored.len()).filter(|&row| columns.scored[row]).collect();
+    let noise_floor = white_noise(&columns.output);
+    gain(&extended.seen_from(columns), &rows, (&extended.plain, &extended.model), noise_floor)
 }

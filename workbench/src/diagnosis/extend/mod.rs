@@ -8,6 +8,7 @@
 //! | `variables` | operator and extensions as numbers that a search can move |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
 //! | [`heldout`] | the gain on rows that took no part in the fit |
+//! | [`physical`] | the extensions' parameters in the units that people measure in |
 //!
 //! # Contract
 //! The models have seen nothing of the output but the scored rows before the split, when they are compared behind it; then
@@ -18,17 +19,20 @@
 
 mod carry;
 pub mod heldout;
+pub mod physical;
 mod refine;
 mod start;
 mod variables;
+
+use std::borrow::Cow;
 
 use model_core::ExtensionParameters;
 
 use super::Columns;
 use super::search::{Candidate, Search};
-use super::signals::root_mean_square;
 use super::valve::ValveFit;
-use crate::identification::{Density, HostExtendedModel, HostParameters};
+use crate::figures::Figures;
+use crate::identification::{Density, HostExtendedModel, HostParameters, Termination};
 use crate::simulation::Rows;
 pub use heldout::HeldOutGain;
 use refine::Task;
@@ -64,19 +68,45 @@ pub struct Extended {
     pub extended_rmse: f64,
     /// What it gains behind the split, by models of the rows before.
     pub heldout: HeldOutGain,
+    /// Starts of the operator.
+    pub starts: usize,
+    /// How the last refinement ended.
+    pub termination: Termination,
+    /// Whether one of the causes is the valve's: the gain is then counted from the command.
+    pub valve_is_named: bool,
 }
 
 impl Extension {
     /// The free-running answer to a recording, a value a row; from a measured pressure without the valve. None where the
     /// model refuses a row. Output unit.
     pub fn answer(&self, columns: &Columns) -> Option<Vec<f64>> {
-        let extensions = if columns.input_is_command {
-            self.extensions.clone()
-        } else {
-            self.extensions.without_valve()
-        };
-        let model = HostExtendedModel::try_new(&self.parameters, &extensions).ok()?;
+        let model = HostExtendedModel::try_new(&self.parameters, &self.acting(columns)).ok()?;
         rows(columns).answer(&model).ok()
+    }
+
+    /// The extensions behind the input of a recording.
+    fn acting(&self, columns: &Columns) -> ExtensionParameters<f64> {
+        if columns.input_is_command { self.extensions.clone() } else { self.extensions.without_valve() }
+    }
+}
+
+impl Extended {
+    /// A recording with the input that the gain is counted from: where something is wrong with the valve the command, also
+    /// where the pressure was recorded.
+    fn seen_from<'a>(&self, columns: &'a Columns) -> Cow<'a, Columns> {
+        seen_from(columns, self.valve_is_named)
+    }
+}
+
+fn seen_from(columns: &Columns, valve_is_named: bool) -> Cow<'_, Columns> {
+    match &columns.command {
+        Some(command) if valve_is_named => Cow::Owned(Columns {
+            input: command.clone(),
+            input_is_command: true,
+            command: None,
+            ..columns.clone()
+        }),
+        _ => Cow::Borrowed(columns),
     }
 }
 
@@ -101,35 +131,40 @@ pub fn extend(
 ) -> Option<Extended> {
     let signals = search.signals;
     let scored: Vec<usize> = signals.rows.iter().map(|row| row.at).collect();
-    let split = ((TAUGHT * scored.len() as f64) as usize).min(scored.len());
-    let before = Task { columns, scored: &scored[..split] };
+    let (taught, untaught) = scored.split_at((TAUGHT * scored.len() as f64) as usize);
+    let before = Task { columns, scored: taught };
     let whole = Task { columns, scored: &scored };
 
-    let (operator, plain) = rayon::join(
-        || start::operator(&start::Seen::of(search, set), &scored[..split]),
-        || start::operator(&start::Seen::plain(columns), &scored[..split]),
-    );
-    progress(0.3);
+    let plain = start::operator(&start::Seen::plain(columns), taught);
+    progress(0.2);
     let mut extensions = carry::extensions(columns, search, set);
     carry::add_valve(&mut extensions, valve);
-    let (parameters, density) = operator?;
-    let extended = before.refined(Extension { parameters, density, extensions })?;
-    progress(0.6);
-    let (parameters, density) = plain?;
-    let plain = before.refined(Extension { parameters, density, extensions: ExtensionParameters::default() })?;
-    let heldout = heldout::gain(columns, &scored[split..], (&plain, &extended), signals.noise)?;
-    progress(0.7);
-
-    let (model, plain) = rayon::join(|| whole.refined(extended), || whole.refined(plain));
-    let (model, plain) = (model?, plain?);
-    let (simulated, plain_simulated) = (model.answer(columns)?, plain.answer(columns)?);
-    let rmse = |simulated: &[f64]| {
-        let errors: Vec<f64> = (0..columns.output.len())
-            .filter(|&row| columns.scored[row])
-            .map(|row| columns.output[row] - simulated[row])
-            .collect();
-        root_mean_square(&errors)
+    let of = |operator: (HostParameters, Density), extensions| {
+        let (parameters, density) = operator;
+        Extension { parameters, density, extensions }
     };
+    let (plain, _) = before.refined(of(plain?, ExtensionParameters::default()))?;
+    progress(0.4);
+    let extended = if set.causes.is_empty() {
+        Extension { extensions, ..plain.clone() }
+    } else {
+        let operator = start::operator(&start::Seen::of(search, set), taught)?;
+        before.refined(of(operator, extensions))?.0
+    };
+    progress(0.7);
+    let valve_is_named = valve.is_some_and(|fit| !fit.causes.is_empty());
+    let seen = seen_from(columns, valve_is_named);
+    let heldout = heldout::gain(&seen, untaught, (&plain, &extended), signals.noise)?;
+
+    let (plain, termination) = whole.refined(plain)?;
+    progress(0.8);
+    let (model, termination) = if set.causes.is_empty() {
+        (Extension { extensions: extended.extensions, ..plain.clone() }, termination)
+    } else {
+        whole.refined(extended)?
+    };
+    let (simulated, plain_simulated) = (model.answer(&seen)?, plain.answer(&seen)?);
+    let rmse = |simulated: &[f64]| Figures::of(&columns.output, simulated, &columns.scored).rmse;
     progress(1.0);
     Some(Extended {
         baseline_rmse: rmse(&plain_simulated),
@@ -139,5 +174,8 @@ pub fn extend(
         plain,
         plain_simulated,
         heldout,
+        starts: start::STARTS,
+        termination,
+        valve_is_named,
     })
 }

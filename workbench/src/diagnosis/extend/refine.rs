@@ -14,7 +14,7 @@ use super::variables::{Units, of, with};
 use super::{Extension, rows};
 use crate::diagnosis::Columns;
 use crate::diagnosis::signals::quantiles;
-use crate::identification::{DEAD_ZONES, PLAYS};
+use crate::identification::{DEAD_ZONES, PLAYS, Termination};
 use crate::simulation::Rows;
 
 /// The difference that derivatives are taken by.
@@ -45,7 +45,7 @@ struct Problem<'a> {
 
 impl Task<'_> {
     /// The model refined from where it stands; None where it does not run through the rows.
-    pub fn refined(&self, base: Extension) -> Option<Extension> {
+    pub fn refined(&self, base: Extension) -> Option<(Extension, Termination)> {
         let Columns { time_s, output, input_is_command, .. } = self.columns;
         let (low, high) = quantiles(output, 0.0);
         let last = self.scored.last()?;
@@ -58,18 +58,14 @@ impl Task<'_> {
         let problem = Problem { task: *self, units, base, variables, residuals: OnceLock::new() };
         problem.at(&problem.variables)?;
         let kernel = LevenbergMarquardt::new().with_ftol(ENOUGH).with_patience(PATIENCE).with_stepbound(1.0);
-        let (problem, _) = kernel.minimize(problem);
-        Some(problem.model(&problem.variables))
+        let (problem, report) = kernel.minimize(problem);
+        Some((problem.model(&problem.variables), (&report.termination).into()))
     }
 
     /// Simulated less measured, a value a scored row.
     fn residuals(&self, model: &Extension) -> Option<DVector<f64>> {
         let columns = self.columns;
-        let extensions = if columns.input_is_command {
-            model.extensions.clone()
-        } else {
-            model.extensions.without_valve()
-        };
+        let extensions = model.acting(columns);
         let end = self.scored.last()? + 1;
         let all = rows(columns);
         let cut = Rows {

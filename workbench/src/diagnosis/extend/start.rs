@@ -17,8 +17,9 @@ const ROWS: usize = 2400;
 const KNOTS: usize = 8;
 const PLAYS: usize = 10;
 const DEAD_ZONES: usize = 10;
-/// Starts of the search, and their seed.
-const STARTS: usize = 6;
+/// Starts of the search.
+pub const STARTS: usize = 6;
+/// Their seed.
 const SEED: u64 = 1;
 
 /// Input and output of the operators, a value a row.

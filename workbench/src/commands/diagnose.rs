@@ -8,14 +8,18 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::diagnosed_json;
 use super::search::Columns as Chosen;
-use crate::Error;
+use crate::diagnosis::extend::heldout::on_another;
+use crate::diagnosis::extend::{Extended, Extension, HeldOutGain};
 use crate::diagnosis::words::{experiment, in_a_sentence};
-use crate::diagnosis::{Columns, Diagnosis, diagnose};
+use crate::diagnosis::{Columns, Diagnosis, diagnose_and_extend};
+use crate::identification::HostModel;
+use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
-use crate::recording::Recording;
+use crate::recording::{Choice, Recording};
 use crate::report::diagnosed;
 use crate::table::Table;
 use crate::unit::Unit;
+use crate::{Error, TOOL};
 
 /// Shows what a simulation gets wrong about a recording, and names the cause.
 #[derive(Args, Debug)]
@@ -23,6 +27,12 @@ pub struct Arguments {
     /// The recording; load_n, temperature_c and, beside pressure_bar, command_bar are used where they are there
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
+    /// Also write the operator model, extended by the named causes, for simulate, pil and the board
+    #[arg(short = 'o', value_name = "EXTENDED.toml")]
+    model_file: Option<PathBuf>,
+    /// Another recording of the same muscle that the gain is counted on [default: the last third of the rows]
+    #[arg(long, value_name = "REC2.csv")]
+    validate: Option<PathBuf>,
     /// Also write a page that shows it: one HTML file
     #[arg(long, value_name = "REPORT.html")]
     report: Option<PathBuf>,
@@ -41,34 +51,85 @@ pub struct Arguments {
 /// # Errors
 /// The recording is not what it should be or too short, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let file = &arguments.recording;
-    let mut outputs =
-        Outputs::claim(arguments.report.iter().chain(&arguments.json), &[file], arguments.force)?;
-    let (columns, recording) = read(file, &arguments.columns)?;
+    let Arguments { recording: file, model_file, validate, report, json, .. } = arguments;
+    let inputs: Vec<&Path> = [file].into_iter().chain(validate).map(PathBuf::as_path).collect();
+    let mut outputs = Outputs::claim(model_file.iter().chain(report).chain(json), &inputs, arguments.force)?;
+    let (columns, recording) = read(file, &arguments.columns.choice())?;
     let unit = recording.output.channel.unit;
+    let other =
+        validate.as_ref().map(|file| read(file, &arguments.columns.choice_of(&recording))).transpose()?;
     let begin = Instant::now();
-    let diagnosis = with_bar(|progress| diagnose(&columns, progress))
+    let (diagnosis, extended) = with_bar(|progress| diagnose_and_extend(&columns, progress))
         .map_err(|source| Error::Diagnosis { file: file.clone(), source })?;
     let seconds = begin.elapsed().as_secs_f64();
-    if let Some(report) = &arguments.report {
-        outputs.stage(report, diagnosed::to_html(&diagnosis, &recording).as_bytes())?;
+    let gain = extended.as_ref().and_then(|extended| match &other {
+        Some((columns, _)) => on_another(columns, extended),
+        None => Some(extended.heldout),
+    });
+    let gained = extended.as_ref().zip(gain.as_ref());
+    if let Some(model_file) = model_file {
+        let extended = extended.as_ref().ok_or_else(|| Error::NotExtended(file.clone()))?;
+        let gain = gain.as_ref().map(|gain| (gain, other.as_ref().map(|(_, other)| other)));
+        outputs.stage(model_file, to_file(&recording, extended, gain)?.to_toml().as_bytes())?;
     }
-    if let Some(json) = &arguments.json {
-        let text = format!("{:#}\n", diagnosed_json::to_json(&diagnosis, unit, seconds));
+    if let Some(report) = report {
+        let gained = gained.map(|(extended, gain)| diagnosed::Gained {
+            extended,
+            gain,
+            other: validate.as_ref().map(|file| file.display().to_string()),
+        });
+        let page = diagnosed::to_html(&diagnosis, &recording, gained.as_ref());
+        outputs.stage(report, page.as_bytes())?;
+    }
+    if let Some(json) = json {
+        let text = format!("{:#}\n", diagnosed_json::to_json(&diagnosis, gained, unit, seconds));
         outputs.stage(json, text.as_bytes())?;
     }
     outputs.commit()?;
-    print_summary(file, &diagnosis, unit, seconds);
+    print_summary(file, &diagnosis, gained, unit, seconds);
     Ok(())
+}
+
+/// The extended model's file; its gain may be that on another recording.
+fn to_file(
+    recording: &Recording,
+    extended: &Extended,
+    gain: Option<(&HeldOutGain, Option<&Recording>)>,
+) -> Result<ModelFile, Error> {
+    let Extension { parameters, density, extensions } = &extended.model;
+    let heldout = gain.map(|(gain, other)| HeldOut {
+        recording: other.unwrap_or(recording).source(),
+        from_s: other.is_none().then_some(gain.from_s),
+        figures: gain.after,
+    });
+    Ok(ModelFile {
+        input: recording.drive.input.channel.clone(),
+        output: recording.output.channel.clone(),
+        density: *density,
+        parameters: parameters.clone(),
+        extensions: extensions.clone(),
+        model: HostModel::try_new(parameters)?,
+        identification: Some(Identification {
+            tool: TOOL.to_owned(),
+            recording: recording.source(),
+            scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
+            stroke: recording.stroke(),
+            training: recording.figures(&extended.simulated),
+            heldout,
+            starts: extended.starts,
+            termination: extended.termination.to_string(),
+            standard_errors: Vec::new(),
+        }),
+    })
 }
 
 /// The columns of a recording that a diagnosis looks at, and the recording that they are from.
 ///
 /// # Errors
 /// The recording is not what it should be.
-pub fn read(file: &Path, chosen: &Chosen) -> Result<(Columns, Recording), Error> {
+pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error> {
     let table = Table::read(file)?;
-    let recording = Recording::of(&table, &chosen.choice())?;
+    let recording = Recording::of(&table, choice)?;
     let Recording { drive, output } = &recording;
     let column = |name: &str| table.column(name).map(<[f64]>::to_vec);
     let input_is_command = drive.input.channel.name == "command_bar";
@@ -99,14 +160,26 @@ fn with_bar<T>(work: impl FnOnce(&(dyn Fn(f64, &str) + Sync)) -> T) -> T {
     result
 }
 
-fn print_summary(file: &Path, diagnosis: &Diagnosis, unit: Unit, seconds: f64) {
+fn print_summary(
+    file: &Path,
+    diagnosis: &Diagnosis,
+    gained: Option<(&Extended, &HeldOutGain)>,
+    unit: Unit,
+    seconds: f64,
+) {
     say!("{}: {}", file.display(), diagnosis.verdict.name());
     say!("{}", in_a_sentence(diagnosis, unit));
-    let (before, after) = diagnosis.heldout;
-    say!(
-        "held out      {before:.3} {unit} before, {after:.3} {unit} with the causes; noise {:.3} {unit}",
-        diagnosis.anatomy.noise.deviation
-    );
+    if let Some((extended, gain)) = gained {
+        let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
+        say!("running free  RMSE {before:.3} {unit} without, {after:.3} {unit} with the causes");
+        say!(
+            "held out      RMSE {:.3} {unit} without, {:.3} {unit} with the causes (+- {:.3}); noise {:.3} {unit}",
+            gain.before.rmse,
+            gain.after.rmse,
+            gain.gain_error,
+            gain.noise_floor
+        );
+    }
     for named in &diagnosis.causes {
         let parameters: Vec<String> =
             named.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();

@@ -15,6 +15,7 @@
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`] | what is wrong but none of the causes |
 //! | [`physical`] | the parameters in units that people measure in |
+//! | [`extend`] | the operator model extended by the named causes, running free, and its gain |
 //! | [`words`] | the verdict in a sentence, and the experiment that is left to be made |
 //!
 //! # Contract
@@ -31,6 +32,7 @@ pub mod basis;
 pub mod cause;
 pub mod effect;
 pub mod equivalent;
+pub mod extend;
 pub mod fit;
 pub mod free_run;
 pub mod gain;
@@ -53,8 +55,10 @@ use thiserror::Error;
 use crate::numbers::{range, root_mean_square};
 use anatomy::examinable::{Examinable, ValveView, examinable};
 use anatomy::excitation::Excitation;
+use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use cause::Cause;
+use extend::{Extended, extend};
 use reject::{Unexplained, unexplained};
 use search::{Candidate, Search};
 use signals::Signals;
@@ -80,6 +84,16 @@ pub struct Columns {
     pub load_n: Option<Vec<f64>>,
     /// Unit: degree Celsius.
     pub temperature_c: Option<Vec<f64>>,
+}
+
+impl Columns {
+    /// The noise of the output in the scored rows. Output unit.
+    pub fn noise_floor(&self) -> NoiseFloor {
+        let of_scored = |values: &[f64]| -> Vec<f64> {
+            values.iter().zip(&self.scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
+        };
+        anatomy::noise::floor(&of_scored(&self.time_s), &of_scored(&self.output))
+    }
 }
 
 /// Seed of what the anatomy measures chance with.
@@ -140,6 +154,27 @@ pub fn diagnose(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<Diagnosis, DiagnosisError> {
+    Ok(diagnose_and(columns, progress, |_, _, _| ())?.0)
+}
+
+/// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
+///
+/// # Errors
+/// See [`DiagnosisError`].
+pub fn diagnose_and_extend(
+    columns: &Columns,
+    progress: &(dyn Fn(f64, &str) + Sync),
+) -> Result<(Diagnosis, Option<Extended>), DiagnosisError> {
+    diagnose_and(columns, progress, |search, best, valve| {
+        extend(columns, search, best, valve, &|share| progress(0.8 + 0.2 * share, "the extended model"))
+    })
+}
+
+fn diagnose_and<T>(
+    columns: &Columns,
+    progress: &(dyn Fn(f64, &str) + Sync),
+    go_on: impl FnOnce(&Search<'_>, &Candidate, Option<&ValveFit>) -> T,
+) -> Result<(Diagnosis, T), DiagnosisError> {
     check(columns)?;
     progress(0.0, "preparing");
     let mut signals = Signals::new(columns);
@@ -166,7 +201,8 @@ pub fn diagnose(
     let (best, sizes) = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
     progress(0.8, "what is left");
     let unexplained = unexplained(&search, &best);
-    conclude(&search, best, &sizes, unexplained, valve, examinable)
+    let beyond = go_on(&search, &best, valve.as_ref());
+    Ok((conclude(&search, best, &sizes, unexplained, valve, examinable)?, beyond))
 }
 
 fn conclude(

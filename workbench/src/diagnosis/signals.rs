@@ -12,8 +12,7 @@ use super::Columns;
 use super::anatomy::noise::{self, NoiseFloor};
 use super::anatomy::steps;
 use super::effect::Rate;
-pub use crate::numbers::{quantiles, root_mean_square};
-use crate::numbers::{range, travel};
+use crate::numbers::{quantiles, range, root_mean_square, travel};
 
 /// Most rows that are scored in the search.
 const SCORED_ROWS: usize = 4000;
@@ -106,10 +105,7 @@ impl Signals {
         let Columns { time_s, input, output, scored, .. } = columns;
         let (step_s, _) = steps(time_s);
         let (smooth, rate, acceleration) = local_cubic(time_s, output, step_s, WINDOW);
-        let of_scored = |values: &[f64]| -> Vec<f64> {
-            values.iter().zip(scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
-        };
-        let noise_floor = noise::floor(&of_scored(time_s), &of_scored(output));
+        let noise_floor = columns.noise_floor();
         let (noise, input_noise) = (noise_floor.deviation, noise::floor(time_s, input).deviation);
         let speeds = [speed(time_s, input, step_s, input_noise), speed(time_s, output, step_s, noise)];
         let (low, high) = quantiles(output, 0.02);

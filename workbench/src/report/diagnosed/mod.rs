@@ -18,13 +18,24 @@ use self::view::View;
 use super::bars::significant;
 use super::page::{explained, page};
 use crate::diagnosis::Diagnosis;
+use crate::diagnosis::extend::{Extended, HeldOutGain};
 use crate::diagnosis::words::{experiment, in_a_sentence};
 use crate::recording::Recording;
 
-/// The report as an HTML file.
-pub fn to_html(diagnosis: &Diagnosis, recording: &Recording) -> String {
+/// An extended model and what it gains.
+pub struct Gained<'a> {
+    /// The model.
+    pub extended: &'a Extended,
+    /// The gain.
+    pub gain: &'a HeldOutGain,
+    /// The recording that it was counted on, if that is another.
+    pub other: Option<String>,
+}
+
+/// The report as an HTML file; `gained` where there is a model that runs free.
+pub fn to_html(diagnosis: &Diagnosis, recording: &Recording, gained: Option<&Gained<'_>>) -> String {
     let Recording { drive, output } = recording;
-    let view = View::new(diagnosis, recording);
+    let view = View::new(diagnosis, recording, gained.map(|gained| &gained.extended.simulated[..]));
     let body = html! {
         p.verdict { (in_a_sentence(diagnosis, output.channel.unit)) }
         (before(&view))
@@ -32,7 +43,7 @@ pub fn to_html(diagnosis: &Diagnosis, recording: &Recording) -> String {
         (causes::section(diagnosis))
         (evidence::section(diagnosis, output.channel.unit))
         (confounded(diagnosis))
-        (After::of(&view).section(&view))
+        (after(&view, gained))
         (unseen(diagnosis))
     };
     let file = drive.file.file_name().unwrap_or_default().display().to_string();
@@ -61,55 +72,44 @@ fn before(view: &View<'_>) -> Markup {
 }
 
 /// The model with the named causes: what it says, and what it gains.
-///
-/// The place of the figures of an extended model that runs on the board; until there is one, those of the search.
-struct After<'a> {
-    words: &'static str,
-    /// A value a scored row. Output unit.
-    simulated: &'a [f64],
-    /// Held-out error before and after, and the noise. Output unit.
-    heldout: [f64; 3],
-}
-
-impl<'a> After<'a> {
-    fn of(view: &'a View<'_>) -> Self {
-        let (before, after) = view.diagnosis.heldout;
-        Self {
-            words: "The same model with the named causes added, fitted together. The held-out error is that on blocks of \
-                    time that the fit has not seen.",
-            simulated: &view.after,
-            heldout: [before, after, view.diagnosis.anatomy.noise.deviation],
-        }
+fn after(view: &View<'_>, gained: Option<&Gained<'_>>) -> Markup {
+    if view.diagnosis.causes.is_empty() {
+        return html! {
+            h2 { "After" }
+            p { "No cause is named, so nothing is added to the model." }
+        };
     }
-
-    fn section(&self, view: &View<'_>) -> Markup {
-        if view.diagnosis.causes.is_empty() {
-            return html! {
-                h2 { "After" }
-                p { "No cause is named, so nothing is added to the model." }
-            };
+    let (before, after) =
+        gained.map_or(view.diagnosis.heldout, |gained| (gained.gain.before.rmse, gained.gain.after.rmse));
+    let noise = view.diagnosis.anatomy.noise.deviation;
+    let share = 100.0 * (before - after) / (before - noise).max(f64::MIN_POSITIVE);
+    let plots = [
+        (view.traces("After: over time", &view.after), "The muscle, and the model with the named causes."),
+        (view.loops("After: as a loop", &view.after), "What is left between the lines is not explained."),
+        (view.errors(), "What the named causes take away, and what they leave."),
+    ];
+    html! {
+        h2 { "After: with the named causes" }
+        @match gained {
+            Some(Gained { gain, other, .. }) => {
+                p { "An operator model with the named causes as extensions, of the kind that runs on the board. It runs free: from \
+                    its input and the recorded columns alone, never from the measured output. The errors are those on "
+                    @match other {
+                        Some(other) => { "the recording " (other) ", which took no part in anything." }
+                        None => { "the rows from " (format!("{:.0}", gain.from_s)) " s on, by models of the rows before." }
+                    }
+                }
+            }
+            None => p { "The model with the named causes added, fitted together. The errors are those on blocks of time that \
+                the fit has not seen." },
         }
-        let [before, after, noise] = self.heldout;
-        let gained = 100.0 * (before - after) / (before - noise).max(f64::MIN_POSITIVE);
-        let plots = [
-            (
-                view.traces("After: over time", self.simulated),
-                "The muscle, and the model with the named causes.",
-            ),
-            (
-                view.loops("After: as a loop", self.simulated),
-                "What is left between the lines is not explained.",
-            ),
-            (view.errors(), "What the named causes take away, and what they leave."),
-        ];
-        html! {
-            h2 { "After: with the named causes" }
-            p { (self.words) }
-            (view.heldout_bars("Held-out error", &[("before", before), ("after", after)], noise))
-            p { "Of what could be gained, down to the noise of the sensor, that is "
-                (format!("{gained:.0}")) " %." }
-            (explained(&plots))
-        }
+        (view.heldout_bars("Held-out error", &[("before", before), ("after", after)], noise))
+        p { "Of what could be gained, down to the noise of the sensor, that is " (format!("{share:.0}")) " %"
+            @if let Some(Gained { gain, .. }) = gained {
+                " (the difference is sure within " (with_unit(gain.gain_error, view.unit())) ")"
+            }
+            "." }
+        (explained(&plots))
     }
 }
 

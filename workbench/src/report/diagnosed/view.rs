@@ -25,7 +25,9 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    pub fn new(diagnosis: &'a Diagnosis, recording: &'a Recording) -> Self {
+    /// `extended`: what the extended model says, a value a row of the recording; until there is one, the search's own says
+    /// what is after.
+    pub fn new(diagnosis: &'a Diagnosis, recording: &'a Recording, extended: Option<&[f64]>) -> Self {
         let places = places(&diagnosis.rows);
         let spread = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
             places.iter().map(|place| place.map_or(f64::NAN, value)).collect()
@@ -33,16 +35,21 @@ impl<'a> View<'a> {
         let column = |values: &[f64]| spread(&|i| values[diagnosis.rows[i]]);
         let output = &recording.output.values;
         let simulated = |residual: &[f64]| spread(&|i| output[diagnosis.rows[i]] - residual[i]);
+        let after = match extended {
+            Some(simulated) => column(simulated),
+            None => simulated(&diagnosis.residual_after),
+        };
+        let measured = column(output);
         Self {
+            error_after: measured.iter().zip(&after).map(|(measured, after)| measured - after).collect(),
             diagnosis,
             recording,
             time_s: column(&recording.drive.time_s),
             input: column(&recording.drive.input.values),
-            measured: column(output),
+            measured,
             before: simulated(&diagnosis.residual_before),
-            after: simulated(&diagnosis.residual_after),
+            after,
             error_before: spread(&|i| diagnosis.residual_before[i]),
-            error_after: spread(&|i| diagnosis.residual_after[i]),
         }
     }
 

@@ -7,14 +7,15 @@ use super::with_unit;
 use crate::diagnosis::anatomy::axis::{Axis, AxisMean};
 use crate::diagnosis::anatomy::spectrum::{Peak, Spectrum};
 use crate::diagnosis::anatomy::stretches::Stretch;
+use crate::numbers::range;
 use crate::report::bars::{Bar, bars, significant};
 use crate::report::page::explained;
 use crate::report::plot::{Line, Plot, Point, Scale, Style};
 
 /// Axes that are drawn, at most.
 const MOST_AXES: usize = 6;
-/// Peaks that are named in the drawing, at most.
-const MOST_PEAKS: usize = 2;
+/// About what a letter of a drawing is wide. Unit: pixels.
+const LETTER: i32 = 9;
 /// Half the band that noise stays in, mostly. Unit: standard deviations.
 const BAND: f64 = 2.0;
 
@@ -36,10 +37,7 @@ pub fn section(view: &View<'_>) -> Markup {
             "Mean error, with twice its standard error: what is beside 0 by more goes with this quantity.";
         (over.plot(view), words)
     }));
-    plots.push((
-        frequencies.plot(view, &anatomy.spectrum.peaks),
-        "Slow errors are on the left, fast ones on the right. A peak is a tone.",
-    ));
+    plots.push((frequencies.plot(view, &anatomy.spectrum.peaks), &frequencies.words));
     html! {
         h2 { "What it gets wrong" }
         p { "The root mean square of the error is " (with_unit(anatomy.rms, &unit)) "; the sensor's own noise is "
@@ -165,19 +163,27 @@ impl<'a> OverAxis<'a> {
 struct Frequencies {
     frequency_hz: Vec<f64>,
     density: Vec<f64>,
-    names: Vec<String>,
+    /// The strongest peak's.
+    name: String,
+    words: String,
 }
 
 impl Frequencies {
     fn of(spectrum: &Spectrum) -> Self {
-        let name = |peak: &Peak| {
-            let whose = if peak.in_input { ", in the input too" } else { "" };
-            format!("{} Hz{whose}", significant(peak.frequency_hz))
+        let name = |peak: &Peak| format!("{} Hz", significant(peak.frequency_hz));
+        let named = |peak: &Peak| {
+            let whose = if peak.in_input { " (the input has it too)" } else { "" };
+            name(peak) + whose
         };
+        let peaks: Vec<String> = spectrum.peaks.iter().map(named).collect();
+        let peaks = if peaks.is_empty() { "there is none".to_owned() } else { peaks.join(", ") };
         Self {
             frequency_hz: spectrum.density.iter().map(|point| point.frequency_hz).collect(),
             density: spectrum.density.iter().map(|point| point.power.sqrt()).collect(),
-            names: spectrum.peaks.iter().take(MOST_PEAKS).map(name).collect(),
+            name: spectrum.peaks.first().map(name).unwrap_or_default(),
+            words: format!(
+                "Slow errors are on the left, fast ones on the right. Tones that stand above their neighbours: {peaks}."
+            ),
         }
     }
 
@@ -190,10 +196,14 @@ impl Frequencies {
             });
             nearest.map_or(f64::NAN, |(_, density)| *density)
         };
-        let points = peaks.iter().zip(&self.names).enumerate().map(|(i, (peak, name))| Point {
-            name,
+        // On the side where there is room for it.
+        let middle_hz = range(&self.frequency_hz);
+        let middle_hz = (middle_hz.0 * middle_hz.1).sqrt();
+        let left = -8 - LETTER * self.name.chars().count() as i32;
+        let points = peaks.iter().take(1).map(|peak| Point {
+            name: &self.name,
             at: (peak.frequency_hz, height(peak)),
-            offset: (8, -16 + 20 * i as i32),
+            offset: (if peak.frequency_hz > middle_hz { left } else { 8 }, -8),
         });
         Plot {
             title: "Error by frequency".to_owned(),

@@ -104,7 +104,12 @@ fn after(view: &View<'_>, gained: Option<&Gained<'_>>) -> Markup {
                 the fit has not seen." },
         }
         (view.heldout_bars("Held-out error", &[("before", before), ("after", after)], noise))
-        p { "Of what could be gained, down to the noise of the sensor, that is " (format!("{share:.0}")) " %"
+        p {
+            @if after < before {
+                "Of what could be gained, down to the noise of the sensor, that is " (format!("{share:.0}")) " %"
+            } @else {
+                "That is no gain: on what it has not seen, the model is no better with the causes than without"
+            }
             @if let Some(Gained { gain, .. }) = gained {
                 " (the difference is sure within " (with_unit(gain.gain_error, view.unit())) ")"
             }

@@ -69,10 +69,7 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
         let middle = middle(&width.width);
         let wider = Profile::try_new(&width.width, "profile", "").ok()?.value(middle);
         let gain = wider / turn.half_width(middle).max(1e-9);
-        all.push((
-            Cause::RateDependentWidth,
-            vec![("width_gain", gain), ("rate_exponent", width.exponent)],
-        ));
+        all.push((Cause::RateDependentWidth, vec![("width_gain", gain), ("rate_exponent", width.exponent)]));
     }
     if let Some(creep) = creep {
         all.push((Cause::Creep, physical::creep(&creep.fractions, &creep.time_constants_s)));

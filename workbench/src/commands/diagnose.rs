@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::diagnosed_json;
 use super::search::Columns as Chosen;
 use crate::diagnosis::extend::heldout::on_another;
-use crate::diagnosis::extend::{Extended, Extension, HeldOutGain};
+use crate::diagnosis::extend::{Extended, Extension, HeldOutGain, Operator};
 use crate::diagnosis::words::{experiment, in_a_sentence};
 use crate::diagnosis::{Columns, Diagnosis, diagnose_and_extend};
 use crate::identification::HostModel;
@@ -30,6 +30,9 @@ pub struct Arguments {
     /// Also write the operator model, extended by the named causes, for simulate, pil and the board
     #[arg(short = 'o', value_name = "EXTENDED.toml")]
     model_file: Option<PathBuf>,
+    /// An operator model to begin with; one of too poor a form, or of another muscle, is said to be that
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
     /// Another recording of the same muscle that the gain is counted on [default: the last third of the rows]
     #[arg(long, value_name = "REC2.csv")]
     validate: Option<PathBuf>,
@@ -51,15 +54,25 @@ pub struct Arguments {
 /// # Errors
 /// The recording is not what it should be or too short, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { recording: file, model_file, validate, report, json, .. } = arguments;
-    let inputs: Vec<&Path> = [file].into_iter().chain(validate).map(PathBuf::as_path).collect();
+    let Arguments { recording: file, model_file, model, validate, report, json, .. } = arguments;
+    let inputs: Vec<&Path> = [file].into_iter().chain(validate).chain(model).map(PathBuf::as_path).collect();
     let mut outputs = Outputs::claim(model_file.iter().chain(report).chain(json), &inputs, arguments.force)?;
-    let (columns, recording) = read(file, &arguments.columns.choice())?;
+    let given = model.as_ref().map(|model| ModelFile::read(model)).transpose()?;
+    let choice = match &given {
+        Some(given) => Choice {
+            input: Some(given.input.name.clone()),
+            output: Some(given.output.name.clone()),
+            ..arguments.columns.choice()
+        },
+        None => arguments.columns.choice(),
+    };
+    let (columns, recording) = read(file, &choice)?;
+    let given = given.map(|file| Operator { parameters: file.parameters, density: file.density });
     let unit = recording.output.channel.unit;
     let other =
         validate.as_ref().map(|file| read(file, &arguments.columns.choice_of(&recording))).transpose()?;
     let begin = Instant::now();
-    let (diagnosis, extended) = with_bar(|progress| diagnose_and_extend(&columns, progress))
+    let (diagnosis, extended) = with_bar(|progress| diagnose_and_extend(&columns, given.as_ref(), progress))
         .map_err(|source| Error::Diagnosis { file: file.clone(), source })?;
     let seconds = begin.elapsed().as_secs_f64();
     let gain = extended.as_ref().and_then(|extended| match &other {
@@ -170,6 +183,13 @@ fn print_summary(
     say!("{}: {}", file.display(), diagnosis.verdict.name());
     say!("{}", in_a_sentence(diagnosis, unit));
     if let Some((extended, gain)) = gained {
+        if let Some(given) = extended.given.filter(|given| given.is_of_another_muscle()) {
+            say!(
+                "another muscle  the given model errs by {:.3} {unit}, its form fitted to this recording by {:.3} {unit}",
+                given.rmse,
+                given.refitted_rmse
+            );
+        }
         let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
         say!("running free  RMSE {before:.3} {unit} without, {after:.3} {unit} with the causes");
         say!(

@@ -47,6 +47,14 @@ pub fn to_json(
         "baseline": keyed(&[("rmse", before)]),
         "extended": keyed(&[("rmse", after)]),
         "heldout": gained,
+        "given_model": extended.and_then(|(it, _)| it.given).map(|given| json!({
+            "errors": keyed(&[
+                ("rmse", given.rmse),
+                ("refitted_rmse", given.refitted_rmse),
+                ("richer_rmse", given.richer_rmse),
+            ]),
+            "is_of_another_muscle": given.is_of_another_muscle(),
+        })),
         "share_of_gain": extended.and_then(|(_, gain)| gain.share()),
         "pure_error": diagnosis.pure_error.map(|(before, after)| keyed(&[("before", before), ("after", after)])),
         "figures_of_misfit": diagnosis.anatomy,

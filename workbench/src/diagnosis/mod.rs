@@ -58,7 +58,7 @@ use anatomy::excitation::Excitation;
 use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use cause::Cause;
-use extend::{Extended, extend};
+use extend::{Extended, Given, Operator, extend};
 use reject::{Unexplained, unexplained};
 use search::{Candidate, Search};
 use signals::Signals;
@@ -158,16 +158,26 @@ pub fn diagnose(
 }
 
 /// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
+/// A given operator model is gone on from, unless its form is too poor: that is then named too.
 ///
 /// # Errors
 /// See [`DiagnosisError`].
 pub fn diagnose_and_extend(
     columns: &Columns,
+    given: Option<&Operator>,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<(Diagnosis, Option<Extended>), DiagnosisError> {
-    diagnose_and(columns, progress, |search, best, valve| {
-        extend(columns, search, best, valve, &|share| progress(0.8 + 0.2 * share, "the extended model"))
-    })
+    let (mut diagnosis, extended) = diagnose_and(columns, progress, |search, best, valve| {
+        let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
+        extend(columns, search, best, valve, given, &progress)
+    })?;
+    if let Some(given) = extended.as_ref().and_then(|extended| extended.given).filter(Given::is_too_poor) {
+        diagnosis.causes.push(Named::shape(&given));
+        if diagnosis.verdict == Verdict::Adequate {
+            diagnosis.verdict = Verdict::Explained;
+        }
+    }
+    Ok((diagnosis, extended))
 }
 
 fn diagnose_and<T>(

@@ -1,6 +1,8 @@
 //! From what the search found to a verdict.
 
 use super::cause::Cause;
+use super::extend::Given;
+use super::extend::start::{DEAD_ZONES, KNOTS, PLAYS};
 use super::physical::{self, Parameters};
 use super::reject::Unexplained;
 use super::search::{Candidate, Search};
@@ -46,8 +48,25 @@ pub struct Named {
     pub share: f64,
     /// Why it is named, in words with figures.
     pub evidence: Vec<String>,
-    /// The others without it; None for a cause of the valve.
+    /// The others without it; None for a cause of the valve, and for the shape.
     pub without: Option<Tried>,
+}
+
+impl Named {
+    /// That the form of a given operator model is too poor.
+    pub fn shape(given: &Given) -> Self {
+        let sizes = [("envelope_knots", KNOTS), ("plays", PLAYS), ("dead_zones", DEAD_ZONES)];
+        Self {
+            cause: Cause::HysteresisShape,
+            parameters: sizes.map(|(name, size)| (name, size as f64)).to_vec(),
+            share: given.share(),
+            evidence: vec![format!(
+                "fitted to the recording, the form of the given model errs by {:.3}, a richer one by {:.3}",
+                given.refitted_rmse, given.richer_rmse
+            )],
+            without: None,
+        }
+    }
 }
 
 /// A set of causes that was looked at.

@@ -4,6 +4,7 @@
 //! by the slope of the fitted loop; widths of whatever kind become the one that depends on the rate.
 
 use model_core::ExtensionParameters;
+use model_core::extension::profile::PROFILE_KNOTS;
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
     RateDependentWidthParameters, ScheduleParameters, SupplySaturationParameters, TransportDelayParameters,
@@ -15,13 +16,17 @@ use crate::diagnosis::cause::Cause;
 use crate::diagnosis::effect::{Driver, Effect, Form, Rate};
 use crate::diagnosis::physical::Loop;
 use crate::diagnosis::search::{Candidate, Search};
-use crate::diagnosis::signals::{Signals, TENTS};
+use crate::diagnosis::signals::{Signals, TENTS, hats};
 use crate::diagnosis::valve::{BandForm, ValveFit};
 
 /// Time constant of the speed of a width. Unit: s.
 const FILTER_S: f64 = 0.01;
 /// The least slope of the loop that an output is divided by, as a share of the mean one.
-const LEAST_SLOPE: f64 = 0.2;
+const LEAST_SLOPE: f64 = 0.1;
+/// The least half width of a loop, as a share of the input's span.
+const LEAST_WIDTH: f64 = 0.01;
+/// Where the knots of a profile lie between the ends of the contraction.
+const KNOTS: [f64; PROFILE_KNOTS] = [0.0, 0.2, 0.8, 1.0];
 
 /// The extensions of the muscle.
 pub fn extensions(columns: &Columns, search: &Search<'_>, set: &Candidate) -> ExtensionParameters<f64> {
@@ -63,38 +68,46 @@ impl Carrier<'_> {
         let signals = self.signals;
         let parameter = |i: usize| effect.parameters.get(i).map_or(0.0, |parameter| parameter.value);
         let weight = |i: usize| weights.get(i).copied().unwrap_or(0.0);
-        let strengths = |first: usize| -> [f64; TENTS] { std::array::from_fn(|i| parameter(first + i)) };
+        let through = |first: usize| {
+            let strengths: [f64; TENTS] = std::array::from_fn(|i| parameter(first + i));
+            self.profile(|y| self.between(strengths, y))
+        };
         match effect.form {
             Form::Delay => {
                 all.transport_delay = Some(TransportDelayParameters { delay_s: parameter(0).max(0.0) });
             }
             Form::Lag => all.valve_lag = Some(ValveLagParameters::new(parameter(0).exp())),
-            Form::Driven(Driver::Rate) => self.add_viscosity(all, strengths(0)),
-            Form::OutputLag => self.add_viscosity(all, self.over_slope(|_| weight(0))),
+            Form::Driven(Driver::Rate) => self.add_viscosity(all, through(0)),
+            Form::OutputLag => self.add_viscosity(all, self.profile(|y| weight(0) * self.per_slope(y))),
             Form::Inertia => {
-                all.inertia = Some(self.profile(strengths(0)));
-                self.add_viscosity(all, strengths(TENTS));
+                all.inertia = Some(through(0));
+                self.add_viscosity(all, through(TENTS));
             }
             Form::OutputInertia => {
-                all.inertia = Some(self.profile(self.over_slope(|_| weight(0))));
-                self.add_viscosity(all, self.over_slope(|_| weight(1)));
+                all.inertia = Some(self.profile(|y| weight(0) * self.per_slope(y)));
+                self.add_viscosity(all, self.profile(|y| weight(1) * self.per_slope(y)));
             }
             Form::Driven(driver) => {
-                let strengths = strengths(effect.parameters.len() - TENTS);
-                self.add_driven(all, cause, driver, parameter(0), strengths);
+                let offset = through(effect.parameters.len() - TENTS);
+                self.add_driven(all, cause, driver, parameter(0), offset);
             }
             Form::Added(driver) => {
-                self.add_driven(all, cause, driver, parameter(0), self.over_slope(|tent| -weight(tent)));
+                let added: [f64; TENTS] = std::array::from_fn(weight);
+                let offset = self.profile(|y| -self.between(added, y) * self.per_slope(y));
+                self.add_driven(all, cause, driver, parameter(0), offset);
             }
             Form::Thresholds(rate) => {
-                let width = self.turn.half_width(signals.knots[TENTS / 2]);
-                let width = parameter(1) * width / self.typical(rate).powf(parameter(0));
-                self.add_width(all, width.max(1e-4 * signals.input_span), [width; TENTS], parameter(0));
+                let half =
+                    self.turn.half_width(signals.knots[TENTS / 2]).max(LEAST_WIDTH * signals.input_span);
+                let width = parameter(1) * half / self.typical(rate).powf(parameter(0));
+                self.add_width(all, half, self.profile(|_| width), parameter(0));
             }
             Form::Friction(rate) => {
                 let range = parameter(1).exp();
                 let times = range / self.typical(rate).powf(parameter(0));
-                self.add_width(all, range, strengths(2).map(|strength| strength * times), parameter(0));
+                let mut width = through(2);
+                width.values.iter_mut().for_each(|value| *value *= times);
+                self.add_width(all, range, width, parameter(0));
             }
             Form::Creep => {
                 // y (1 + w) - w slow = y0: the share 1/(1 + w) at once, the rest later by 1 + w.
@@ -121,24 +134,34 @@ impl Carrier<'_> {
         }
     }
 
-    /// There are fewer tents than a profile has room for.
-    fn profile(&self, strengths: [f64; TENTS]) -> ProfileParameters<f64> {
+    /// A profile through its knots: near either end, where a muscle's curve is flat and an equivalent input of the same
+    /// effect much larger, they lie closer than between.
+    fn profile(&self, value: impl Fn(f64) -> f64) -> ProfileParameters<f64> {
+        let (low, high) = (self.signals.knots[0], self.signals.knots[TENTS - 1]);
+        let knots = KNOTS.map(|share| low + share * (high - low));
         ProfileParameters {
-            knots: self.signals.knots.into_iter().collect(),
-            values: strengths.into_iter().collect(),
+            knots: knots.into_iter().collect(),
+            values: knots.map(value).into_iter().collect(),
         }
     }
 
-    /// What has this effect on the output, as an equivalent input.
-    fn over_slope(&self, effect: impl Fn(usize) -> f64) -> [f64; TENTS] {
-        let knots = &self.signals.knots;
-        let mean = (knots[TENTS - 1] - knots[0]) / self.signals.input_span;
-        std::array::from_fn(|tent| effect(tent) / self.turn.slope(knots[tent]).max(LEAST_SLOPE * mean))
+    /// What the search's tents are at a contraction.
+    fn between(&self, strengths: [f64; TENTS], at: f64) -> f64 {
+        hats(&self.signals.knots, at).iter().zip(strengths).map(|(hat, strength)| hat * strength).sum()
     }
 
-    fn add_viscosity(&self, all: &mut ExtensionParameters<f64>, strengths: [f64; TENTS]) {
-        let viscosity = all.viscous_lag.get_or_insert_with(|| self.profile([0.0; TENTS]));
-        viscosity.values.iter_mut().zip(strengths).for_each(|(value, strength)| *value += strength.max(0.0));
+    /// How far the input has to move at a contraction for the output to move by 1.
+    fn per_slope(&self, at: f64) -> f64 {
+        let knots = &self.signals.knots;
+        let mean = (knots[TENTS - 1] - knots[0]) / self.signals.input_span;
+        1.0 / self.turn.slope(at).max(LEAST_SLOPE * mean)
+    }
+
+    fn add_viscosity(&self, all: &mut ExtensionParameters<f64>, viscosity: ProfileParameters<f64>) {
+        match &mut all.viscous_lag {
+            Some(sum) => sum.values.iter_mut().zip(viscosity.values).for_each(|(sum, value)| *sum += value),
+            None => all.viscous_lag = Some(viscosity),
+        }
     }
 
     fn add_driven(
@@ -147,9 +170,8 @@ impl Carrier<'_> {
         cause: Cause,
         driver: Driver,
         lambda: f64,
-        strengths: [f64; TENTS],
+        offset: ProfileParameters<f64>,
     ) {
-        let offset = self.profile(strengths);
         match (driver, cause) {
             (Driver::WarmUp, _) => all.warm_up = Some(WarmUpParameters { travel: lambda.exp(), offset }),
             (_, Cause::Load) => {
@@ -175,10 +197,9 @@ impl Carrier<'_> {
         &self,
         all: &mut ExtensionParameters<f64>,
         radius: f64,
-        strengths: [f64; TENTS],
+        width: ProfileParameters<f64>,
         exponent: f64,
     ) {
-        let width = self.profile(strengths.map(|strength| strength.max(0.0)));
         all.rate_dependent_width =
             Some(RateDependentWidthParameters { radius, exponent, filter_s: FILTER_S, width });
     }

@@ -7,6 +7,7 @@
 //! | `start` | the operator to begin with, identified from what the operators see in the search |
 //! | `variables` | operator and extensions as numbers that a search can move |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
+//! | [`given`] | what is said of an operator model that the user has |
 //! | [`heldout`] | the gain on rows that took no part in the fit |
 //! | [`physical`] | the extensions' parameters in the units that people measure in |
 //!
@@ -18,10 +19,11 @@
 //! The causes themselves were chosen on the whole recording; a gain that is free of that too takes another recording.
 
 mod carry;
+pub mod given;
 pub mod heldout;
 pub mod physical;
 mod refine;
-mod start;
+pub(super) mod start;
 mod variables;
 
 use std::borrow::Cow;
@@ -34,11 +36,27 @@ use super::valve::ValveFit;
 use crate::figures::Figures;
 use crate::identification::{Density, HostExtendedModel, HostParameters, Termination};
 use crate::simulation::Rows;
+pub use given::Given;
 pub use heldout::HeldOutGain;
 use refine::Task;
 
 /// The share of the scored rows that the compared models are fitted to.
 const TAUGHT: f64 = 2.0 / 3.0;
+
+/// An operator.
+#[derive(Clone, Debug)]
+pub struct Operator {
+    /// Its raw parameters.
+    pub parameters: HostParameters,
+    /// What its plays come from.
+    pub density: Density,
+}
+
+impl Operator {
+    fn with(&self, extensions: ExtensionParameters<f64>) -> Extension {
+        Extension { parameters: self.parameters.clone(), density: self.density, extensions }
+    }
+}
 
 /// An operator with extensions.
 #[derive(Clone, Debug)]
@@ -72,6 +90,8 @@ pub struct Extended {
     pub starts: usize,
     /// How the last refinement ended.
     pub termination: Termination,
+    /// What is said of the operator model that was given, if one was.
+    pub given: Option<Given>,
     /// Whether one of the causes is the valve's: the gain is then counted from the command.
     pub valve_is_named: bool,
 }
@@ -121,12 +141,13 @@ fn rows(columns: &Columns) -> Rows<'_> {
 }
 
 /// Extends the operator model by the causes of a set and those of the valve; None where no model runs through the
-/// recording. `progress` is called with the share of the work that is done.
+/// recording. The operator goes on from a given one, unless there is none or its form is too poor. `progress` is called with the share of the work that is done.
 pub fn extend(
     columns: &Columns,
     search: &Search<'_>,
     set: &Candidate,
     valve: Option<&ValveFit>,
+    given: Option<&Operator>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Option<Extended> {
     let signals = search.signals;
@@ -135,21 +156,28 @@ pub fn extend(
     let before = Task { columns, scored: taught };
     let whole = Task { columns, scored: &scored };
 
-    let plain = start::operator(&start::Seen::plain(columns), taught);
+    let none = ExtensionParameters::default;
+    let plain = start::operator(&start::Seen::plain(columns), taught)?;
     progress(0.2);
+    let (mut plain, _) = before.refined(plain.with(none()))?;
+    progress(0.4);
     let mut extensions = carry::extensions(columns, search, set);
     carry::add_valve(&mut extensions, valve);
-    let of = |operator: (HostParameters, Density), extensions| {
-        let (parameters, density) = operator;
-        Extension { parameters, density, extensions }
-    };
-    let (plain, _) = before.refined(of(plain?, ExtensionParameters::default()))?;
-    progress(0.4);
-    let extended = if set.causes.is_empty() {
+    let mut extended = if set.causes.is_empty() {
         Extension { extensions, ..plain.clone() }
     } else {
-        let operator = start::operator(&start::Seen::of(search, set), taught)?;
-        before.refined(of(operator, extensions))?.0
+        before.refined(start::operator(&start::Seen::of(search, set), taught)?.with(extensions))?.0
+    };
+    let given = match given {
+        None => None,
+        Some(operator) => {
+            let (given, refitted) = given::judge(&before, operator, &extended)?;
+            if !given.is_too_poor() {
+                (plain, _) = before.refined(operator.with(none()))?;
+                extended = refitted;
+            }
+            Some(given)
+        }
     };
     progress(0.7);
     let valve_is_named = valve.is_some_and(|fit| !fit.causes.is_empty());
@@ -176,6 +204,10 @@ pub fn extend(
         heldout,
         starts: start::STARTS,
         termination,
+        given,
         valve_is_named,
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,7 +20,7 @@ use crate::simulation::Rows;
 /// The difference that derivatives are taken by.
 const STEP: f64 = 1e-4;
 /// A step that gains less than this share of the sum of squares is the last.
-const ENOUGH: f64 = 2e-3;
+const ENOUGH: f64 = 4e-3;
 /// Evaluations at most, per variable.
 const PATIENCE: usize = 1;
 /// A size that most operators keep within: their states are copied often.
@@ -60,6 +60,11 @@ impl Task<'_> {
         let kernel = LevenbergMarquardt::new().with_ftol(ENOUGH).with_patience(PATIENCE).with_stepbound(1.0);
         let (problem, report) = kernel.minimize(problem);
         Some((problem.model(&problem.variables), (&report.termination).into()))
+    }
+
+    /// Root mean square error of a model; None where it does not run through the rows. Output unit.
+    pub fn rms(&self, model: &Extension) -> Option<f64> {
+        self.residuals(model).map(|residuals| residuals.norm() / (self.scored.len() as f64).sqrt())
     }
 
     /// Simulated less measured, a value a scored row.

@@ -4,21 +4,22 @@
 
 use model_core::Kind;
 
+use super::Operator;
 use crate::diagnosis::Columns;
 use crate::diagnosis::effect::Effect;
 use crate::diagnosis::equivalent::Stages;
 use crate::diagnosis::output;
 use crate::diagnosis::search::{Candidate, Search};
-use crate::identification::{Density, HostParameters, Loss, Options, Problem, Weights, identify};
+use crate::identification::{Loss, Options, Problem, Weights, identify};
 
 /// Rows that are looked at, about.
-const ROWS: usize = 2400;
+const ROWS: usize = 1600;
 /// Sizes of the operator.
-const KNOTS: usize = 8;
-const PLAYS: usize = 10;
-const DEAD_ZONES: usize = 10;
+pub const KNOTS: usize = 8;
+pub const PLAYS: usize = 10;
+pub const DEAD_ZONES: usize = 10;
 /// Starts of the search.
-pub const STARTS: usize = 6;
+pub const STARTS: usize = 4;
 /// Their seed.
 const SEED: u64 = 1;
 
@@ -53,7 +54,7 @@ impl Seen {
 }
 
 /// The operator that fits best on the given rows, which are in order.
-pub fn operator(seen: &Seen, scored: &[usize]) -> Option<(HostParameters, Density)> {
+pub fn operator(seen: &Seen, scored: &[usize]) -> Option<Operator> {
     let end = scored.last().map_or(0, |last| last + 1);
     let block = 2 * (end / ROWS).max(1);
     // The lowest and the highest input of a block: operators remember extremes only.
@@ -80,5 +81,5 @@ pub fn operator(seen: &Seen, scored: &[usize]) -> Option<(HostParameters, Densit
     };
     let problem = Problem { input: &of_kept(&seen.input), output: &of_kept(&seen.output), scored: &counts };
     let fit = identify(&problem, &options, &|_| ()).ok()?;
-    Some((fit.parameters, fit.density))
+    Some(Operator { parameters: fit.parameters, density: fit.density })
 }

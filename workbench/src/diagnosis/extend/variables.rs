@@ -195,3 +195,42 @@ fn visit_extensions(
         tone.phase_rad %= std::f64::consts::TAU;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::extend::tests::model;
+
+    const UNITS: Units = Units { stroke: 100.0, duration_s: 50.0, with_valve: true };
+
+    #[test]
+    fn a_model_with_its_own_variables_is_itself() {
+        let model = model();
+        let again = with(&model, &UNITS, &of(&model, &UNITS));
+        let (before, after) = (of(&model, &UNITS), of(&again, &UNITS));
+        assert!(
+            before.iter().zip(&after).all(|(one, other)| (one - other).abs() < 1e-9),
+            "{before:?} {after:?}"
+        );
+        assert_eq!(model.extensions.drift, again.extensions.drift);
+    }
+
+    #[test]
+    fn every_variable_moves_the_model() {
+        let model = model();
+        let variables = of(&model, &UNITS);
+        for variable in 0..variables.len() {
+            let mut moved = variables.clone();
+            moved[variable] += 0.1;
+            let moved = with(&model, &UNITS, &moved);
+            let differs = moved.parameters != model.parameters || moved.extensions != model.extensions;
+            assert!(differs, "{variable}");
+        }
+    }
+
+    #[test]
+    fn the_valve_beside_a_muscle_stays_as_it_was_found() {
+        let beside = Units { with_valve: false, ..UNITS };
+        assert_eq!(of(&model(), &beside).len() + 1, of(&model(), &UNITS).len());
+    }
+}

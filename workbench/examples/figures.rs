@@ -95,8 +95,9 @@ fn dead_zones() -> Result<String> {
         y: "output z = S(y, d)".to_owned(),
         lines: lines.iter().map(|(style, z)| Line { name: "", style: *style, x: &inputs, y: z }).collect(),
         points: knees.map(|(name, at, offset)| Point { name, at, offset }).into(),
+        ..Plot::default()
     };
-    Ok(sheet("Dead-zone operators for five thresholds of both signs", &[plot])?)
+    Ok(sheet("Dead-zone operators for five thresholds of both signs", &[plot]))
 }
 
 /// A path of inputs and what a model answers, sample by sample.
@@ -156,7 +157,7 @@ fn tabled_plays() -> Result<impl FnMut(f64) -> f64> {
 }
 
 fn plot<'a>(title: &str, x: &str, y: &str, lines: Vec<Line<'a>>, points: Vec<Point<'a>>) -> Plot<'a> {
-    Plot { title: title.to_owned(), x: x.to_owned(), y: y.to_owned(), lines, points }
+    Plot { title: title.to_owned(), x: x.to_owned(), y: y.to_owned(), lines, points, ..Plot::default() }
 }
 
 const TIME: &str = "time (any unit)";
@@ -197,7 +198,7 @@ fn wiping_out() -> Result<String> {
             plot("Fig. 4 (a) Input pressure", TIME, PRESSURE, vec![walk.signal()], signal),
             plot("(b) Loops: p5 wipes out p1 to p4", PRESSURE, CONTRACTION, loops, corners),
         ],
-    )?)
+    ))
 }
 
 /// Fig. 5, and what it does not show.
@@ -263,5 +264,5 @@ fn congruency() -> Result<String> {
             plot("(c) Loop 2 laid over loop 1", PRESSURE, CONTRACTION, overlay, vec![]),
             plot("(d) Loop 2 less loop 1", PRESSURE, "misfit (% of height)", misfits, vec![]),
         ],
-    )?)
+    ))
 }

@@ -13,7 +13,6 @@ use crate::model_file::ModelFileError;
 use crate::output::OutputError;
 use crate::pil::PilError;
 use crate::plan::PlanError;
-use crate::report::DrawingError;
 use crate::table::DataError;
 
 /// Why a command did not do its work.
@@ -31,9 +30,6 @@ pub enum Error {
     /// An output cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A report cannot be drawn.
-    #[error(transparent)]
-    Drawing(#[from] DrawingError),
     /// There is no firmware.
     #[error(transparent)]
     Image(#[from] ImageError),
@@ -57,6 +53,9 @@ pub enum Error {
         /// Why.
         source: DiagnosisError,
     },
+    /// The named causes cannot be made into a model.
+    #[error("{}: no model with the named causes runs through the recording", .0.display())]
+    NotExtended(PathBuf),
     /// No model can be made of a recording.
     #[error("{}, {columns}: {source}", file.display())]
     Identification {

@@ -23,6 +23,7 @@ pub mod figures;
 pub mod holdout;
 pub mod identification;
 pub mod model_file;
+pub mod numbers;
 pub mod output;
 pub mod pil;
 pub mod plan;

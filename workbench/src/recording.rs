@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 use crate::figures::{Figures, stroke};
 use crate::identification::Problem;
-use crate::model_file::ModelFile;
+use crate::model_file::{ModelFile, Source};
 use crate::table::{DataError, DataProblem, Place, Table, VALID};
 use crate::unit::Channel;
 
@@ -138,6 +138,11 @@ impl Recording {
     /// The figures of a model that answers the input with `simulated`, a value a row, output unit.
     pub fn figures(&self, simulated: &[f64]) -> Figures {
         Figures::of(&self.output.values, simulated, &self.drive.scored)
+    }
+
+    /// The file, for the files of models that come from it.
+    pub fn source(&self) -> Source {
+        Source { file: self.drive.file.display().to_string(), sha256: self.drive.sha256.clone() }
     }
 
     /// Names of the input and output columns, as words.

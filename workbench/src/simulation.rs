@@ -9,10 +9,9 @@
 //! The first row finds the muscle standing still.
 
 use model_core::extension::Sample;
-use model_core::{InputError, Surroundings};
+use model_core::{ExtendedModel, InputError, Surroundings};
 
 use crate::Error;
-use crate::identification::HostExtendedModel;
 use crate::model_file::ModelFile;
 use crate::recording::{Drive, TIME};
 use crate::table::{DataProblem, Table};
@@ -51,7 +50,10 @@ impl Rows<'_> {
     ///
     /// # Errors
     /// The first row that the model refuses, and why.
-    pub fn answer(&self, model: &HostExtendedModel) -> Result<Vec<f64>, (usize, InputError)> {
+    pub fn answer<const N: usize, const M: usize>(
+        &self,
+        model: &ExtendedModel<f64, N, M>,
+    ) -> Result<Vec<f64>, (usize, InputError)> {
         let mut state = model.rest_state();
         let at = |values: Option<&[f64]>, row: usize| values.map(|values| values[row]);
         let answer = |row: usize| {

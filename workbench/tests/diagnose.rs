@@ -67,3 +67,47 @@ fn an_existing_diagnosis_is_kept_unless_forced() {
     assert_eq!(message, "error: d.json: exists already; --force overwrites it\n");
     assert_eq!(bench.read("d.json"), "mine");
 }
+
+#[test]
+fn the_extended_model_is_written_and_can_be_simulated() {
+    let bench = bench();
+    let said = bench.succeeds("diagnose rec.csv -o extended.toml");
+    assert!(said.contains("held out      RMSE"), "{said}");
+    let simulated = bench.succeeds("simulate extended.toml --input rec.csv -o simulated.csv");
+    assert!(simulated.contains("rows simulated"), "{simulated}");
+    let message = bench.refuses("diagnose rec.csv -o extended.toml");
+    assert_eq!(message, "error: extended.toml: exists already; --force overwrites it\n");
+}
+
+#[test]
+fn the_gain_can_be_counted_on_another_recording() {
+    let bench = bench();
+    let rows: Vec<String> = bench.read("rec.csv").lines().map(str::to_owned).collect();
+    bench.write("half.csv", rows[..rows.len() / 2].join("\n"));
+    bench.succeeds("diagnose rec.csv --validate half.csv -o extended.toml --json d.json");
+    let json: Value = serde_json::from_str(&bench.read("d.json")).expect("JSON");
+    assert!(json["heldout"]["gain_error_mm"].is_number() && json["share_of_gain"].is_number());
+    assert!(bench.read("extended.toml").contains("recording = \"half.csv\""));
+}
+
+#[test]
+fn a_given_model_of_another_muscle_is_said_to_be_that() {
+    let bench = bench();
+    bench.succeeds("identify rec.csv --envelope pl --starts 4 --no-holdout -o own.toml");
+    let said = bench.succeeds("diagnose rec.csv --model own.toml");
+    assert!(!said.contains("another muscle"), "{said}");
+    // A muscle of twice the stroke.
+    let doubled = |(row, line): (usize, &str)| match line.rsplit_once(',') {
+        Some((before, last)) if row > 0 => match last.parse::<f64>() {
+            Ok(output) => format!("{before},{}", 2.0 * output),
+            Err(_) => line.to_owned(),
+        },
+        _ => line.to_owned(),
+    };
+    let other: Vec<String> = bench.read("rec.csv").lines().enumerate().map(doubled).collect();
+    bench.write("other.csv", other.join("\n"));
+    let said = bench.succeeds("diagnose other.csv --model own.toml --json d.json");
+    assert!(said.contains("another muscle"), "{said}");
+    let json: Value = serde_json::from_str(&bench.read("d.json")).expect("JSON");
+    assert_eq!(json["given_model"]["is_of_another_muscle"], true);
+}

@@ -184,11 +184,11 @@ fn the_papers_figures_are_drawn_from_a_log() {
     assert_eq!(message, "error: log.csv: no column contraction_mm; the file has time_s, reference_mm\n");
 }
 
-/// Named drawings, and no script, link or image.
+/// Named drawings, and no script, link or image from outside.
 fn assert_self_contained(page: &str, drawings: usize) {
     assert_eq!(page.matches("role=\"img\"").count(), drawings);
     assert_eq!(page.matches("<title>").count(), drawings + 1);
-    for foreign in ["<script", "<link", "<img", "url(", "src="] {
+    for foreign in ["<script ", "<link", "<img", "url(", "src=", "import", "fetch("] {
         assert!(!page.contains(foreign), "{foreign}");
     }
 }

@@ -114,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         outputs.stage(file, comparison.to_csv().as_bytes())?;
     }
     if let Some(file) = report {
-        outputs.stage(file, to_html(&comparison)?.as_bytes())?;
+        outputs.stage(file, to_html(&comparison).as_bytes())?;
     }
     if let Some(file) = json {
         outputs.stage(file, format!("{:#}\n", comparison.to_json()).as_bytes())?;

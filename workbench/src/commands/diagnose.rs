@@ -8,13 +8,18 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::diagnosed_json;
 use super::search::Columns as Chosen;
-use crate::Error;
-use crate::diagnosis::reject::Unexplained;
-use crate::diagnosis::{Columns, Diagnosis, Verdict, diagnose};
+use crate::diagnosis::extend::heldout::on_another;
+use crate::diagnosis::extend::{Extended, Extension, HeldOutGain, Operator};
+use crate::diagnosis::words::{experiment, in_a_sentence};
+use crate::diagnosis::{Columns, Diagnosis, diagnose_and_extend};
+use crate::identification::HostModel;
+use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
-use crate::recording::{Drive, output};
+use crate::recording::{Choice, Recording};
+use crate::report::diagnosed;
 use crate::table::Table;
 use crate::unit::Unit;
+use crate::{Error, TOOL};
 
 /// Shows what a simulation gets wrong about a recording, and names the cause.
 #[derive(Args, Debug)]
@@ -22,6 +27,18 @@ pub struct Arguments {
     /// The recording; load_n, temperature_c and, beside pressure_bar, command_bar are used where they are there
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
+    /// Also write the operator model, extended by the named causes, for simulate, pil and the board
+    #[arg(short = 'o', value_name = "EXTENDED.toml")]
+    model_file: Option<PathBuf>,
+    /// An operator model to begin with; one of too poor a form, or of another muscle, is said to be that
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
+    /// Another recording of the same muscle that the gain is counted on [default: the last third of the rows]
+    #[arg(long, value_name = "REC2.csv")]
+    validate: Option<PathBuf>,
+    /// Also write a page that shows it: one HTML file
+    #[arg(long, value_name = "REPORT.html")]
+    report: Option<PathBuf>,
     /// Also write the diagnosis as JSON
     #[arg(long, value_name = "DIAGNOSIS.json")]
     json: Option<PathBuf>,
@@ -37,44 +54,109 @@ pub struct Arguments {
 /// # Errors
 /// The recording is not what it should be or too short, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let file = &arguments.recording;
-    let mut outputs = Outputs::claim(&arguments.json, &[file], arguments.force)?;
-    let (columns, unit) = read(file, &arguments.columns)?;
+    let Arguments { recording: file, model_file, model, validate, report, json, .. } = arguments;
+    let inputs: Vec<&Path> = [file].into_iter().chain(validate).chain(model).map(PathBuf::as_path).collect();
+    let mut outputs = Outputs::claim(model_file.iter().chain(report).chain(json), &inputs, arguments.force)?;
+    let given = model.as_ref().map(|model| ModelFile::read(model)).transpose()?;
+    let choice = match &given {
+        Some(given) => Choice {
+            input: Some(given.input.name.clone()),
+            output: Some(given.output.name.clone()),
+            ..arguments.columns.choice()
+        },
+        None => arguments.columns.choice(),
+    };
+    let (columns, recording) = read(file, &choice)?;
+    let given = given.map(|file| Operator { parameters: file.parameters, density: file.density });
+    let unit = recording.output.channel.unit;
+    let other =
+        validate.as_ref().map(|file| read(file, &arguments.columns.choice_of(&recording))).transpose()?;
     let begin = Instant::now();
-    let diagnosis = with_bar(|progress| diagnose(&columns, progress))
+    let (diagnosis, extended) = with_bar(|progress| diagnose_and_extend(&columns, given.as_ref(), progress))
         .map_err(|source| Error::Diagnosis { file: file.clone(), source })?;
     let seconds = begin.elapsed().as_secs_f64();
-    if let Some(json) = &arguments.json {
-        let text = format!("{:#}\n", diagnosed_json::to_json(&diagnosis, unit, seconds));
+    let gain = extended.as_ref().and_then(|extended| match &other {
+        Some((columns, _)) => on_another(columns, extended),
+        None => Some(extended.heldout),
+    });
+    let gained = extended.as_ref().zip(gain.as_ref());
+    if let Some(model_file) = model_file {
+        let extended = extended.as_ref().ok_or_else(|| Error::NotExtended(file.clone()))?;
+        let gain = gain.as_ref().map(|gain| (gain, other.as_ref().map(|(_, other)| other)));
+        outputs.stage(model_file, to_file(&recording, extended, gain)?.to_toml().as_bytes())?;
+    }
+    if let Some(report) = report {
+        let gained = gained.map(|(extended, gain)| diagnosed::Gained {
+            extended,
+            gain,
+            other: validate.as_ref().map(|file| file.display().to_string()),
+        });
+        let page = diagnosed::to_html(&diagnosis, &recording, gained.as_ref());
+        outputs.stage(report, page.as_bytes())?;
+    }
+    if let Some(json) = json {
+        let text = format!("{:#}\n", diagnosed_json::to_json(&diagnosis, gained, unit, seconds));
         outputs.stage(json, text.as_bytes())?;
     }
     outputs.commit()?;
-    print_summary(file, &diagnosis, unit, seconds);
+    print_summary(file, &diagnosis, gained, unit, seconds);
     Ok(())
 }
 
-/// The columns of a recording that a diagnosis looks at, and the output's unit.
+/// The extended model's file; its gain may be that on another recording.
+fn to_file(
+    recording: &Recording,
+    extended: &Extended,
+    gain: Option<(&HeldOutGain, Option<&Recording>)>,
+) -> Result<ModelFile, Error> {
+    let Extension { parameters, density, extensions } = &extended.model;
+    let heldout = gain.map(|(gain, other)| HeldOut {
+        recording: other.unwrap_or(recording).source(),
+        from_s: other.is_none().then_some(gain.from_s),
+        figures: gain.after,
+    });
+    Ok(ModelFile {
+        input: recording.drive.input.channel.clone(),
+        output: recording.output.channel.clone(),
+        density: *density,
+        parameters: parameters.clone(),
+        extensions: extensions.clone(),
+        model: HostModel::try_new(parameters)?,
+        identification: Some(Identification {
+            tool: TOOL.to_owned(),
+            recording: recording.source(),
+            scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
+            stroke: recording.stroke(),
+            training: recording.figures(&extended.simulated),
+            heldout,
+            starts: extended.starts,
+            termination: extended.termination.to_string(),
+            standard_errors: Vec::new(),
+        }),
+    })
+}
+
+/// The columns of a recording that a diagnosis looks at, and the recording that they are from.
 ///
 /// # Errors
 /// The recording is not what it should be.
-pub fn read(file: &Path, chosen: &Chosen) -> Result<(Columns, Unit), Error> {
+pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error> {
     let table = Table::read(file)?;
-    let choice = chosen.choice();
-    let drive = Drive::of(&table, &choice)?;
-    let output = output(&table, &choice)?;
+    let recording = Recording::of(&table, choice)?;
+    let Recording { drive, output } = &recording;
     let column = |name: &str| table.column(name).map(<[f64]>::to_vec);
     let input_is_command = drive.input.channel.name == "command_bar";
     let columns = Columns {
         command: if input_is_command { None } else { column("command_bar") },
         load_n: column("load_n"),
         temperature_c: column("temperature_c"),
-        time_s: drive.time_s,
-        input: drive.input.values,
+        time_s: drive.time_s.clone(),
+        input: drive.input.values.clone(),
         input_is_command,
-        output: output.values,
-        scored: drive.scored,
+        output: output.values.clone(),
+        scored: drive.scored.clone(),
     };
-    Ok((columns, output.channel.unit))
+    Ok((columns, recording))
 }
 
 /// Works with a bar that shows how far it is, and with what.
@@ -91,14 +173,33 @@ fn with_bar<T>(work: impl FnOnce(&(dyn Fn(f64, &str) + Sync)) -> T) -> T {
     result
 }
 
-fn print_summary(file: &Path, diagnosis: &Diagnosis, unit: Unit, seconds: f64) {
+fn print_summary(
+    file: &Path,
+    diagnosis: &Diagnosis,
+    gained: Option<(&Extended, &HeldOutGain)>,
+    unit: Unit,
+    seconds: f64,
+) {
     say!("{}: {}", file.display(), diagnosis.verdict.name());
     say!("{}", in_a_sentence(diagnosis, unit));
-    let (before, after) = diagnosis.heldout;
-    say!(
-        "held out      {before:.3} {unit} before, {after:.3} {unit} with the causes; noise {:.3} {unit}",
-        diagnosis.anatomy.noise.deviation
-    );
+    if let Some((extended, gain)) = gained {
+        if let Some(given) = extended.given.filter(|given| given.is_of_another_muscle()) {
+            say!(
+                "another muscle  the given model errs by {:.3} {unit}, its form fitted to this recording by {:.3} {unit}",
+                given.rmse,
+                given.refitted_rmse
+            );
+        }
+        let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
+        say!("running free  RMSE {before:.3} {unit} without, {after:.3} {unit} with the causes");
+        say!(
+            "held out      RMSE {:.3} {unit} without, {:.3} {unit} with the causes (+- {:.3}); noise {:.3} {unit}",
+            gain.before.rmse,
+            gain.after.rmse,
+            gain.gain_error,
+            gain.noise_floor
+        );
+    }
     for named in &diagnosis.causes {
         let parameters: Vec<String> =
             named.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
@@ -111,44 +212,11 @@ fn print_summary(file: &Path, diagnosis: &Diagnosis, unit: Unit, seconds: f64) {
         let names: Vec<&str> = set.iter().map(|cause| cause.name()).collect();
         say!("as well       {}", names.join(" and "));
     }
+    if let Some(command) = experiment(diagnosis) {
+        say!("to separate   {command}");
+    }
     for judged in diagnosis.examinable.iter().filter(|judged| !judged.examinable) {
         say!("not examined  {}: {}", judged.cause, judged.why);
     }
     say!("{seconds:.1} s");
-}
-
-/// The verdict in a sentence.
-pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
-    let names: Vec<&str> = diagnosis.causes.iter().map(|named| named.cause.name()).collect();
-    match diagnosis.verdict {
-        Verdict::Adequate => "The operator model describes the recording; no cause is named.".to_owned(),
-        Verdict::Explained => {
-            format!("What the operator model gets wrong is explained by {}.", names.join(" and "))
-        }
-        Verdict::Confounded => format!(
-            "{} would explain it, and so would other causes; this recording does not tell them apart.",
-            names.join(" and ")
-        ),
-        Verdict::Unexplained => match &diagnosis.unexplained {
-            Some(Unexplained::ZeroStep { time_s, height }) => {
-                format!("None of the causes: the zero jumps by {height:.2} {unit} at {time_s:.0} s.")
-            }
-            Some(Unexplained::Outliers { rows, largest }) => format!(
-                "None of the causes: {rows} single rows are off their neighbours, by up to {largest:.2} {unit}."
-            ),
-            Some(Unexplained::NotRepeatable { pure_error, tones_hz }) => {
-                let tones: Vec<String> = tones_hz.iter().map(|hz| format!("{hz:.3} Hz")).collect();
-                let tones = if tones.is_empty() {
-                    "without a tone".to_owned()
-                } else {
-                    format!("with peaks at {}", tones.join(", "))
-                };
-                format!(
-                    "None of the causes: visits to the same state differ by {pure_error:.2} {unit}, {tones}; \
-                     something acts that no column shows."
-                )
-            }
-            None => "None of the causes explains it.".to_owned(),
-        },
-    }
 }

@@ -2,13 +2,21 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::diagnosis::Diagnosis;
 use crate::diagnosis::cause::Cause;
+use crate::diagnosis::extend::{Extended, HeldOutGain};
 use crate::diagnosis::reject::Unexplained;
-use crate::diagnosis::{Diagnosis, Verdict};
+use crate::diagnosis::words::experiment;
 use crate::unit::Unit;
 
-/// A diagnosis; the keys of errors carry the output's unit.
-pub fn to_json(diagnosis: &Diagnosis, unit: Unit, seconds: f64) -> Value {
+/// A diagnosis; the keys of errors carry the output's unit. The errors are those of the models that run free, if there
+/// are any: `heldout` on the rows behind the split, or on another recording.
+pub fn to_json(
+    diagnosis: &Diagnosis,
+    extended: Option<(&Extended, &HeldOutGain)>,
+    unit: Unit,
+    seconds: f64,
+) -> Value {
     let keyed = |entries: &[(&str, f64)]| -> Value {
         let named =
             entries.iter().map(|(name, value)| (format!("{name}_{}", unit.suffix()), (*value).into()));
@@ -23,18 +31,31 @@ pub fn to_json(diagnosis: &Diagnosis, unit: Unit, seconds: f64) -> Value {
             "evidence": named.evidence,
         })
     });
-    let (before, after) = diagnosis.heldout;
+    let (before, after) = extended.map_or(diagnosis.rmse, |(it, _)| (it.baseline_rmse, it.extended_rmse));
+    let gained = extended.map(|(_, gain)| {
+        keyed(&[
+            ("before_rmse", gain.before.rmse),
+            ("after_rmse", gain.after.rmse),
+            ("noise_floor", gain.noise_floor),
+            ("gain_error", gain.gain_error),
+        ])
+    });
     json!({
         "verdict": diagnosis.verdict.name(),
         "causes": causes.collect::<Vec<_>>(),
         "alternatives": diagnosis.alternatives.iter().map(names).collect::<Vec<_>>(),
-        "baseline": keyed(&[("rmse", diagnosis.rmse.0)]),
-        "extended": keyed(&[("rmse", diagnosis.rmse.1)]),
-        "heldout": keyed(&[
-            ("before_rmse", before),
-            ("after_rmse", after),
-            ("noise_floor", diagnosis.anatomy.noise.deviation),
-        ]),
+        "baseline": keyed(&[("rmse", before)]),
+        "extended": keyed(&[("rmse", after)]),
+        "heldout": gained,
+        "given_model": extended.and_then(|(it, _)| it.given).map(|given| json!({
+            "errors": keyed(&[
+                ("rmse", given.rmse),
+                ("refitted_rmse", given.refitted_rmse),
+                ("richer_rmse", given.richer_rmse),
+            ]),
+            "is_of_another_muscle": given.is_of_another_muscle(),
+        })),
+        "share_of_gain": extended.and_then(|(_, gain)| gain.share()),
         "pure_error": diagnosis.pure_error.map(|(before, after)| keyed(&[("before", before), ("after", after)])),
         "figures_of_misfit": diagnosis.anatomy,
         "examinable": diagnosis.examinable,
@@ -71,16 +92,4 @@ fn unexplained(seen: &Unexplained) -> Value {
             json!({"seen": "not_repeatable", "pure_error": pure_error, "tones_hz": tones_hz})
         }
     }
-}
-
-/// The command that writes an excitation which separates what is confounded.
-fn experiment(diagnosis: &Diagnosis) -> Option<String> {
-    if diagnosis.verdict != Verdict::Confounded {
-        return None;
-    }
-    let mut names: Vec<&str> = diagnosis.causes.iter().map(|named| named.cause.name()).collect();
-    names.extend(diagnosis.alternatives.iter().flatten().map(|cause| cause.name()));
-    names.sort_unstable();
-    names.dedup();
-    Some(format!("mgpi plan --causes {} -o plan.csv", names.join(",")))
 }

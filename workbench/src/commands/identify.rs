@@ -13,7 +13,7 @@ use crate::holdout::{self, later_cycles};
 use crate::identification::named::slope_dimension;
 use crate::identification::{self, Fit, Loss, Options, Weights, searches};
 use crate::model_file::names::Names;
-use crate::model_file::{HeldOut, Identification, ModelFile, Source};
+use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
 use crate::recording::{Recording, Timing};
 use crate::report::identified::Identified;
@@ -174,14 +174,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let seconds = begin.elapsed().as_secs_f64();
     let heldout = match &other {
         Some(other) => Some(HeldOut {
-            recording: source(other),
+            recording: other.source(),
             from_s: None,
             figures: other.figures(&identification::simulate(&fit.model, &other.drive.input.values)),
         }),
         None if arguments.no_holdout => None,
         None => {
             with_bar(searches(options.starts), |progress| later_cycles(&recording, &options, progress)).map(
-                |(from_s, figures)| HeldOut { recording: source(&recording), from_s: Some(from_s), figures },
+                |(from_s, figures)| HeldOut { recording: recording.source(), from_s: Some(from_s), figures },
             )
         }
     };
@@ -269,17 +269,13 @@ impl Arguments {
     }
 }
 
-fn source(recording: &Recording) -> Source {
-    Source { file: recording.drive.file.display().to_string(), sha256: recording.drive.sha256.clone() }
-}
-
 fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>) -> Identification {
     let errors = fit.uncertainty.estimates.iter();
     let errors =
         errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
     Identification {
         tool: TOOL.to_owned(),
-        recording: source(recording),
+        recording: recording.source(),
         scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
         stroke: recording.stroke(),
         training: recording.figures(&fit.simulated),

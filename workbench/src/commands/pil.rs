@@ -19,6 +19,7 @@ use crate::pil::plant::Program;
 use crate::pil::reference::Reference;
 use crate::pil::results::{figures, json, log};
 use crate::pil::{Bench, Finished, configuration};
+use crate::report::tracked;
 
 /// The runs, as they are called in the results.
 const RUNS: [(&str, Mode); 3] = [
@@ -68,6 +69,9 @@ pub struct Arguments {
     /// Where the log of the run with feedback only goes
     #[arg(long, value_name = "LOG.csv")]
     feedback_log: Option<PathBuf>,
+    /// Also write a page that shows the runs: one HTML file
+    #[arg(long, value_name = "REPORT.html")]
+    report: Option<PathBuf>,
     /// Also write the figures as JSON
     #[arg(long, value_name = "FIGURES.json")]
     json: Option<PathBuf>,
@@ -101,7 +105,7 @@ struct Rig {
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { log: main_log, feedforward_log, feedback_log, json: json_file, rate_hz, .. } = arguments;
     let logs = [main_log, feedforward_log, feedback_log];
-    let files = logs.into_iter().flatten().chain(json_file);
+    let files = logs.into_iter().flatten().chain(json_file).chain(&arguments.report);
     let mut outputs = Outputs::claim(files, &[&arguments.model, &arguments.reference], arguments.force)?;
     let model = ModelFile::read(&arguments.model)?;
     let configuration = configuration(&arguments.model, &model, arguments.pid(), *rate_hz)?;
@@ -132,11 +136,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     if let Some(file) = json_file {
         outputs.stage(file, format!("{:#}\n", json(named(), model.output.unit)).as_bytes())?;
     }
+    let stroke_mm = stroke_mm(&model);
+    if let Some(file) = &arguments.report {
+        let (model, reference) = (arguments.model.display(), arguments.reference.display());
+        let source = format!("Reference {reference}, model {model}");
+        let runs: Vec<_> = named().collect();
+        outputs.stage(file, tracked::to_html(&runs, stroke_mm, &source).as_bytes())?;
+    }
     outputs.commit()?;
     if arguments.verbose {
         print_messages(&finished);
     }
-    let stroke_mm = stroke_mm(&model);
     for (name, run) in named() {
         say!("{name:<17} {}", figures(run).in_words(stroke_mm, model.output.unit));
     }

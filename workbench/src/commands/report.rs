@@ -9,7 +9,8 @@ use crate::identification;
 use crate::model_file::ModelFile;
 use crate::output::Outputs;
 use crate::recording::{Choice, Recording};
-use crate::report::paper_figures::{self, Tracking};
+use crate::report::paper_figures;
+use crate::report::tracking::Tracking;
 use crate::table::Table;
 
 /// Redraws Figs. 8, 11, 12 and 13 of the paper from own measurements.
@@ -48,7 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let model = ModelFile::read(&arguments.model)?;
     let recording = Recording::read(&arguments.recording, &Choice::of_model(&model, arguments.rest_length))?;
     let log = Table::read(&arguments.log)?;
-    let tracking = Tracking::of(&log)?;
+    let tracking = Tracking::of_log(&log)?;
     let simulated = identification::simulate(&model.model, &recording.drive.input.values);
     let source = format!(
         "Recording {} with SHA-256 {}, log {} with SHA-256 {}",
@@ -57,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         arguments.log.display(),
         log.sha256()
     );
-    let report = paper_figures::to_html(&recording, &simulated, &tracking, &source)?;
+    let report = paper_figures::to_html(&recording, &simulated, &tracking, &source);
     outputs.stage(&arguments.output, report.as_bytes())?;
     outputs.commit()?;
     Ok(())

@@ -52,6 +52,15 @@ impl Columns {
         }
     }
 
+    /// The same columns as those of a recording, also where the choice was left open and another file offers others.
+    pub fn choice_of(&self, recording: &Recording) -> Choice {
+        Choice {
+            input: Some(recording.drive.input.channel.name.clone()),
+            output: Some(recording.output.channel.name.clone()),
+            ..self.choice()
+        }
+    }
+
     /// Reads a recording and another one that models are tried on.
     ///
     /// # Errors
@@ -63,12 +72,7 @@ impl Columns {
     ) -> Result<(Recording, Option<Recording>), Error> {
         let choice = self.choice();
         let training = Recording::read(training, &choice)?;
-        // The same columns, also where the choice was left open and the other file offers others.
-        let choice = Choice {
-            input: Some(training.drive.input.channel.name.clone()),
-            output: Some(training.output.channel.name.clone()),
-            ..choice
-        };
+        let choice = self.choice_of(&training);
         let heldout = heldout.map(|file| Recording::read(file, &choice)).transpose()?;
         Ok((training, heldout))
     }

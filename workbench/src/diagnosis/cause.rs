@@ -74,6 +74,30 @@ impl Cause {
         }
     }
 
+    /// What it is, for people: a sentence without its full stop.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::ValveLag => "The pressure follows the command late, as a first-order lag",
+            Self::ValveDeadband => "The valve ignores changes of the command that are smaller than a band",
+            Self::SupplySaturation => "The pressure never rises above the supply",
+            Self::TransportDelay => "The contraction answers the input after a dead time",
+            Self::ViscousLag => {
+                "A force against the speed makes the contraction follow its static curve late"
+            }
+            Self::RateDependentWidth => "The loop widens with speed, and there is no lag at rest",
+            Self::Inertia => "A mass overshoots and rings",
+            Self::Creep => "After each change the contraction goes on slowly, over decades of time",
+            Self::Load => "The load, which was recorded, moves the curve",
+            Self::Temperature => "The temperature, which was recorded, moves the curve",
+            Self::Drift => "The zero moves steadily with time",
+            Self::WarmUp => "The first cycles differ, and settle with the way that the muscle has gone",
+            Self::PeriodicDisturbance => "There is a tone that has nothing to do with the input",
+            Self::HysteresisShape => {
+                "What is left does not depend on time or speed: the operator model is too poor"
+            }
+        }
+    }
+
     /// What a cause has to be better by than one that it contains, or that explains much the same with less.
     pub fn complexity(self) -> f64 {
         match self {

@@ -11,7 +11,8 @@
 //! force that acts on the muscle, over its area. `h` is made of a few tents over the contraction.
 
 use super::cause::Cause;
-use super::signals::{Signals, TENTS, root_mean_square};
+use super::signals::{Signals, TENTS};
+use crate::numbers::root_mean_square;
 
 /// A nonlinear parameter with its bounds.
 #[derive(Clone, Copy, Debug)]

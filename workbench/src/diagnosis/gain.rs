@@ -1,7 +1,8 @@
 //! What a set of effects gains on blocks of time that it was not fitted to.
 
 use super::fit::Fit;
-use super::signals::{Signals, median};
+use super::signals::Signals;
+use crate::numbers::median;
 
 /// Rows with a leverage above so many times the mean are not scored: there a fold's fit extrapolates.
 const LEVERAGE: f64 = 4.0;

@@ -11,10 +11,12 @@
 //! | [`fit`] | baseline and effects together by Gauss-Newton, and tried on blocks that it has not seen |
 //! | [`free_run`] | the same without the measured contraction |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
-//! | [`screen`], [`spectrum`], [`search`] | which sets are tried |
+//! | [`screen`], [`search`] | which sets are tried |
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`] | what is wrong but none of the causes |
 //! | [`physical`] | the parameters in units that people measure in |
+//! | [`extend`] | the operator model extended by the named causes, running free, and its gain |
+//! | [`words`] | the verdict in a sentence, and the experiment that is left to be made |
 //!
 //! # Contract
 //! The verdict does not depend on the number of threads. A cause is named only where the recording can show it, where
@@ -30,6 +32,7 @@ pub mod basis;
 pub mod cause;
 pub mod effect;
 pub mod equivalent;
+pub mod extend;
 pub mod fit;
 pub mod free_run;
 pub mod gain;
@@ -41,24 +44,27 @@ pub mod reject;
 pub mod screen;
 pub mod search;
 pub mod signals;
-pub mod spectrum;
 pub mod valve;
 pub mod verdict;
+pub mod words;
 
 #[cfg(test)]
 mod tests;
 
 use thiserror::Error;
 
+use crate::numbers::{range, root_mean_square};
 use anatomy::examinable::{Examinable, ValveView, examinable};
 use anatomy::excitation::Excitation;
+use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use cause::Cause;
+use extend::{Extended, Given, Operator, extend};
 use reject::{Unexplained, unexplained};
 use search::{Candidate, Search};
 use signals::Signals;
 use valve::{ValveFit, examine};
-pub use verdict::{Evidence, Named, Verdict};
+pub use verdict::{Named, Tried, Verdict};
 
 /// The columns of a recording.
 #[derive(Clone, Debug, Default)]
@@ -79,6 +85,16 @@ pub struct Columns {
     pub load_n: Option<Vec<f64>>,
     /// Unit: degree Celsius.
     pub temperature_c: Option<Vec<f64>>,
+}
+
+impl Columns {
+    /// The noise of the output in the scored rows. Output unit.
+    pub fn noise_floor(&self) -> NoiseFloor {
+        let of_scored = |values: &[f64]| -> Vec<f64> {
+            values.iter().zip(&self.scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
+        };
+        anatomy::noise::floor(&of_scored(&self.time_s), &of_scored(&self.output))
+    }
 }
 
 /// Seed of what the anatomy measures chance with.
@@ -125,8 +141,8 @@ pub struct Diagnosis {
     pub residual_after: Vec<f64>,
     /// The residual taken apart, before.
     pub anatomy: Anatomy,
-    /// The evidence for each cause alone, the strongest first.
-    pub singles: Vec<Evidence>,
+    /// All sets of causes that were looked at, by size, the best first.
+    pub tried: Vec<Tried>,
     /// The valve, if it can be told apart.
     pub valve: Option<ValveFit>,
 }
@@ -139,6 +155,37 @@ pub fn diagnose(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<Diagnosis, DiagnosisError> {
+    Ok(diagnose_and(columns, progress, |_, _, _| ())?.0)
+}
+
+/// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
+/// A given operator model is gone on from, unless its form is too poor: that is then named too.
+///
+/// # Errors
+/// See [`DiagnosisError`].
+pub fn diagnose_and_extend(
+    columns: &Columns,
+    given: Option<&Operator>,
+    progress: &(dyn Fn(f64, &str) + Sync),
+) -> Result<(Diagnosis, Option<Extended>), DiagnosisError> {
+    let (mut diagnosis, extended) = diagnose_and(columns, progress, |search, best, valve| {
+        let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
+        extend(columns, search, best, valve, given, &progress)
+    })?;
+    if let Some(given) = extended.as_ref().and_then(|extended| extended.given).filter(Given::is_too_poor) {
+        diagnosis.causes.push(Named::shape(&given));
+        if diagnosis.verdict == Verdict::Adequate {
+            diagnosis.verdict = Verdict::Explained;
+        }
+    }
+    Ok((diagnosis, extended))
+}
+
+fn diagnose_and<T>(
+    columns: &Columns,
+    progress: &(dyn Fn(f64, &str) + Sync),
+    go_on: impl FnOnce(&Search<'_>, &Candidate, Option<&ValveFit>) -> T,
+) -> Result<(Diagnosis, T), DiagnosisError> {
     check(columns)?;
     progress(0.0, "preparing");
     let mut signals = Signals::new(columns);
@@ -165,7 +212,8 @@ pub fn diagnose(
     let (best, sizes) = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
     progress(0.8, "what is left");
     let unexplained = unexplained(&search, &best);
-    conclude(&search, best, &sizes, unexplained, valve, examinable)
+    let beyond = go_on(&search, &best, valve.as_ref());
+    Ok((conclude(&search, best, &sizes, unexplained, valve, examinable)?, beyond))
 }
 
 fn conclude(
@@ -193,19 +241,20 @@ fn conclude(
         load: load.as_deref(),
         temperature: temperature.as_deref(),
     };
-    let anatomy = Anatomy::of(&residual, ANATOMY_SEED)?;
+    // The floor is that of all rows: thinned ones are too far apart to tell noise from movement.
+    let anatomy = Anatomy { noise: signals.noise_floor, ..Anatomy::of(&residual, ANATOMY_SEED)? };
     Ok(Diagnosis {
         verdict,
         causes,
         alternatives,
         unexplained,
         examinable,
-        rmse: (signals::root_mean_square(&baseline.residual), signals::root_mean_square(&best.residual)),
+        rmse: (root_mean_square(&baseline.residual), root_mean_square(&best.residual)),
         heldout: (baseline.score.mean(), best.score.mean()),
         pure_error: baseline.pure_error.zip(best.pure_error),
         residual_before: baseline.fit.residual.clone(),
         residual_after: best.residual.clone(),
-        singles: verdict::singles(search, sizes),
+        tried: verdict::tried(search, sizes),
         rows,
         anatomy,
         valve,
@@ -218,7 +267,7 @@ fn check(columns: &Columns) -> Result<(), DiagnosisError> {
         return Err(TooShort { rows }.into());
     }
     let moves = |values: &[f64]| {
-        let (low, high) = signals::quantiles(values, 0.0);
+        let (low, high) = range(values);
         high > low
     };
     if !moves(&columns.input) {

@@ -11,6 +11,7 @@ use super::fit::Fit;
 use super::search::{Candidate, Search};
 use super::signals::{Signals, TENTS, hats};
 use super::valve::Valve;
+use crate::numbers::range;
 
 /// Points of the loop that slopes are taken from, each way.
 const POINTS: usize = 400;
@@ -19,28 +20,34 @@ const POINTS: usize = 400;
 pub type Parameters = Vec<(&'static str, f64)>;
 
 /// A loop over the whole input range: input and output, up and down.
-struct Loop {
+pub(super) struct Loop {
     input: Vec<f64>,
     output: Vec<f64>,
 }
 
 impl Loop {
-    fn of(search: &Search<'_>, fit: &Fit) -> Self {
-        let (low, high) = super::signals::quantiles(&search.signals.input, 0.0);
+    pub(super) fn of(search: &Search<'_>, fit: &Fit) -> Self {
+        Self::new(range(&search.signals.input), |input| {
+            let seen = Seen { input: input.to_vec(), wider: Vec::new(), bend: bend(&fit.effects) };
+            search.basis.simulate(&seen, &fit.weights)
+        })
+    }
+
+    /// Of a rate-independent model between two inputs.
+    pub(super) fn new((low, high): (f64, f64), simulate: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let step = (high - low) / POINTS as f64;
         let up = (0..=POINTS).map(|i| low + step * i as f64);
         let down = (0..POINTS).rev().map(|i| low + step * i as f64);
         // Twice, so that the first rise is not that of a fresh muscle.
         let input: Vec<f64> = up.clone().chain(down.clone()).chain(up).chain(down).collect();
-        let seen = Seen { input, wider: Vec::new(), bend: bend(&fit.effects) };
-        let output = search.basis.simulate(&seen, &fit.weights);
-        let half = seen.input.len() / 2;
-        Self { input: seen.input[half..].to_vec(), output: output[half..].to_vec() }
+        let output = simulate(&input);
+        let half = input.len() / 2;
+        Self { input: input[half..].to_vec(), output: output[half..].to_vec() }
     }
 
     /// The mean slope of both branches around an output. Unit: output unit/input unit.
-    fn slope(&self, at: f64) -> f64 {
-        let (low, high) = super::signals::quantiles(&self.output, 0.0);
+    pub(super) fn slope(&self, at: f64) -> f64 {
+        let (low, high) = range(&self.output);
         let near = 0.08 * (high - low);
         let slopes: Vec<f64> = self
             .input
@@ -50,6 +57,20 @@ impl Loop {
             .map(|(u, y)| (y[1] - y[0]) / (u[1] - u[0]))
             .collect();
         slopes.iter().sum::<f64>() / slopes.len().max(1) as f64
+    }
+
+    /// Half the width of the loop at an output. Input unit.
+    pub(super) fn half_width(&self, at: f64) -> f64 {
+        let crossings: Vec<f64> = self
+            .output
+            .windows(2)
+            .zip(&self.input)
+            .filter(|(y, _)| (y[0] - at) * (y[1] - at) <= 0.0)
+            .map(|(_, &u)| u)
+            .collect();
+        let highest = crossings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = crossings.iter().copied().fold(f64::INFINITY, f64::min);
+        if crossings.len() < 2 { 0.0 } else { 0.5 * (highest - lowest) }
     }
 }
 
@@ -114,7 +135,7 @@ fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], 
         Form::Friction(rate) => {
             let typical = signals.typical_speed(rate);
             let range = parameter(1).exp() * at_middle(2) / typical.powf(parameter(0));
-            width(range / half_width(turn, middle).max(1e-9), parameter(0), rate)
+            width(range / turn.half_width(middle).max(1e-9), parameter(0), rate)
         }
         Form::Envelope | Form::Width => Vec::new(),
         Form::Driven(driver) | Form::Added(driver) => {
@@ -126,7 +147,7 @@ fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], 
                     -parameter(first + tent) * turn.slope(signals.knots[tent])
                 }
             });
-            moved(signals, cause, driver, parameter(0), &changes)
+            moved(&signals.knots, cause, driver, parameter(0), &changes)
         }
         Form::Creep | Form::CreepOfInput => {
             let fractions: Vec<f64> = match effect.form {
@@ -147,7 +168,7 @@ fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], 
 }
 
 /// Natural frequency and damping of y + damping y' + mass y''.
-fn ringing(mass: f64, damping: f64) -> Parameters {
+pub(super) fn ringing(mass: f64, damping: f64) -> Parameters {
     let natural_per_s = mass.max(1e-12).sqrt().recip();
     vec![
         ("natural_frequency_hz", natural_per_s / std::f64::consts::TAU),
@@ -163,26 +184,12 @@ fn width(gain: f64, exponent: f64, rate: Rate) -> Parameters {
     vec![(name, gain), ("rate_exponent", exponent)]
 }
 
-/// Half the width of the loop at an output. Input unit.
-fn half_width(turn: &Loop, at: f64) -> f64 {
-    let crossings: Vec<f64> = turn
-        .output
-        .windows(2)
-        .zip(&turn.input)
-        .filter(|(y, _)| (y[0] - at) * (y[1] - at) <= 0.0)
-        .map(|(_, &u)| u)
-        .collect();
-    let highest = crossings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let lowest = crossings.iter().copied().fold(f64::INFINITY, f64::min);
-    if crossings.len() < 2 { 0.0 } else { 0.5 * (highest - lowest) }
-}
-
 /// Offset and gain of a change over the contraction; a warm-up's share of the stroke and its travel.
-fn moved(signals: &Signals, cause: Cause, driver: Driver, lambda: f64, changes: &[f64; TENTS]) -> Parameters {
-    let mean_y = signals.knots.iter().sum::<f64>() / TENTS as f64;
-    let mean = changes.iter().sum::<f64>() / TENTS as f64;
+pub(super) fn moved(knots: &[f64], cause: Cause, driver: Driver, lambda: f64, changes: &[f64]) -> Parameters {
+    let mean_y = knots.iter().sum::<f64>() / knots.len() as f64;
+    let mean = changes.iter().sum::<f64>() / knots.len() as f64;
     let (mut over, mut under) = (0.0, 0.0);
-    for (y, change) in signals.knots.iter().zip(changes) {
+    for (y, change) in knots.iter().zip(changes) {
         over += (y - mean_y) * (change - mean);
         under += (y - mean_y).powi(2);
     }
@@ -191,14 +198,14 @@ fn moved(signals: &Signals, cause: Cause, driver: Driver, lambda: f64, changes: 
         (Cause::Load, _) => vec![("offset_mm_per_n", mean - gain * mean_y), ("gain_per_n", gain)],
         (Cause::Temperature, _) => vec![("offset_mm_per_k", mean - gain * mean_y), ("gain_per_k", gain)],
         _ => {
-            let stroke = signals.knots[TENTS - 1] - signals.knots[0];
+            let stroke = knots[knots.len() - 1] - knots[0];
             let largest = changes.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
             vec![("fraction", largest / stroke.max(1e-9)), ("travel_mm", lambda.exp())]
         }
     }
 }
 
-fn creep(fractions: &[f64], time_constants_s: &[f64]) -> Parameters {
+pub(super) fn creep(fractions: &[f64], time_constants_s: &[f64]) -> Parameters {
     let active: Vec<usize> = (0..fractions.len()).filter(|&i| fractions[i] > 1e-4).collect();
     // Two elements a decade.
     let decades =

@@ -4,7 +4,8 @@
 //! disturbance does is not the same at both visits.
 
 use super::basis::{Basis, Seen};
-use super::signals::{Signals, median, root_mean_square};
+use super::signals::Signals;
+use crate::numbers::{median, root_mean_square};
 
 /// Rows that are compared, at most.
 const ROWS: usize = 1500;

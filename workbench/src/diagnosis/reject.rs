@@ -10,6 +10,7 @@
 
 use rayon::prelude::*;
 
+use super::anatomy::spectrum::tones;
 use super::effect::Effect;
 use super::fit::fit;
 use super::screen::Screen;
@@ -120,6 +121,6 @@ fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let size = (after / set.score.mean().max(1e-12) - large) / (larger - large);
     let is_left = size > 0.0 && removed < least + (most - least) * size.min(1.0);
     let is_seen = after > SEEN * search.signals.noise;
-    let tones_hz = super::spectrum::tones(search.signals, &set.residual, 3);
+    let tones_hz = tones(&search.signals.scored_s(), &set.residual, 3);
     (is_seen && is_left).then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
 }

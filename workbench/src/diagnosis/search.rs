@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use super::anatomy::spectrum::tones;
 use super::basis::Basis;
 use super::cause::Cause;
 use super::effect::{Effect, Form};
@@ -18,7 +19,7 @@ use super::pure_error::{PureError, pure_error};
 use super::race::Runner;
 use super::screen::Screen;
 use super::signals::Signals;
-use super::spectrum::tones;
+use crate::numbers::range;
 
 /// Radii of the baseline's width that are started from, as shares of the input's span.
 pub(super) const WIDTHS: [f64; 3] = [0.1, 0.03, 0.25];
@@ -90,7 +91,7 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     /// Fits the baseline, for a fresh and for a preconditioned muscle, from several starts.
     pub fn new(signals: &'a mut Signals, examinable: Vec<Cause>) -> Option<Self> {
-        let (low, high) = super::signals::quantiles(&signals.input, 0.0);
+        let (low, high) = range(&signals.input);
         let basis = Basis::new(low, high, true);
         let first = fit(signals, &basis, &[])?;
         signals.set_simulated(&basis.simulate(&first.seen, &first.weights));
@@ -123,7 +124,7 @@ impl<'a> Search<'a> {
     /// The effects that could stand for a cause beside a set.
     fn starts(&self, set: &Candidate, cause: Cause) -> Vec<Effect> {
         match cause {
-            Cause::PeriodicDisturbance => tones(self.signals, &set.fit.unseen, TONES)
+            Cause::PeriodicDisturbance => tones(&self.signals.scored_s(), &set.fit.unseen, TONES)
                 .into_iter()
                 .map(|frequency_hz| Effect::tone(frequency_hz, self.signals))
                 .collect(),

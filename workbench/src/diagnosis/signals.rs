@@ -9,7 +9,10 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::Columns;
+use super::anatomy::noise::{self, NoiseFloor};
+use super::anatomy::steps;
 use super::effect::Rate;
+use crate::numbers::{quantiles, range, root_mean_square, travel};
 
 /// Most rows that are scored in the search.
 const SCORED_ROWS: usize = 4000;
@@ -88,9 +91,11 @@ pub struct Signals {
     pub blocks: usize,
     /// Median step. Unit: s.
     pub step_s: f64,
-    /// White noise of the output. Output unit.
+    /// Noise of the output in the scored rows. Output unit.
+    pub noise_floor: NoiseFloor,
+    /// Its standard deviation. Output unit.
     pub noise: f64,
-    /// White noise of the input. Input unit.
+    /// Noise of the input. Input unit.
     pub input_noise: f64,
 }
 
@@ -98,15 +103,15 @@ impl Signals {
     /// Prepares a recording.
     pub fn new(columns: &Columns) -> Self {
         let Columns { time_s, input, output, scored, .. } = columns;
-        let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let step_s = median(&mut steps);
+        let (step_s, _) = steps(time_s);
         let (smooth, rate, acceleration) = local_cubic(time_s, output, step_s, WINDOW);
-        let (noise, input_noise) = (white_noise(output), white_noise(input));
+        let noise_floor = columns.noise_floor();
+        let (noise, input_noise) = (noise_floor.deviation, noise::floor(time_s, input).deviation);
         let speeds = [speed(time_s, input, step_s, input_noise), speed(time_s, output, step_s, noise)];
         let (low, high) = quantiles(output, 0.02);
         let knots = std::array::from_fn(|knot| low + (high - low) * knot as f64 / (TENTS - 1) as f64);
         let (rows, blocks) = rows(time_s, scored);
-        let (lowest, highest) = quantiles(input, 0.0);
+        let (lowest, highest) = range(input);
         let duration_s = time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0);
         Self {
             input_span: (highest - lowest).max(1e-9),
@@ -127,6 +132,7 @@ impl Signals {
             rows,
             blocks,
             step_s,
+            noise_floor,
             noise,
         }
     }
@@ -146,19 +152,15 @@ impl Signals {
         self.typical_speeds[rate as usize]
     }
 
+    /// Times of the scored rows. Unit: s.
+    pub fn scored_s(&self) -> Vec<f64> {
+        self.rows.iter().map(|row| self.time_s[row.at]).collect()
+    }
+
     /// From the first to the last time. Unit: s.
     pub fn duration_s(&self) -> f64 {
         self.time_s.last().unwrap_or(&0.0) - self.time_s.first().unwrap_or(&0.0)
     }
-}
-
-/// The middle value; 0 of none.
-pub fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return 0.0;
-    }
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Time constants from the shortest on, two a decade.
@@ -167,28 +169,6 @@ fn creep_s(shortest_s: f64, longest_s: f64) -> Vec<f64> {
         .map(|i| shortest_s * 10f64.powf(0.5 * i as f64))
         .take_while(|&tau_s| tau_s <= longest_s)
         .collect()
-}
-
-/// Root mean square.
-pub fn root_mean_square(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
-}
-
-/// The values that the given share lies below and above.
-pub fn quantiles(values: &[f64], share: f64) -> (f64, f64) {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let last = sorted.len().saturating_sub(1);
-    let at = |share: f64| sorted.get((share * last as f64).round() as usize).copied().unwrap_or(0.0);
-    (at(share), at(1.0 - share))
-}
-
-/// White noise from third differences, by their median: what is smooth, and rare jumps, do not count.
-fn white_noise(values: &[f64]) -> f64 {
-    let mut differences: Vec<f64> =
-        values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).collect();
-    // The third difference of white noise has twenty times its variance; 0.6745 is the median of |normal|.
-    median(&mut differences) / (0.6745 * 20.0f64.sqrt())
 }
 
 /// Value, first and second derivative of a cubic through the neighbourhood of every row.
@@ -240,21 +220,6 @@ fn speed(time_s: &[f64], values: &[f64], step_s: f64, noise: f64) -> Vec<f64> {
         if (wide - narrow).abs() > narrow_noise { narrow.abs() } else { (wide.abs() - wide_noise).max(0.0) }
     };
     wide.iter().zip(&narrow).map(size).collect()
-}
-
-/// The way so far of what moves by more than `still`.
-fn travel(values: &[f64], still: f64) -> Vec<f64> {
-    let mut held = values.first().copied().unwrap_or(0.0);
-    let mut way = 0.0;
-    values
-        .iter()
-        .map(|&value| {
-            let next = held.clamp(value - still, value + still);
-            way += (next - held).abs();
-            held = next;
-            way
-        })
-        .collect()
 }
 
 /// Weights of hat functions on equally spaced knots, constant outside.

@@ -5,10 +5,10 @@
 //! smaller. The muscle is then modelled from the measured pressure, whatever the valve does.
 
 use super::Columns;
+use super::anatomy::steps;
 use super::cause::Cause;
 use super::equivalent::delayed;
 use super::output::low_pass;
-use super::signals::median;
 
 /// A lag up to here is that of any proportional regulator, and not named. Unit: s.
 pub const ORDINARY_LAG_S: f64 = 0.07;
@@ -95,13 +95,12 @@ struct Task<'a> {
 pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
     let rows = columns.time_s.len().min(ROWS);
     let command = columns.command.as_deref()?;
-    let mut steps: Vec<f64> = columns.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let task = Task {
         time_s: &columns.time_s[..rows],
         command: &command[..rows],
         pressure: &columns.input[..rows],
         scored: &columns.scored[..rows],
-        step_s: median(&mut steps),
+        step_s: steps(&columns.time_s).0,
         noise,
     };
     let ideal_rmse_bar = task.error(command);

@@ -1,6 +1,8 @@
 //! From what the search found to a verdict.
 
 use super::cause::Cause;
+use super::extend::Given;
+use super::extend::start::{DEAD_ZONES, KNOTS, PLAYS};
 use super::physical::{self, Parameters};
 use super::reject::Unexplained;
 use super::search::{Candidate, Search};
@@ -46,27 +48,55 @@ pub struct Named {
     pub share: f64,
     /// Why it is named, in words with figures.
     pub evidence: Vec<String>,
+    /// The others without it; None for a cause of the valve, and for the shape.
+    pub without: Option<Tried>,
 }
 
-/// What a cause alone gains.
+impl Named {
+    /// That the form of a given operator model is too poor.
+    pub fn shape(given: &Given) -> Self {
+        let sizes = [("envelope_knots", KNOTS), ("plays", PLAYS), ("dead_zones", DEAD_ZONES)];
+        Self {
+            cause: Cause::HysteresisShape,
+            parameters: sizes.map(|(name, size)| (name, size as f64)).to_vec(),
+            share: given.share(),
+            evidence: vec![format!(
+                "fitted to the recording, the form of the given model errs by {:.3}, a richer one by {:.3}",
+                given.refitted_rmse, given.richer_rmse
+            )],
+            without: None,
+        }
+    }
+}
+
+/// A set of causes that was looked at.
 #[derive(Clone, Debug)]
-pub struct Evidence {
+pub struct Tried {
     /// Which.
-    pub cause: Cause,
-    /// Logarithm of the ratio of the errors on blocks that no fit has seen, and its standard error.
+    pub causes: Vec<Cause>,
+    /// Error on blocks that no fit has seen. Output unit.
+    pub heldout: f64,
+    /// Logarithm of the ratio of that error without any cause to this one, and its standard error.
     pub gain: (f64, f64),
     /// What visits to the same state differ by. Output unit.
     pub pure_error: Option<f64>,
 }
 
-/// The evidence for each cause alone.
-pub fn singles(search: &Search<'_>, sizes: &[Vec<Candidate>]) -> Vec<Evidence> {
-    let of_set = |set: &Candidate| Evidence {
-        cause: set.causes[0],
-        gain: (search.baseline.score.gain(&set.score), search.baseline.score.gain_error(&set.score)),
-        pure_error: set.pure_error,
-    };
-    sizes.first().into_iter().flatten().map(of_set).collect()
+impl Tried {
+    fn of(search: &Search<'_>, set: &Candidate) -> Self {
+        let none = &search.baseline.score;
+        Self {
+            causes: set.causes.clone(),
+            heldout: set.score.mean(),
+            gain: (none.gain(&set.score), none.gain_error(&set.score)),
+            pure_error: set.pure_error,
+        }
+    }
+}
+
+/// All sets that were looked at, by size, the best first.
+pub fn tried(search: &Search<'_>, sizes: &[Vec<Candidate>]) -> Vec<Tried> {
+    sizes.iter().flatten().map(|set| Tried::of(search, set)).collect()
 }
 
 /// Sets that do as well as the best and are no part of it, nor contain it.
@@ -91,8 +121,9 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
         .map(|(cause, parameters)| {
             let without = search.without(best, cause);
             let share = without.as_ref().map_or(0.0, |set| (square(set) - square(best)) / before);
-            let evidence = without.map_or_else(Vec::new, |set| evidence(&set, best));
-            Named { cause, parameters, share, evidence }
+            let evidence = without.as_ref().map_or_else(Vec::new, |set| evidence(set, best));
+            let without = without.map(|set| Tried::of(search, &set));
+            Named { cause, parameters, share, evidence, without }
         })
         .collect();
     for (cause, gain) in valve.into_iter().flat_map(|fit| &fit.causes) {
@@ -109,6 +140,7 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
                 gain.exp(),
                 fit.rmse_bar
             )],
+            without: None,
         });
     }
     all

@@ -10,6 +10,7 @@ use super::data::Data;
 use super::problem::Point;
 use super::starts::Start;
 use super::{CONVERGENCE, End, is_clearly_better, search};
+use crate::numbers::median;
 
 /// The limit in robust standard deviations: 95 % as efficient as least squares on normal residuals.
 const LIMIT: f64 = 1.345;
@@ -55,7 +56,8 @@ fn fit<const K: usize>(data: &Data, mut end: End) -> Robust {
     for _ in 0..ROUNDS {
         let model = model::<K>(&winsorised, &end.0);
         let residuals: Vec<f64> = data.outputs.iter().zip(&model).map(|(y, model)| y - model).collect();
-        let deviation = median(residuals.iter().map(|residual| residual.abs()).collect()) / MEDIAN;
+        let deviation =
+            median(&mut residuals.iter().map(|residual| residual.abs()).collect::<Vec<f64>>()) / MEDIAN;
         let is_outlier =
             |(&row, residual): (&usize, &f64)| (residual.abs() > OUTLIER * deviation).then_some(row);
         outliers = data.rows.iter().zip(&residuals).filter_map(is_outlier).collect();
@@ -75,9 +77,4 @@ fn fit<const K: usize>(data: &Data, mut end: End) -> Robust {
 fn model<const K: usize>(data: &Data, at: &Start) -> Vec<f64> {
     let point = Point::<K>::new(data, at.clone());
     point.residuals.iter().zip(&data.outputs).map(|(residual, output)| output + residual).collect()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -1,15 +1,11 @@
-//! Bars with names, one group a thing, in the look of the plots.
+//! Bars with names and numbers, one group a thing, in the look of the plots: a list, so that names wrap on a phone.
 
 use maud::{Markup, html};
 
 use super::plot::Style;
 
-/// Size of a drawing and of what is in it. Unit: pixels.
-const WIDTH: f64 = 640.0;
-const NAMES: f64 = 120.0;
-const NUMBERS: f64 = 70.0;
-const HEIGHT: f64 = 14.0;
-const GAP: f64 = 10.0;
+/// Height of a bar. Unit: pixels.
+const HEIGHT: u32 = 14;
 /// The colours of the bars of a group, in their order.
 const STYLES: [Style; 2] = [Style::Measured, Style::Model];
 
@@ -19,49 +15,67 @@ pub struct Bar<'a> {
     pub name: &'a str,
     /// At most as many values as there are names of bars, none negative.
     pub values: &'a [f64],
+    /// Whether it is the one that was chosen.
+    pub is_chosen: bool,
+}
+
+/// A value that the bars are read against.
+pub struct Mark<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Not negative.
+    pub value: f64,
 }
 
 /// Groups of bars from 0 on, each bar with its number; `names` are those of the bars of a group.
-pub fn bars(title: &str, names: &[&str], groups: &[Bar<'_>]) -> Markup {
-    let most =
-        groups.iter().flat_map(|group| group.values).fold(f64::MIN_POSITIVE, |most, &value| most.max(value));
+pub fn bars(title: &str, names: &[&str], groups: &[Bar<'_>], mark: Option<&Mark<'_>>) -> Markup {
+    let values = groups.iter().flat_map(|group| group.values).chain(mark.map(|mark| &mark.value));
+    let most = values.fold(f64::MIN_POSITIVE, |most, &value| most.max(value));
+    let percent = |value: f64| format!("{:.1}%", 100.0 * value / most);
     let count = groups.iter().map(|group| group.values.len()).max().unwrap_or(0);
-    let pitch = HEIGHT * count as f64 + GAP;
-    let length = |value: f64| value / most * (WIDTH - NAMES - NUMBERS);
-    let keys = || names.iter().zip(STYLES).take(count);
     html! {
         figure.bars {
             figcaption {
                 (title)
-                div.legend { @for (name, style) in keys() {
-                    span {
-                        svg width="14" height="14" aria-hidden="true" { rect width="14" height="14" fill=(style.hex()) {} }
-                        (name)
+                div.legend {
+                    @for (name, style) in names.iter().zip(STYLES).take(count) {
+                        span { (key(html! { rect width="14" height="14" fill=(style.hex()) {} })) (name) }
                     }
-                } }
-            }
-            svg role="img" viewBox=(format!("0 0 {WIDTH} {}", pitch * groups.len() as f64))
-                xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" font-size="13" fill=(Style::Ink.hex()) {
-                title { (title) }
-                @for (i, group) in groups.iter().enumerate() {
-                    g transform=(format!("translate(0,{})", pitch * i as f64)) {
-                        text x=(NAMES - 8.0) y=(HEIGHT * count as f64 / 2.0 + 4.5) text-anchor="end" { (group.name) }
-                        @for (k, (&value, style)) in group.values.iter().zip(STYLES).enumerate() {
-                            @let top = HEIGHT * k as f64;
-                            rect x=(NAMES) y=(top) width=(format!("{:.1}", length(value))) height=(HEIGHT - 1.0)
-                                fill=(style.hex()) {}
-                            text x=(format!("{:.1}", NAMES + length(value) + 6.0)) y=(top + HEIGHT - 3.0) { (significant(value)) }
-                        }
+                    @if let Some(Mark { name, value }) = mark {
+                        span { (key(stroke("50%"))) (name) " " (significant(*value)) }
                     }
                 }
             }
+            ul { @for group in groups {
+                li.best[group.is_chosen] {
+                    span.name { (group.name) }
+                    @for (&value, style) in group.values.iter().zip(STYLES) {
+                        svg height=(HEIGHT) aria-hidden="true" {
+                            rect width=(percent(value)) height=(HEIGHT) fill=(style.hex()) {}
+                            @if let Some(Mark { value, .. }) = mark { (stroke(&percent(*value))) }
+                        }
+                        span { (significant(value)) }
+                    }
+                }
+            } }
         }
     }
 }
 
+/// A sign of the legend.
+fn key(sign: Markup) -> Markup {
+    html! { svg width="14" height="14" aria-hidden="true" { (sign) } }
+}
+
+/// The line of a mark.
+fn stroke(x: &str) -> Markup {
+    html! { line x1=(x) x2=(x) y1="0" y2=(HEIGHT) stroke=(Style::Ink.hex()) stroke-width="3" {} }
+}
+
 /// A number with three digits that count.
-fn significant(value: f64) -> String {
-    let decimals = if value > 0.0 { (2.0 - value.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
+pub fn significant(value: f64) -> String {
+    let size = value.abs();
+    let decimals = if size > 0.0 { (2.0 - size.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
     format!("{value:.decimals$}")
 }
 
@@ -71,15 +85,27 @@ mod tests {
 
     #[test]
     fn the_longest_bar_fills_the_drawing_and_the_others_are_in_proportion() {
-        let groups = [Bar { name: "a", values: &[1.0, 2.0] }, Bar { name: "b", values: &[4.0] }];
-        let drawing = bars("errors", &["one", "other"], &groups).into_string();
-        for width in ["width=\"112.5\"", "width=\"225.0\"", "width=\"450.0\""] {
+        let groups = [
+            Bar { name: "a", values: &[1.0, 2.0], is_chosen: false },
+            Bar { name: "b", values: &[4.0], is_chosen: true },
+        ];
+        let drawing = bars("errors", &["one", "other"], &groups, None).into_string();
+        for width in ["width=\"25.0%\"", "width=\"50.0%\"", "width=\"100.0%\""] {
             assert!(drawing.contains(width), "{width}: {drawing}");
         }
     }
 
     #[test]
+    fn a_mark_beyond_all_bars_is_seen() {
+        let groups = [Bar { name: "a", values: &[1.0], is_chosen: false }];
+        let mark = Mark { name: "noise", value: 2.0 };
+        let drawing = bars("errors", &[""], &groups, Some(&mark)).into_string();
+        assert!(drawing.contains("width=\"50.0%\"") && drawing.contains("x1=\"100.0%\""), "{drawing}");
+    }
+
+    #[test]
     fn numbers_have_three_digits_that_count() {
-        assert_eq!([12.345, 0.65589, 0.0012345, 0.0].map(significant), ["12.3", "0.656", "0.00123", "0"]);
+        let numbers = [12.345, 0.65589, 0.0012345, -0.0451, 0.0].map(significant);
+        assert_eq!(numbers, ["12.3", "0.656", "0.00123", "-0.0451", "0"]);
     }
 }

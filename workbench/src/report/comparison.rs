@@ -3,17 +3,13 @@
 use maud::{Markup, html};
 use model_core::Kind;
 
-use super::DrawingError;
 use super::bars::{Bar, bars};
 use super::model_run::ModelRun;
 use super::page::page;
 use crate::comparison::{Comparison, Outcome, Row};
 
 /// The report as an HTML file.
-///
-/// # Errors
-/// A plot cannot be drawn.
-pub fn to_html(comparison: &Comparison<'_>) -> Result<String, DrawingError> {
+pub fn to_html(comparison: &Comparison<'_>) -> String {
     let recording = comparison.recording;
     let (stroke, unit) = (recording.stroke(), recording.output.channel.unit);
     let body = html! {
@@ -26,11 +22,11 @@ pub fn to_html(comparison: &Comparison<'_>) -> Result<String, DrawingError> {
             (cargo xtask gates)." }
         @for (row, error) in comparison.refused() { p { (row.name()) ": " (error) "." } }
         (errors(comparison))
-        (loops(comparison)?)
+        (loops(comparison))
     };
     let file = recording.drive.file.file_name().unwrap_or_default().display().to_string();
     let source = format!("Recording with SHA-256 {}", recording.drive.sha256);
-    Ok(page(&format!("Models of {file}: {}", recording.columns()), &body, &source))
+    page(&format!("Models of {file}: {}", recording.columns()), &body, &source)
 }
 
 fn table(comparison: &Comparison<'_>) -> Markup {
@@ -57,17 +53,21 @@ fn errors(comparison: &Comparison<'_>) -> Markup {
             (row.name(), [training.rmse].into_iter().chain(heldout.map(|heldout| heldout.rmse)).collect())
         })
         .collect();
-    let rows: Vec<Bar<'_>> = rows.iter().map(|(name, values)| Bar { name, values }).collect();
+    let best = comparison.best().map(|(row, _)| row.name());
+    let rows: Vec<Bar<'_>> = rows
+        .iter()
+        .map(|(name, values)| Bar { name, values, is_chosen: best.as_ref() == Some(name) })
+        .collect();
     html! {
         h2 { "How far each model is from the muscle" }
-        (bars(&format!("Root mean square error ({unit})"), &["training", "held out"], &rows))
+        (bars(&format!("Root mean square error ({unit})"), &["training", "held out"], &rows, None))
         p { "The shorter, the better. Where the lower bar of a model is much longer than the upper one, it has "
             "learnt the recording rather than the muscle." }
     }
 }
 
 /// The best model's loops, and beside them those of the symmetric model, if it is another.
-fn loops(comparison: &Comparison<'_>) -> Result<Markup, DrawingError> {
+fn loops(comparison: &Comparison<'_>) -> Markup {
     let symmetric = |row: &Row| row.options.model == Kind::Sgpi && row.options.knots.is_none();
     let best = comparison.best();
     let other = comparison.made().find(|(row, _)| symmetric(row));
@@ -79,11 +79,10 @@ fn loops(comparison: &Comparison<'_>) -> Result<Markup, DrawingError> {
         .collect();
     let plots = runs.iter().map(|(name, run)| run.loops(&format!("Loops of {name}")));
     let plots = plots.chain(runs.iter().map(|(name, run)| run.error(&format!("Error of {name}"))));
-    let figures = plots.map(|plot| plot.figure()).collect::<Result<Vec<_>, _>>()?;
-    Ok(html! {
+    html! {
         h2 { "The best model" @if other.is_some() { ", and the symmetric one" } }
-        div.plots { @for figure in &figures { (figure) } }
+        div.plots { @for plot in plots { (plot.figure()) } }
         p { "Where the two lines of a loop part, the model has the wrong shape there. An error that comes back alike in "
             "every cycle is the model's; one without a pattern is noise." }
-    })
+    }
 }

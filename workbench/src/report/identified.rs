@@ -1,13 +1,12 @@
 //! Report of an identification: loops, time series, errors, the parts of the model, parameters.
 
 use maud::{Markup, html};
+use model_core::ParameterError;
 
-use super::DrawingError;
 use super::model_run::ModelRun;
-use super::page::page;
+use super::page::{explained, page};
 use super::parameters::parameters;
 use super::parts::parts;
-use super::plot::Plot;
 use crate::identification::Uncertainty;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::recording::Recording;
@@ -30,8 +29,8 @@ impl Identified<'_> {
     /// The report as an HTML file.
     ///
     /// # Errors
-    /// A plot cannot be drawn.
-    pub fn to_html(&self) -> Result<String, DrawingError> {
+    /// The parameters are not those of a model.
+    pub fn to_html(&self) -> Result<String, ParameterError> {
         let run = ModelRun::new(self.recording, self.simulated);
         let (input, output) = (self.model.input.words(), self.model.output.words());
         let plots = [
@@ -58,9 +57,9 @@ impl Identified<'_> {
         let parts = parts(self.model)?;
         let body = html! {
             (self.figures())
-            (explained(&plots)?)
+            (explained(&plots))
             h2 { "The parts of the model" }
-            (explained(&parts.iter().map(|part| (part.plot(), part.words)).collect::<Vec<_>>())?)
+            (explained(&parts.iter().map(|part| (part.plot(), part.words)).collect::<Vec<_>>()))
             (parameters(self.uncertainty, &self.model.names()))
         };
         let file = self.recording.drive.file.file_name().unwrap_or_default().display().to_string();
@@ -94,13 +93,4 @@ impl Identified<'_> {
             }
         }
     }
-}
-
-/// Plots, each with a few words below.
-fn explained(plots: &[(Plot<'_>, &str)]) -> Result<Markup, DrawingError> {
-    let figures = plots
-        .iter()
-        .map(|(plot, words)| Ok(html! { div { (plot.figure()?) p { (words) } } }))
-        .collect::<Result<Vec<_>, DrawingError>>()?;
-    Ok(html! { div.plots { @for figure in &figures { (figure) } } })
 }

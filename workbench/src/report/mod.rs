@@ -3,20 +3,25 @@
 //! # Design
 //! | file | what it does |
 //! |---|---|
-//! | [`plot`] | lines over two axes, in the one look of all plots |
+//! | [`plot`], `axis` | lines over two axes, in the one look of all plots |
 //! | `simplify` | fewer points for the same picture |
-//! | `page` | the page around the plots |
+//! | `page`, `zoom.js` | the page around the plots, and its script |
 //! | `model_run` | a model beside a recording, as plots |
 //! | `direction` | which way an input goes |
 //! | `parameters` | the parameters and what is known about them, as a table |
 //! | `parts` | the parts of a model, as plots |
 //! | [`identified`] | report of `mgpi identify` |
+//! | [`tracked`] | report of `mgpi pil` |
+//! | [`tracking`] | a tracking run, as plots |
 //! | `bars` | bars with names, in the same look |
+//! | [`diagnosed`] | report of `mgpi diagnose` |
 //! | [`comparison`] | report of `mgpi compare` |
 //! | [`paper_figures`] | report of `mgpi report`: Figs. 8 and 11 to 13 of the paper from own data |
 
+mod axis;
 mod bars;
 pub mod comparison;
+pub mod diagnosed;
 mod direction;
 pub mod identified;
 mod model_run;
@@ -26,5 +31,5 @@ mod parameters;
 mod parts;
 pub mod plot;
 mod simplify;
-
-pub use plot::DrawingError;
+pub mod tracked;
+pub mod tracking;

@@ -1,8 +1,9 @@
-//! The page around the plots: one file, nothing from outside, no script.
+//! The page around the plots: one file, nothing from outside; its only script enlarges plots, and the page is whole
+//! without it.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::plot::colour_style;
+use super::plot::{Plot, colour_style};
 
 /// Readable on a phone and in print, light and dark.
 const STYLE: &str = "
@@ -12,13 +13,14 @@ const STYLE: &str = "
 }
 body { font: 1rem/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);
   max-width: 84rem; margin: 0 auto; padding: 1rem }
-h1 { font-size: 1.5rem; line-height: 1.2 } h2 { font-size: 1.15rem; margin-top: 2rem }
+h1 { font-size: 1.5rem; line-height: 1.2 } h2 { font-size: 1.15rem; margin-top: 2rem } h3 { font-size: 1rem }
 p { max-width: 42rem } footer { color: var(--faint); font-size: .85rem; overflow-wrap: anywhere }
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 30rem), 1fr)); gap: 1rem }
 figure { margin: 0; break-inside: avoid; display: flex; flex-direction: column }
 figure > svg { width: 100%; height: auto; margin-top: auto }
+.plot { cursor: crosshair } .plot text { user-select: none } .lines polyline { vector-effect: non-scaling-stroke }
+.frame { fill: #8888; stroke: none }
 .plots > div { display: grid; grid-template-rows: subgrid; grid-row: span 2; break-inside: avoid } .plots p { margin-top: 0 }
-polyline { stroke-linejoin: round }
 figcaption { font-weight: 600 } .legend { font-weight: 400 }
 .legend span { margin-right: 1rem; white-space: nowrap } .legend svg { margin-right: .3rem }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums }
@@ -26,9 +28,24 @@ th, td { text-align: right; padding: .15rem .8rem; border-bottom: 1px solid var(
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
 th[colspan] { text-align: center }
 .wide { overflow-x: auto } .best { font-weight: 600 } td:first-child { white-space: nowrap }
-.bars { max-width: 42rem }
-@media print { body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr } }
+.bars { max-width: 52rem } .bars ul { list-style: none; margin: .4rem 0; padding: 0 }
+.bars li { display: grid; grid-template-columns: minmax(7rem, 20rem) 1fr 4rem; gap: .1rem .6rem; align-items: center;
+  break-inside: avoid; padding: .15rem 0 }
+.bars li > * { grid-column: 3 } .bars li > svg { grid-column: 2; width: 100%; overflow: visible }
+.bars .name { grid-column: 1; grid-row: span 2; overflow-wrap: anywhere }
+@media (max-width: 40rem) { .bars li { grid-template-columns: 1fr 4rem } .bars li > * { grid-column: 2 }
+  .bars li > svg { grid-column: 1 } .bars .name { grid-column: 1 / -1; grid-row: auto } } .verdict { font-size: 1.15rem; font-weight: 600; border-left: .3rem solid; padding-left: .8rem }
+dl { max-width: 42rem } dt { font-weight: 600 } dd { margin: 0 0 .6rem } code { overflow-wrap: anywhere }
+@media print { .hint { display: none } body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr } }
 ";
+const ZOOM: &str = include_str!("zoom.js");
+
+/// Plots, each with a few words below.
+pub fn explained(plots: &[(Plot<'_>, &str)]) -> Markup {
+    html! {
+        div.plots { @for (plot, words) in plots { div { (plot.figure()) p { (words) } } } }
+    }
+}
 
 /// A page with a title and a body; `source` says where its numbers come from.
 pub fn page(title: &str, body: &Markup, source: &str) -> String {
@@ -44,7 +61,12 @@ pub fn page(title: &str, body: &Markup, source: &str) -> String {
             body {
                 h1 { (title) }
                 (body)
-                footer { p { (source) ". Drawn by " (crate::TOOL) "." } }
+                footer {
+                    p.hint { "Drag over a part of a plot to enlarge it, double click to see all of it; or choose a plot and \
+                        use the keys + and -, the arrows, and 0." }
+                    p { (source) ". Drawn by " (crate::TOOL) "." }
+                }
+                script { (PreEscaped(ZOOM)) }
             }
         }
     }

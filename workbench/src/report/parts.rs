@@ -6,7 +6,6 @@ use model_core::memoryless::{Memoryless, MemorylessParameters};
 use model_core::play::PlayParameters;
 use model_core::{ParameterError, Range};
 
-use super::DrawingError;
 use super::plot::{Line, Plot, Style};
 use crate::identification::{DEAD_ZONES, HostParameters, PLAYS};
 use crate::model_file::ModelFile;
@@ -52,11 +51,7 @@ impl Part {
 ///
 /// # Errors
 /// The parameters are not those of a model.
-pub fn parts(model: &ModelFile) -> Result<Vec<Part>, DrawingError> {
-    drawn(model).map_err(|error| DrawingError::new("parts of the model", error))
-}
-
-fn drawn(model: &ModelFile) -> Result<Vec<Part>, ParameterError> {
+pub fn parts(model: &ModelFile) -> Result<Vec<Part>, ParameterError> {
     let (low, high) = model.parameters.input();
     let inputs = samples(low, high);
     Ok(match &model.parameters {

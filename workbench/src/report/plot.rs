@@ -1,43 +1,38 @@
 //! The one look of all plots: lines over two axes, drawn as SVG.
 //!
+//! # Design
 //! Colours are those of Okabe and Ito, which people with any common colour vision tell apart; in print and for
 //! those who see no colours the lines differ in width and dashes. Each colour has a second value for dark
 //! backgrounds, which [`colour_style`] turns into style rules.
+//!
+//! The lines lie in a drawing of their own inside the axes: its view box is what a page's script changes to zoom
+//! (`zoom.js`), and it cuts off what is outside. The ends of both axes stand in the drawing's `data-` attributes.
 
-use maud::{Markup, PreEscaped, html};
-use plotters::prelude::*;
-use thiserror::Error;
+use std::fmt::Write as _;
 
+use maud::{Markup, html};
+
+use super::axis::Axis;
+pub use super::axis::Scale;
 use super::simplify::simplify;
 
 /// Size of the drawing: small, so that its text stays readable when a phone scales it. Unit: pixels.
-const SIZE: (u32, u32) = (640, 400);
-/// Largest deviation of a simplified line. Unit: pixels.
-const TOLERANCE: f64 = 0.3;
-/// Share of an axis that is left free at either end.
-const MARGIN: f64 = 0.04;
+const SIZE: (f64, f64) = (640.0, 400.0);
+/// Where the lines lie: left, top, width, height. Unit: pixels.
+const AREA: (f64, f64, f64, f64) = (92.0, 10.0, 528.0, 324.0);
+/// Largest deviation of a simplified line, small enough to be looked at closely. Unit: pixels.
+const TOLERANCE: f64 = 0.15;
+/// Most numbers at either axis.
+const TICKS: (usize, usize) = (7, 6);
 const FONT: &str = "sans-serif";
-const FONT_SIZE: u32 = 18;
+const FONT_SIZE: f64 = 18.0;
+/// What half the height of a letter is. Unit: pixels.
+const HALF_LETTER: f64 = 6.0;
 /// Height of title and legend above a plot of a sheet. Unit: pixels.
-const HEAD: u32 = 52;
+const HEAD: f64 = 52.0;
 /// What an entry of a sheet's legend needs beside its letters, and about what a letter needs. Unit: pixels.
-const KEY_WIDTH: u32 = 60;
-const KEY_LETTER: u32 = 8;
-
-/// A plot could not be drawn.
-#[derive(Debug, Error)]
-#[error("the plot \"{title}\" cannot be drawn: {reason}")]
-pub struct DrawingError {
-    title: String,
-    reason: String,
-}
-
-impl DrawingError {
-    /// That something cannot be drawn, and why.
-    pub(super) fn new(title: &str, reason: impl std::fmt::Display) -> Self {
-        Self { title: title.to_owned(), reason: reason.to_string() }
-    }
-}
+const KEY_WIDTH: f64 = 60.0;
+const KEY_LETTER: f64 = 8.0;
 
 /// What a line stands for, and so how it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +43,7 @@ pub enum Style {
     Model,
     /// A difference, or a line of its own: a thin green one.
     Error,
-    /// Axes and text.
+    /// Axes, text, and lines that others are read against.
     Ink,
     /// The lines behind.
     Grid,
@@ -58,23 +53,19 @@ impl Style {
     const ALL: [Self; 5] = [Self::Measured, Self::Model, Self::Error, Self::Ink, Self::Grid];
 
     /// Colour on a light background, and on a dark one.
-    fn colours(self) -> (RGBColor, RGBColor) {
+    fn colours(self) -> (&'static str, &'static str) {
         match self {
-            Self::Measured => (RGBColor(0, 114, 178), RGBColor(86, 180, 233)),
-            Self::Model => (RGBColor(213, 94, 0), RGBColor(240, 160, 60)),
-            Self::Error => (RGBColor(0, 128, 96), RGBColor(60, 200, 155)),
-            Self::Ink => (RGBColor(51, 51, 51), RGBColor(210, 210, 210)),
-            Self::Grid => (RGBColor(221, 221, 221), RGBColor(64, 64, 64)),
+            Self::Measured => ("#0072B2", "#56B4E9"),
+            Self::Model => ("#D55E00", "#F0A03C"),
+            Self::Error => ("#008060", "#3CC89B"),
+            Self::Ink => ("#333333", "#D2D2D2"),
+            Self::Grid => ("#DDDDDD", "#404040"),
         }
     }
 
-    fn light(self) -> RGBColor {
+    /// The colour on a light background.
+    pub fn hex(self) -> &'static str {
         self.colours().0
-    }
-
-    /// The colour on a light background, as SVG writes it.
-    pub fn hex(self) -> String {
-        hex(self.light())
     }
 
     /// Width of a line. Unit: pixels.
@@ -112,6 +103,30 @@ impl Line<'_> {
             }
         }
     }
+
+    /// The line inside the axes, of the points that make a difference to the eye.
+    fn drawing(&self, x: &Axis, y: &Axis) -> Markup {
+        let place = |(&at_x, &at_y): (&f64, &f64)| (x.share(at_x) * AREA.2, (1.0 - y.share(at_y)) * AREA.3);
+        let places: Vec<(f64, f64)> = self.x.iter().zip(self.y).map(place).collect();
+        let pieces = places.split(|(x, y)| x.is_nan() || y.is_nan()).filter(|piece| !piece.is_empty());
+        html! {
+            @for piece in pieces {
+                polyline points=(points(&simplify(piece, TOLERANCE))) fill="none" stroke=(self.style.hex())
+                    stroke-width=(self.style.width()) {}
+            }
+        }
+    }
+}
+
+/// Places as SVG writes them.
+fn points(places: &[(f64, f64)]) -> String {
+    let mut text = String::new();
+    for (x, y) in places {
+        // Writing to a string does not fail.
+        let _ = write!(text, "{x:.2},{y:.2} ");
+    }
+    text.truncate(text.trim_end().len());
+    text
 }
 
 /// A point with a name beside it.
@@ -133,23 +148,20 @@ pub struct Plot<'a> {
     pub x: String,
     /// Name and unit of the vertical axis.
     pub y: String,
+    /// How values lie on both axes.
+    pub scale: Scale,
     /// The lines, the first at the back. Those without a name are not in the legend.
     pub lines: Vec<Line<'a>>,
     /// Points with names, in front of the lines.
     pub points: Vec<Point<'a>>,
 }
 
-/// A range of values along an axis.
-type Span = (f64, f64);
-
 impl Plot<'_> {
     /// The plot with its title and legend, as a figure of a page.
-    ///
-    /// # Errors
-    /// The drawing library refuses.
-    pub fn figure(&self) -> Result<Markup, DrawingError> {
-        let drawing = self.drawing()?;
-        Ok(html! {
+    pub fn figure(&self) -> Markup {
+        let (x, y) = self.axes();
+        let ends = |axis: &Axis| format!("{} {}", axis.ends().0, axis.ends().1);
+        html! {
             figure {
                 figcaption {
                     (self.title)
@@ -157,12 +169,14 @@ impl Plot<'_> {
                         div.legend { @for line in self.named() { (line.key()) } }
                     }
                 }
-                svg role="img" viewBox=(format!("0 0 {} {}", SIZE.0, SIZE.1)) xmlns="http://www.w3.org/2000/svg" {
+                svg.plot role="img" tabindex="0" viewBox=(format!("0 0 {} {}", SIZE.0, SIZE.1))
+                    xmlns="http://www.w3.org/2000/svg" data-x=(ends(&x)) data-y=(ends(&y))
+                    data-logarithm[self.scale == Scale::Logarithm] {
                     title { (self.title) ": " (self.y) " over " (self.x) }
-                    (PreEscaped(drawing))
+                    (self.drawing())
                 }
             }
-        })
+        }
     }
 
     fn named(&self) -> impl Iterator<Item = &Line<'_>> {
@@ -173,26 +187,25 @@ impl Plot<'_> {
         self.named().count() > 1
     }
 
-    /// The content of the drawing: the library's own element has neither a role nor a name.
-    fn drawing(&self) -> Result<String, DrawingError> {
-        let svg = self.svg().map_err(|error| DrawingError::new(&self.title, error))?;
-        let drawing = svg.split_once('>').map_or("", |(_, content)| content);
-        Ok(drawing.trim_end().trim_end_matches("</svg>").to_owned())
+    /// Of all lines.
+    fn axes(&self) -> (Axis, Axis) {
+        let of = |values: fn(&Line<'_>) -> Vec<f64>| Axis::of(self.lines.iter().flat_map(values), self.scale);
+        (of(|line| line.x.to_vec()), of(|line| line.y.to_vec()))
     }
 
     /// The plot below its title and legend, as a part of a sheet.
-    fn panel(&self) -> Result<Markup, DrawingError> {
+    fn panel(&self) -> Markup {
         let ink = Style::Ink.hex();
-        let middle = SIZE.0 / 2;
+        let middle = SIZE.0 / 2.0;
         let keys: Vec<_> = if self.has_legend() { self.named().collect() } else { Vec::new() };
         let mut places = Vec::new();
-        let mut end = 0;
+        let mut end = 0.0;
         for line in &keys {
             places.push(end);
-            end += KEY_WIDTH + KEY_LETTER * line.name.chars().count() as u32;
+            end += KEY_WIDTH + KEY_LETTER * line.name.chars().count() as f64;
         }
-        let start = middle.saturating_sub(end / 2);
-        Ok(html! {
+        let start = (middle - end / 2.0).max(0.0);
+        html! {
             g font-family=(FONT) font-size="16" fill=(ink) {
                 text x=(middle) y="20" text-anchor="middle" font-weight="600" { (self.title) }
                 @for (line, place) in keys.iter().zip(&places) {
@@ -203,111 +216,64 @@ impl Plot<'_> {
                     }
                 }
             }
-            g transform=(format!("translate(0,{HEAD})")) stroke-linejoin="round" { (PreEscaped(self.drawing()?)) }
-        })
-    }
-
-    fn svg(&self) -> Result<String, Box<dyn std::error::Error + '_>> {
-        let mut svg = String::new();
-        {
-            let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-            let (x_span, y_span) = (self.span(|line| line.x), self.span(|line| line.y));
-            let text = (FONT, FONT_SIZE).into_font().color(&Style::Ink.light());
-            let mut chart = ChartBuilder::on(&area)
-                .margin(10)
-                .margin_right(20)
-                .x_label_area_size(52)
-                .y_label_area_size(76)
-                .build_cartesian_2d(x_span.0..x_span.1, y_span.0..y_span.1)?;
-            chart
-                .configure_mesh()
-                .axis_style(Style::Ink.light())
-                .bold_line_style(Style::Grid.light())
-                .max_light_lines(0)
-                .x_labels(7)
-                .y_labels(6)
-                .label_style(text.clone())
-                .axis_desc_style(text)
-                .x_label_formatter(&|value| label(*value, x_span))
-                .y_label_formatter(&|value| label(*value, y_span))
-                .x_desc(&self.x)
-                .y_desc(&self.y)
-                .draw()?;
-            for line in &self.lines {
-                let stroke = line.style.light().stroke_width(line.style.width());
-                for piece in visible(line, x_span, y_span) {
-                    chart.draw_series(LineSeries::new(piece, stroke))?;
-                }
-            }
-            for point in &self.points {
-                let dot = Circle::new((0, 0), 4, Style::Ink.light().filled());
-                let name = Text::new(
-                    point.name.to_owned(),
-                    point.offset,
-                    (FONT, FONT_SIZE).into_font().color(&Style::Ink.light()),
-                );
-                chart.draw_series([EmptyElement::at(point.at) + dot + name])?;
-            }
-            area.present()?;
+            g transform=(format!("translate(0,{HEAD})")) { (self.drawing()) }
         }
-        Ok(svg)
     }
 
-    /// The values of all lines along an axis, and a margin.
-    fn span(&self, axis: impl for<'a> Fn(&'a Line<'a>) -> &'a [f64]) -> Span {
-        let values = self.lines.iter().flat_map(|line| axis(line).iter().copied());
-        let (min, max) = values
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| (min.min(value), max.max(value)));
-        let margin = if max > min { MARGIN * (max - min) } else { 1.0 };
-        (min - margin, max + margin)
+    /// Axes and lines.
+    fn drawing(&self) -> Markup {
+        let (left, top, width, height) = AREA;
+        let (right, bottom) = (left + width, top + height);
+        let (x, y) = self.axes();
+        let across = |share: f64| format!("{:.1}", left + share * width);
+        let down = |share: f64, by: f64| format!("{:.1}", bottom - share * height + by);
+        let turned = format!("rotate(-90 20 {})", top + height / 2.0);
+        html! {
+            g font-family=(FONT) font-size=(FONT_SIZE) fill=(Style::Ink.hex()) {
+                g.x text-anchor="middle" { @for (share, label) in x.ticks(TICKS.0) {
+                    line x1=(across(share)) x2=(across(share)) y1=(top) y2=(bottom) stroke=(Style::Grid.hex()) {}
+                    text x=(across(share)) y=(bottom + 22.0) data-at=(format!("{share:.5}")) { (label) }
+                } }
+                g.y text-anchor="end" { @for (share, label) in y.ticks(TICKS.1) {
+                    line x1=(left) x2=(right) y1=(down(share, 0.0)) y2=(down(share, 0.0)) stroke=(Style::Grid.hex()) {}
+                    text x=(left - 8.0) y=(down(share, HALF_LETTER)) data-at=(format!("{share:.5}")) { (label) }
+                } }
+                text x=(left + width / 2.0) y=(SIZE.1 - 10.0) text-anchor="middle" { (self.x) }
+                text x="20" y=(top + height / 2.0) text-anchor="middle" transform=(turned) { (self.y) }
+                polyline points=(format!("{left},{top} {left},{bottom} {right},{bottom}")) fill="none"
+                    stroke=(Style::Ink.hex()) {}
+                svg.lines x=(left) y=(top) width=(width) height=(height) viewBox=(format!("0 0 {width} {height}"))
+                    preserveAspectRatio="none" stroke-linejoin="round" {
+                    @for line in &self.lines { (line.drawing(&x, &y)) }
+                }
+                g.names { @for Point { name, at, offset } in &self.points {
+                    @let (share_x, share_y) = (x.share(at.0), y.share(at.1));
+                    circle cx=(across(share_x)) cy=(down(share_y, 0.0)) r="4" {}
+                    text x=(format!("{:.1}", left + share_x * width + f64::from(offset.0)))
+                        y=(down(share_y, f64::from(offset.1) + 2.0 * HALF_LETTER)) { (name) }
+                } }
+            }
+        }
     }
 }
 
 /// Plots side by side, two in a row, as a picture of its own on white ground.
-///
-/// # Errors
-/// A plot cannot be drawn.
-pub fn sheet(title: &str, plots: &[Plot<'_>]) -> Result<String, DrawingError> {
-    let panels = plots.iter().map(Plot::panel).collect::<Result<Vec<_>, _>>()?;
+pub fn sheet(title: &str, plots: &[Plot<'_>]) -> String {
     let height = HEAD + SIZE.1;
     let (columns, rows) = (plots.len().clamp(1, 2), plots.len().div_ceil(2));
-    let (width, all) = (SIZE.0 * columns as u32, height * rows as u32);
+    let (width, all) = (SIZE.0 * columns as f64, height * rows as f64);
     let picture = html! {
         svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {width} {all}")) role="img" {
             title { (title) }
-            style { (PreEscaped(dashes())) }
+            style { (maud::PreEscaped(dashes())) }
             rect width=(width) height=(all) fill="#fff" {}
-            @for (i, panel) in panels.iter().enumerate() {
-                g transform=(format!("translate({},{})", SIZE.0 * (i % 2) as u32, height * (i / 2) as u32)) { (panel) }
+            @for (i, plot) in plots.iter().enumerate() {
+                @let (x, y) = (SIZE.0 * (i % 2) as f64, height * (i / 2) as f64);
+                g transform=(format!("translate({x},{y})")) { (plot.panel()) }
             }
         }
     };
-    Ok(picture.into_string() + "\n")
-}
-
-/// The pieces of a line, of the points that make a difference to the eye.
-fn visible(line: &Line<'_>, x_span: Span, y_span: Span) -> Vec<Vec<(f64, f64)>> {
-    let scale = |span: Span, pixels: u32| f64::from(pixels) / (span.1 - span.0);
-    let (x_scale, y_scale) = (scale(x_span, SIZE.0), scale(y_span, SIZE.1));
-    let pixels: Vec<_> = line.x.iter().zip(line.y).map(|(x, y)| (x * x_scale, y * y_scale)).collect();
-    pixels
-        .split(|(_, y)| y.is_nan())
-        .map(|piece| {
-            simplify(piece, TOLERANCE).into_iter().map(|(x, y)| (x / x_scale, y / y_scale)).collect()
-        })
-        .collect()
-}
-
-/// A number at an axis, with as many decimals as the axis needs.
-fn label(value: f64, span: Span) -> String {
-    let decimals = (1.0 - ((span.1 - span.0) / 2.0).log10().floor()).clamp(0.0, 9.0) as usize;
-    let text = format!("{value:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-fn hex(colour: RGBColor) -> String {
-    format!("#{:02X}{:02X}{:02X}", colour.0, colour.1, colour.2)
+    picture.into_string() + "\n"
 }
 
 /// The style rule that dashes the model's lines.
@@ -322,7 +288,6 @@ pub fn colour_style() -> String {
     for style in Style::ALL {
         let (light, dark) = style.colours();
         for property in ["stroke", "fill"] {
-            let (light, dark) = (hex(light), hex(dark));
             rules += &format!("[{property}=\"{light}\"]{{{property}:{dark}}}\n");
         }
     }

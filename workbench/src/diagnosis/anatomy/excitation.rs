@@ -11,7 +11,8 @@ use serde::Serialize;
 use super::axis::follows_time;
 use super::motion::{LEAST_SWING, Motion};
 use super::noise::floor;
-use super::{Residual, range, steps};
+use super::{Residual, steps};
+use crate::numbers::range;
 
 /// The shortest hold that counts. Unit: s.
 const LEAST_HOLD_S: f64 = 1.0;

@@ -52,6 +52,7 @@ use self::noise::NoiseFloor;
 use self::spectrum::Spectrum;
 use self::stretches::Stretch;
 use self::whiteness::Whiteness;
+use crate::numbers::{median, root_mean_square};
 
 /// The fewest rows that anything can be said of.
 pub const LEAST_ROWS: usize = 100;
@@ -116,7 +117,7 @@ impl Anatomy {
         let mut axes = axis::axes(residual, &motion, &cells, seed);
         axes.sort_by(|one, other| other.share.total_cmp(&one.share));
         Ok(Self {
-            rms: rms(residual.residual),
+            rms: root_mean_square(residual.residual),
             mean: residual.residual.iter().sum::<f64>() / rows as f64,
             noise: noise::floor(residual.time_s, residual.output),
             whiteness: Whiteness::of(residual.residual, &cells),
@@ -127,29 +128,11 @@ impl Anatomy {
     }
 }
 
-/// Root of the mean square, in the unit of the values; NaN of none.
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
-}
-
-/// The median; 0 of none.
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return 0.0;
-    }
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
 /// The median of the steps of time, and the step above which there is a gap. Unit: s.
-fn steps(time_s: &[f64]) -> (f64, f64) {
+pub(super) fn steps(time_s: &[f64]) -> (f64, f64) {
     /// A step of time that many times the median is a gap: the muscle may have moved in it.
     const GAP_STEPS: f64 = 5.0;
-    let step_s = median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let mut all: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step_s = median(&mut all);
     (step_s, GAP_STEPS * step_s)
-}
-
-/// The lowest and the highest value.
-fn range(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
 }

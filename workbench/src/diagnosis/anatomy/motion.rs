@@ -13,7 +13,8 @@
 use std::collections::VecDeque;
 
 use super::noise::floor;
-use super::{Residual, range, steps};
+use super::{Residual, steps};
+use crate::numbers::{self, range};
 use crate::turning::turning_points;
 
 /// Half the width of the play: so many standard deviations of the noise, and that share of the span.
@@ -74,7 +75,7 @@ impl Motion {
                 .collect(),
             since_change_s: since_change_s.collect(),
             rate,
-            travel: travel(time_s, output),
+            travel: numbers::travel(output, Still::of(time_s, output).band),
             cycle: (0..input.len())
                 .map(|row| 1.0 + troughs.partition_point(|&at| at <= row) as f64)
                 .collect(),
@@ -158,19 +159,6 @@ fn since_elsewhere(time_s: &[f64], values: &[f64], height: f64) -> Vec<f64> {
         time_s[row] - time_s[first]
     };
     (0..values.len()).map(&mut since).collect()
-}
-
-/// The way so far.
-fn travel(time_s: &[f64], values: &[f64]) -> Vec<f64> {
-    let still = Still::of(time_s, values).values;
-    let mut way = 0.0;
-    let mut last = still.first().copied().unwrap_or(0.0);
-    let mut go = |&value: &f64| {
-        way += (value - last).abs();
-        last = value;
-        way
-    };
-    still.iter().map(&mut go).collect()
 }
 
 #[cfg(test)]

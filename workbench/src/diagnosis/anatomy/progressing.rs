@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use super::cells::Cells;
 use super::distribution::f_tail;
-use super::range;
+use crate::numbers::range;
 
 /// The most cosines, and how many of them to one that counts as slow.
 const MOST: usize = 10;

@@ -16,7 +16,8 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use serde::Serialize;
 
-use super::{median, steps};
+use super::steps;
+use crate::numbers::median;
 
 /// The most steps of the grid.
 const MOST_STEPS: f64 = 65_536.0;
@@ -68,24 +69,16 @@ impl Spectrum {
     pub fn of(time_s: &[f64], residual: &[f64], input: &[f64]) -> Self {
         let grid = Grid::of(time_s);
         let lines = grid.lines(residual);
-        let of_input = grid.lines(input);
-        let input_peaks: Vec<usize> = peak_lines(&of_input).into_iter().map(|(line, _)| line).collect();
-        let mut peaks: Vec<Peak> = peak_lines(&lines)
-            .into_iter()
-            .map(|(line, above_level)| {
-                let (offset, power) = summit(&lines, line);
-                Peak {
-                    frequency_hz: (line as f64 + offset) * grid.line_hz,
-                    amplitude: power.sqrt() * grid.amplitude,
-                    above_level,
-                    in_input: input_peaks.iter().any(|peak| peak.abs_diff(line) <= LOBE),
-                }
-            })
-            .collect();
-        peaks.sort_by(|one, other| other.amplitude.total_cmp(&one.amplitude));
-        peaks.truncate(MOST_PEAKS);
-        Self { density: grid.density(&lines), peaks }
+        let of_input = peak_lines(&grid.lines(input));
+        Self { density: grid.density(&lines), peaks: grid.peaks(&lines, &of_input) }
     }
+}
+
+/// Frequencies of the strongest tones of a residual, `most` of them at most, the strongest first. Unit: Hz.
+pub fn tones(time_s: &[f64], residual: &[f64], most: usize) -> Vec<f64> {
+    let grid = Grid::of(time_s);
+    let peaks = grid.peaks(&grid.lines(residual), &[]);
+    peaks.iter().take(most).map(|peak| peak.frequency_hz).collect()
 }
 
 /// Equal steps of time.
@@ -142,6 +135,23 @@ impl Grid {
         buffer[..=buffer.len() / 2].iter().map(Complex::norm_sqr).collect()
     }
 
+    /// The peaks above the local level, the largest amplitude first.
+    fn peaks(&self, lines: &[f64], of_input: &[(usize, f64)]) -> Vec<Peak> {
+        let peak = |(line, above_level): (usize, f64)| {
+            let (offset, power) = summit(lines, line);
+            Peak {
+                frequency_hz: (line as f64 + offset) * self.line_hz,
+                amplitude: power.sqrt() * self.amplitude,
+                above_level,
+                in_input: of_input.iter().any(|(peak, _)| peak.abs_diff(line) <= LOBE),
+            }
+        };
+        let mut peaks: Vec<Peak> = peak_lines(lines).into_iter().map(peak).collect();
+        peaks.sort_by(|one, other| other.amplitude.total_cmp(&one.amplitude));
+        peaks.truncate(MOST_PEAKS);
+        peaks
+    }
+
     /// The mean density over neighbouring lines, in equal steps of the logarithm.
     fn density(&self, lines: &[f64]) -> Vec<Density> {
         let last = lines.len() as f64;
@@ -186,7 +196,7 @@ impl Levels {
         let mut first = LOBE + 1;
         while first + BAND_LINES / 2 <= lines.len() {
             let end = (first + BAND_LINES).max((first as f64 * BAND_RATIO) as usize).min(lines.len());
-            let level = median(lines[first..end].to_vec()) / LN_2;
+            let level = median(&mut lines[first..end].to_vec()) / LN_2;
             if level > 0.0 {
                 let centre = (first as f64 * (end - 1) as f64).sqrt().ln();
                 // Neighbouring lines share most of a Hann window.

@@ -6,8 +6,9 @@
 
 use serde::Serialize;
 
+use super::Residual;
 use super::motion::Motion;
-use super::{Residual, range, rms};
+use crate::numbers::{median, range, root_mean_square};
 
 /// Windows of a recording.
 const WINDOWS: f64 = 60.0;
@@ -46,12 +47,12 @@ pub fn worst(residual: &Residual<'_>, motion: &Motion) -> Vec<Stretch> {
     let window_s = (last_s - first_s) / WINDOWS;
     let window = |row: &usize| ((time_s[*row] - first_s) / window_s) as usize;
     let rows: Vec<usize> = (0..time_s.len()).collect();
-    let energy = |rows: &[usize]| rms(&values[rows[0]..=rows[rows.len() - 1]]).powi(2);
+    let energy = |rows: &[usize]| root_mean_square(&values[rows[0]..=rows[rows.len() - 1]]).powi(2);
     let windows: Vec<&[usize]> = rows
         .chunk_by(|one, other| window(one) == window(other))
         .filter(|rows| rows.len() >= LEAST_ROWS)
         .collect();
-    let median = super::median(windows.iter().map(|rows| energy(rows)).collect());
+    let median = median(&mut windows.iter().map(|rows| energy(rows)).collect::<Vec<f64>>());
     let bad: Vec<&[usize]> = windows.into_iter().filter(|rows| energy(rows) > BAD * median).collect();
     let total: f64 = values.iter().map(|e| e * e).sum();
     let mut stretches: Vec<Stretch> = bad
@@ -60,7 +61,7 @@ pub fn worst(residual: &Residual<'_>, motion: &Motion) -> Vec<Stretch> {
             let (first, last) = (*windows.first()?.first()?, *windows.last()?.last()?);
             let rows = first..=last;
             let (lowest_input, highest_input) = range(&input[rows.clone()]);
-            let rms = rms(&values[rows.clone()]);
+            let rms = root_mean_square(&values[rows.clone()]);
             let count = (last - first + 1) as f64;
             let held = motion.direction[rows.clone()].iter().filter(|direction| **direction == 0.0).count();
             let rates = motion.rate[rows].iter().map(|rate| rate.abs());

@@ -38,7 +38,7 @@ impl Bench {
         let noise = Noise::new(seed).autoregressive(rows, 0.9);
         let effect = effect(&self);
         let mean = effect.iter().sum::<f64>() / rows as f64;
-        let size = rms(&effect.iter().map(|e| e - mean).collect::<Vec<_>>());
+        let size = root_mean_square(&effect.iter().map(|e| e - mean).collect::<Vec<_>>());
         self.residual = effect.iter().zip(noise).map(|(e, own)| (e - mean) / size + own).collect();
         self
     }

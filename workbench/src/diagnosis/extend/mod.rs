@@ -1,0 +1,213 @@
+//! From named causes to an extended model that runs free, and what it gains on data that its fit has not seen.
+//!
+//! # Design
+//! | file | what it does |
+//! |---|---|
+//! | `carry` | from the effects of the search to the nearest extensions of the model |
+//! | `start` | the operator to begin with, identified from what the operators see in the search |
+//! | `variables` | operator and extensions as numbers that a search can move |
+//! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
+//! | [`given`] | what is said of an operator model that the user has |
+//! | [`heldout`] | the gain on rows that took no part in the fit |
+//! | [`physical`] | the extensions' parameters in the units that people measure in |
+//!
+//! # Contract
+//! The models have seen nothing of the output but the scored rows before the split, when they are compared behind it; then
+//! they go on from there with all rows. The model without extensions is fitted in the same way, of the same size.
+//!
+//! # Limits
+//! The causes themselves were chosen on the whole recording; a gain that is free of that too takes another recording.
+
+mod carry;
+pub mod given;
+pub mod heldout;
+pub mod physical;
+mod refine;
+pub(super) mod start;
+mod variables;
+
+use std::borrow::Cow;
+
+use model_core::ExtensionParameters;
+
+use super::Columns;
+use super::search::{Candidate, Search};
+use super::valve::ValveFit;
+use crate::figures::Figures;
+use crate::identification::{Density, HostExtendedModel, HostParameters, Termination};
+use crate::simulation::Rows;
+pub use given::Given;
+pub use heldout::HeldOutGain;
+use refine::Task;
+
+/// The share of the scored rows that the compared models are fitted to.
+const TAUGHT: f64 = 2.0 / 3.0;
+
+/// An operator.
+#[derive(Clone, Debug)]
+pub struct Operator {
+    /// Its raw parameters.
+    pub parameters: HostParameters,
+    /// What its plays come from.
+    pub density: Density,
+}
+
+impl Operator {
+    fn with(&self, extensions: ExtensionParameters<f64>) -> Extension {
+        Extension { parameters: self.parameters.clone(), density: self.density, extensions }
+    }
+}
+
+/// An operator with extensions.
+#[derive(Clone, Debug)]
+pub struct Extension {
+    /// The operator.
+    pub parameters: HostParameters,
+    /// What its plays come from.
+    pub density: Density,
+    /// What the muscle does beside hysteresis.
+    pub extensions: ExtensionParameters<f64>,
+}
+
+/// A model extended by the named causes, and the same without.
+#[derive(Clone, Debug)]
+pub struct Extended {
+    /// With the extensions.
+    pub model: Extension,
+    /// Its free-running answer, a value a row of the recording. Output unit.
+    pub simulated: Vec<f64>,
+    /// Without.
+    pub plain: Extension,
+    /// Its answer.
+    pub plain_simulated: Vec<f64>,
+    /// Root mean square error without, over the scored rows.
+    pub baseline_rmse: f64,
+    /// The same with the extensions.
+    pub extended_rmse: f64,
+    /// What it gains behind the split, by models of the rows before.
+    pub heldout: HeldOutGain,
+    /// Starts of the operator.
+    pub starts: usize,
+    /// How the last refinement ended.
+    pub termination: Termination,
+    /// What is said of the operator model that was given, if one was.
+    pub given: Option<Given>,
+    /// Whether one of the causes is the valve's: the gain is then counted from the command.
+    pub valve_is_named: bool,
+}
+
+impl Extension {
+    /// The free-running answer to a recording, a value a row; from a measured pressure without the valve. None where the
+    /// model refuses a row. Output unit.
+    pub fn answer(&self, columns: &Columns) -> Option<Vec<f64>> {
+        let model = HostExtendedModel::try_new(&self.parameters, &self.acting(columns)).ok()?;
+        rows(columns).answer(&model).ok()
+    }
+
+    /// The extensions behind the input of a recording.
+    fn acting(&self, columns: &Columns) -> ExtensionParameters<f64> {
+        if columns.input_is_command { self.extensions.clone() } else { self.extensions.without_valve() }
+    }
+}
+
+impl Extended {
+    /// A recording with the input that the gain is counted from: where something is wrong with the valve the command, also
+    /// where the pressure was recorded.
+    fn seen_from<'a>(&self, columns: &'a Columns) -> Cow<'a, Columns> {
+        seen_from(columns, self.valve_is_named)
+    }
+}
+
+fn seen_from(columns: &Columns, valve_is_named: bool) -> Cow<'_, Columns> {
+    match &columns.command {
+        Some(command) if valve_is_named => Cow::Owned(Columns {
+            input: command.clone(),
+            input_is_command: true,
+            command: None,
+            ..columns.clone()
+        }),
+        _ => Cow::Borrowed(columns),
+    }
+}
+
+/// What drives a model of a recording.
+fn rows(columns: &Columns) -> Rows<'_> {
+    Rows {
+        time_s: &columns.time_s,
+        input: &columns.input,
+        load: columns.load_n.as_deref(),
+        temperature: columns.temperature_c.as_deref(),
+    }
+}
+
+/// Extends the operator model by the causes of a set and those of the valve; None where no model runs through the
+/// recording. The operator goes on from a given one, unless there is none or its form is too poor. `progress` is called with the share of the work that is done.
+pub fn extend(
+    columns: &Columns,
+    search: &Search<'_>,
+    set: &Candidate,
+    valve: Option<&ValveFit>,
+    given: Option<&Operator>,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Option<Extended> {
+    let signals = search.signals;
+    let scored: Vec<usize> = signals.rows.iter().map(|row| row.at).collect();
+    let (taught, untaught) = scored.split_at((TAUGHT * scored.len() as f64) as usize);
+    let before = Task { columns, scored: taught };
+    let whole = Task { columns, scored: &scored };
+
+    let none = ExtensionParameters::default;
+    let plain = start::operator(&start::Seen::plain(columns), taught)?;
+    progress(0.2);
+    let (mut plain, _) = before.refined(plain.with(none()))?;
+    progress(0.4);
+    let mut extensions = carry::extensions(columns, search, set);
+    carry::add_valve(&mut extensions, valve);
+    let mut extended = if set.causes.is_empty() {
+        Extension { extensions, ..plain.clone() }
+    } else {
+        before.refined(start::operator(&start::Seen::of(search, set), taught)?.with(extensions))?.0
+    };
+    let given = match given {
+        None => None,
+        Some(operator) => {
+            let (given, refitted) = given::judge(&before, operator, &extended)?;
+            if !given.is_too_poor() {
+                (plain, _) = before.refined(operator.with(none()))?;
+                extended = refitted;
+            }
+            Some(given)
+        }
+    };
+    progress(0.7);
+    let valve_is_named = valve.is_some_and(|fit| !fit.causes.is_empty());
+    let seen = seen_from(columns, valve_is_named);
+    let heldout = heldout::gain(&seen, untaught, (&plain, &extended), signals.noise)?;
+
+    let (plain, termination) = whole.refined(plain)?;
+    progress(0.8);
+    let (model, termination) = if set.causes.is_empty() {
+        (Extension { extensions: extended.extensions, ..plain.clone() }, termination)
+    } else {
+        whole.refined(extended)?
+    };
+    let (simulated, plain_simulated) = (model.answer(&seen)?, plain.answer(&seen)?);
+    let rmse = |simulated: &[f64]| Figures::of(&columns.output, simulated, &columns.scored).rmse;
+    progress(1.0);
+    Some(Extended {
+        baseline_rmse: rmse(&plain_simulated),
+        extended_rmse: rmse(&simulated),
+        model,
+        simulated,
+        plain,
+        plain_simulated,
+        heldout,
+        starts: start::STARTS,
+        termination,
+        given,
+        valve_is_named,
+    })
+}
+
+#[cfg(test)]
+mod tests;

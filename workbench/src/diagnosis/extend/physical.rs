@@ -1,0 +1,90 @@
+//! The parameters of the extended model's effects, in the units that people measure in.
+//!
+//! An equivalent input becomes a change of contraction by the slope of the operator's loop, where it slides.
+
+use model_core::ExtensionParameters;
+use model_core::extension::ProfileParameters;
+use model_core::extension::profile::Profile;
+
+use super::Extended;
+use crate::diagnosis::cause::Cause;
+use crate::diagnosis::effect::Driver;
+use crate::diagnosis::physical::{self, Loop, Parameters};
+use crate::identification::{HostModel, simulate};
+
+/// The parameters of every effect of the muscle; None where there is no loop to take them from.
+pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
+    let parameters = &extended.model.parameters;
+    let model = HostModel::try_new(parameters).ok()?;
+    let turn = Loop::new(parameters.input(), |input| simulate(&model, input));
+    let ExtensionParameters {
+        transport_delay,
+        load,
+        temperature,
+        warm_up,
+        viscous_lag,
+        inertia,
+        rate_dependent_width,
+        creep,
+        drift,
+        periodic_disturbance,
+        ..
+    } = &extended.model.extensions;
+    let mut all = Vec::new();
+    if let Some(delay) = transport_delay {
+        all.push((Cause::TransportDelay, vec![("delay_s", delay.delay_s)]));
+    }
+    let moved = |cause, driver, lambda: f64, offset: &ProfileParameters<f64>| {
+        let changes: Vec<f64> =
+            offset.knots.iter().zip(&offset.values).map(|(&knot, value)| -value * turn.slope(knot)).collect();
+        physical::moved(&offset.knots, cause, driver, lambda, &changes)
+    };
+    if let Some(load) = load {
+        all.push((Cause::Load, moved(Cause::Load, Driver::Load, 0.0, &load.offset)));
+    }
+    if let Some(schedule) = temperature {
+        let parameters = moved(Cause::Temperature, Driver::Temperature, 0.0, &schedule.offset);
+        all.push((Cause::Temperature, parameters));
+    }
+    if let Some(warm_up) = warm_up {
+        let parameters = moved(Cause::WarmUp, Driver::WarmUp, warm_up.travel.ln(), &warm_up.offset);
+        all.push((Cause::WarmUp, parameters));
+    }
+    // At mid stroke, times the slope there.
+    let late = |profile: &Option<ProfileParameters<f64>>| -> Option<f64> {
+        let profile = profile.as_ref()?;
+        let middle = middle(profile);
+        Some(Profile::try_new(profile, "profile", "").ok()?.value(middle) * turn.slope(middle))
+    };
+    match (late(inertia), late(viscous_lag)) {
+        (Some(mass), damping) => {
+            all.push((Cause::Inertia, physical::ringing(mass, damping.unwrap_or(0.0))));
+        }
+        (None, Some(time_constant_s)) => {
+            all.push((Cause::ViscousLag, vec![("time_constant_s", time_constant_s)]));
+        }
+        (None, None) => {}
+    }
+    if let Some(width) = rate_dependent_width {
+        let middle = middle(&width.width);
+        let wider = Profile::try_new(&width.width, "profile", "").ok()?.value(middle);
+        let gain = wider / turn.half_width(middle).max(1e-9);
+        all.push((Cause::RateDependentWidth, vec![("width_gain", gain), ("rate_exponent", width.exponent)]));
+    }
+    if let Some(creep) = creep {
+        all.push((Cause::Creep, physical::creep(&creep.fractions, &creep.time_constants_s)));
+    }
+    if let Some(drift) = drift {
+        all.push((Cause::Drift, vec![("mm_per_s", drift.rate_per_s)]));
+    }
+    if let Some(tone) = periodic_disturbance {
+        let parameters = vec![("frequency_hz", tone.frequency_hz), ("amplitude_mm", tone.amplitude)];
+        all.push((Cause::PeriodicDisturbance, parameters));
+    }
+    Some(all)
+}
+
+fn middle(profile: &ProfileParameters<f64>) -> f64 {
+    let ends = profile.knots.first().zip(profile.knots.last());
+    ends.map_or(0.0, |(first, last)| 0.5 * (first + last))
+}

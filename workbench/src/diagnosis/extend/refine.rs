@@ -1,0 +1,141 @@
+//! Operator and extensions together, by Levenberg-Marquardt on the residual of the model that runs free.
+//!
+//! Derivatives by differences: a run is a few milliseconds, and there are about thirty variables. Rows before the last
+//! scored one are run through, and no others.
+
+use std::sync::OnceLock;
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use model_core::ExtendedModel;
+use nalgebra::{DMatrix, DVector, Dyn, Owned};
+use rayon::prelude::*;
+
+use super::variables::{Units, of, with};
+use super::{Extension, rows};
+use crate::diagnosis::Columns;
+use crate::identification::{DEAD_ZONES, PLAYS, Termination};
+use crate::numbers::range;
+use crate::simulation::Rows;
+
+/// The difference that derivatives are taken by.
+const STEP: f64 = 1e-4;
+/// A step that gains less than this share of the sum of squares is the last.
+const ENOUGH: f64 = 4e-3;
+/// Evaluations at most, per variable.
+const PATIENCE: usize = 1;
+/// A size that most operators keep within: their states are copied often.
+const SMALL: usize = 16;
+
+/// Which rows of a recording a model is fitted to.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    pub columns: &'a Columns,
+    /// In order.
+    pub scored: &'a [usize],
+}
+
+/// The problem at a point.
+struct Problem<'a> {
+    task: Task<'a>,
+    units: Units,
+    base: Extension,
+    variables: DVector<f64>,
+    residuals: OnceLock<Option<DVector<f64>>>,
+}
+
+impl Task<'_> {
+    /// The model refined from where it stands; None where it does not run through the rows.
+    pub fn refined(&self, base: Extension) -> Option<(Extension, Termination)> {
+        let Columns { time_s, output, input_is_command, .. } = self.columns;
+        let (low, high) = range(output);
+        let last = self.scored.last()?;
+        let units = Units {
+            stroke: high - low,
+            duration_s: time_s[*last] - time_s[0],
+            with_valve: *input_is_command,
+        };
+        let variables = DVector::from_vec(of(&base, &units));
+        let problem = Problem { task: *self, units, base, variables, residuals: OnceLock::new() };
+        problem.at(&problem.variables)?;
+        let kernel = LevenbergMarquardt::new().with_ftol(ENOUGH).with_patience(PATIENCE).with_stepbound(1.0);
+        let (problem, report) = kernel.minimize(problem);
+        Some((problem.model(&problem.variables), (&report.termination).into()))
+    }
+
+    /// Root mean square error of a model; None where it does not run through the rows. Output unit.
+    pub fn rms(&self, model: &Extension) -> Option<f64> {
+        self.residuals(model).map(|residuals| residuals.norm() / (self.scored.len() as f64).sqrt())
+    }
+
+    /// Simulated less measured, a value a scored row.
+    fn residuals(&self, model: &Extension) -> Option<DVector<f64>> {
+        let columns = self.columns;
+        let extensions = model.acting(columns);
+        let end = self.scored.last()? + 1;
+        let all = rows(columns);
+        let cut = Rows {
+            time_s: &all.time_s[..end],
+            input: &all.input[..end],
+            load: all.load.map(|load| &load[..end]),
+            temperature: all.temperature.map(|temperature| &temperature[..end]),
+        };
+        let simulated = match model.parameters.convert::<f64, SMALL, SMALL>() {
+            Ok(small) => cut.answer(&ExtendedModel::try_new(&small, &extensions).ok()?).ok()?,
+            Err(_) => {
+                let model: ExtendedModel<f64, PLAYS, DEAD_ZONES> =
+                    ExtendedModel::try_new(&model.parameters, &extensions).ok()?;
+                cut.answer(&model).ok()?
+            }
+        };
+        let errors = self.scored.iter().map(|&row| simulated[row] - columns.output[row]);
+        let errors = DVector::from_iterator(self.scored.len(), errors);
+        errors.iter().all(|error| error.is_finite()).then_some(errors)
+    }
+}
+
+impl Problem<'_> {
+    fn model(&self, variables: &DVector<f64>) -> Extension {
+        with(&self.base, &self.units, variables.as_slice())
+    }
+
+    fn at(&self, variables: &DVector<f64>) -> Option<DVector<f64>> {
+        self.task.residuals(&self.model(variables))
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, variables: &DVector<f64>) {
+        self.variables.copy_from(variables);
+        self.residuals = OnceLock::new();
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.variables.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        let far = || DVector::from_element(self.task.scored.len(), 1e3 * self.units.stroke);
+        // What cannot be simulated is no better than anything that can.
+        Some(self.residuals.get_or_init(|| self.at(&self.variables)).clone().unwrap_or_else(far))
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let here = self.residuals()?;
+        let columns: Vec<DVector<f64>> = (0..self.variables.len())
+            .into_par_iter()
+            .map(|variable| {
+                let mut moved = self.variables.clone();
+                moved[variable] += STEP;
+                match self.at(&moved) {
+                    Some(there) => (there - &here) / STEP,
+                    None => DVector::zeros(here.len()),
+                }
+            })
+            .collect();
+        Some(DMatrix::from_columns(&columns))
+    }
+}

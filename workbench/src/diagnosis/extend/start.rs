@@ -1,0 +1,85 @@
+//! The operator to begin with: identified from what the operators see in the search.
+//!
+//! A few searches on a thinned recording, since all is refined together afterwards.
+
+use model_core::Kind;
+
+use super::Operator;
+use crate::diagnosis::Columns;
+use crate::diagnosis::effect::Effect;
+use crate::diagnosis::equivalent::Stages;
+use crate::diagnosis::output;
+use crate::diagnosis::search::{Candidate, Search};
+use crate::identification::{Loss, Options, Problem, Weights, identify};
+
+/// Rows that are looked at, about.
+const ROWS: usize = 1600;
+/// Sizes of the operator.
+pub const KNOTS: usize = 8;
+pub const PLAYS: usize = 10;
+pub const DEAD_ZONES: usize = 10;
+/// Starts of the search.
+pub const STARTS: usize = 4;
+/// Their seed.
+const SEED: u64 = 1;
+
+/// Input and output of the operators, a value a row.
+pub struct Seen {
+    input: Vec<f64>,
+    output: Vec<f64>,
+}
+
+impl Seen {
+    /// Without effects.
+    pub fn plain(columns: &Columns) -> Self {
+        Self { input: columns.input.clone(), output: columns.output.clone() }
+    }
+
+    /// Under the effects of a set: what the baseline has beside them (its small delay, its width) is the operator's here.
+    pub fn of(search: &Search<'_>, set: &Candidate) -> Self {
+        let signals = search.signals;
+        let first = set.fit.effects.len() - set.causes.len();
+        let effects: Vec<Effect> = set.fit.effects[first..].to_vec();
+        let mut output = signals.output.clone();
+        for (i, effect) in effects.iter().enumerate() {
+            let (columns, _) = output::columns(effect, signals);
+            for (column, weight) in columns.iter().zip(set.fit.output_weights(signals, first + i)) {
+                for (row, value) in signals.rows.iter().zip(column) {
+                    output[row.at] -= weight * value;
+                }
+            }
+        }
+        Self { input: Stages::new(signals, &effects).seen.input, output }
+    }
+}
+
+/// The operator that fits best on the given rows, which are in order.
+pub fn operator(seen: &Seen, scored: &[usize]) -> Option<Operator> {
+    let end = scored.last().map_or(0, |last| last + 1);
+    let block = 2 * (end / ROWS).max(1);
+    // The lowest and the highest input of a block: operators remember extremes only.
+    let mut kept: Vec<usize> = scored.iter().copied().step_by(block).collect();
+    for first in (0..end).step_by(block) {
+        let rows = first..(first + block).min(end);
+        kept.extend(rows.clone().min_by(|&i, &j| seen.input[i].total_cmp(&seen.input[j])));
+        kept.extend(rows.max_by(|&i, &j| seen.input[i].total_cmp(&seen.input[j])));
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    let of_kept = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&row| values[row]).collect() };
+    let counts: Vec<bool> = kept.iter().map(|row| scored.binary_search(row).is_ok()).collect();
+    let options = Options {
+        model: Kind::Mgpi,
+        knots: Some(KNOTS),
+        plays: PLAYS,
+        weights: Weights::Exponential,
+        dead_zones: DEAD_ZONES,
+        loss: Loss::Squares,
+        starts: STARTS,
+        seed: SEED,
+        threads: 0,
+    };
+    let problem = Problem { input: &of_kept(&seen.input), output: &of_kept(&seen.output), scored: &counts };
+    let fit = identify(&problem, &options, &|_| ()).ok()?;
+    Some(Operator { parameters: fit.parameters, density: fit.density })
+}

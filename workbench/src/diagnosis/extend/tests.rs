@@ -1,0 +1,102 @@
+//! A made-up muscle whose extensions are known.
+
+use model_core::extension::{
+    CreepParameters, DriftParameters, ProfileParameters, TransportDelayParameters, ValveLagParameters,
+};
+use model_core::{ExtensionParameters, Kind};
+
+use super::Extension;
+use super::heldout::gain;
+use super::refine::Task;
+use crate::diagnosis::Columns;
+use crate::identification::{Loss, Options, Problem, Weights, identify};
+
+/// Triangles of several heights and speeds, with a hold. Units: s, bar.
+fn drive() -> (Vec<f64>, Vec<f64>) {
+    let time_s: Vec<f64> = (0..1500).map(|row| f64::from(row) * 0.02).collect();
+    let input = |&t: &f64| {
+        let period_s = if t < 15.0 { 3.0 } else { 1.0 };
+        let place = (t / period_s).fract();
+        let height = 6.0 - 0.9 * (t / 3.0).floor().rem_euclid(5.0);
+        height * (1.0 - (2.0 * place - 1.0).abs())
+    };
+    let input = time_s.iter().map(input).collect();
+    (time_s, input)
+}
+
+/// An operator with a few effects.
+pub fn model() -> Extension {
+    let (_, input) = drive();
+    let mut play = 0.0;
+    let output: Vec<f64> = input
+        .iter()
+        .map(|&p| {
+            play = f64::clamp(play, p - 0.4, p + 0.4);
+            30.0 * (0.5 * (0.6 * p + 0.4 * play) - 1.2).tanh() + 25.0
+        })
+        .collect();
+    let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
+    let options = Options {
+        model: Kind::Mgpi,
+        knots: Some(6),
+        plays: 4,
+        weights: Weights::Exponential,
+        dead_zones: 4,
+        loss: Loss::Squares,
+        starts: 2,
+        seed: 1,
+        threads: 1,
+    };
+    let fit = identify(&problem, &options, &|_| ()).expect("a model");
+    let extensions = ExtensionParameters {
+        valve_lag: Some(ValveLagParameters::new(0.1)),
+        transport_delay: Some(TransportDelayParameters { delay_s: 0.05 }),
+        viscous_lag: Some(ProfileParameters::constant(0.004)),
+        creep: Some(CreepParameters {
+            time_constants_s: [1.0].into_iter().collect(),
+            fractions: [0.1].into_iter().collect(),
+        }),
+        drift: Some(DriftParameters { rate_per_s: 0.02, compensated: false }),
+        ..ExtensionParameters::default()
+    };
+    Extension { parameters: fit.parameters, density: fit.density, extensions }
+}
+
+/// What that muscle would be recorded to do.
+fn recorded(model: &Extension) -> Columns {
+    let (time_s, input) = drive();
+    let scored = vec![true; time_s.len()];
+    let columns = Columns { time_s, input, input_is_command: true, scored, ..Columns::default() };
+    Columns { output: model.answer(&columns).expect("it runs"), ..columns }
+}
+
+#[test]
+fn refining_finds_the_effects_again() {
+    let truth = model();
+    let columns = recorded(&truth);
+    let rows: Vec<usize> = (0..columns.time_s.len()).collect();
+    let task = Task { columns: &columns, scored: &rows };
+    let mut start = truth.clone();
+    start.extensions.transport_delay = Some(TransportDelayParameters { delay_s: 0.03 });
+    start.extensions.viscous_lag = Some(ProfileParameters::constant(0.002));
+    let before = task.rms(&start).expect("it runs");
+    let (found, _) = task.refined(start).expect("it runs");
+    let after = task.rms(&found).expect("it runs");
+    assert!(after < 0.1 * before, "{before} {after}");
+    let delay_s = found.extensions.transport_delay.expect("a delay").delay_s;
+    assert!((delay_s - 0.05).abs() < 0.005, "{delay_s}");
+}
+
+#[test]
+fn the_gain_is_that_of_the_rows_asked_for() {
+    let truth = model();
+    let columns = recorded(&truth);
+    let plain = Extension { extensions: ExtensionParameters::default(), ..truth.clone() };
+    let rows: Vec<usize> = (1000..1500).collect();
+    let gained = gain(&columns, &rows, (&plain, &truth), 0.0).expect("enough rows");
+    assert_eq!(gained.from_s, columns.time_s[1000]);
+    assert_eq!(gained.after.rmse, 0.0);
+    assert!((gained.share().expect("something to gain") - 1.0).abs() < 1e-12);
+    assert!(gained.before.rmse > 0.5, "{}", gained.before.rmse);
+    assert_eq!(gain(&columns, &rows[..5], (&plain, &truth), 0.0), None);
+}

@@ -1,0 +1,53 @@
+//! A diagnosis in words: the verdict in a sentence, and the experiment that is left to be made.
+
+use super::reject::Unexplained;
+use super::{Diagnosis, Verdict};
+use crate::unit::Unit;
+
+/// The verdict in a sentence.
+pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
+    let names: Vec<&str> = diagnosis.causes.iter().map(|named| named.cause.name()).collect();
+    match diagnosis.verdict {
+        Verdict::Adequate => "The operator model describes the recording; no cause is named.".to_owned(),
+        Verdict::Explained => {
+            format!("What the operator model gets wrong is explained by {}.", names.join(" and "))
+        }
+        Verdict::Confounded => format!(
+            "{} would explain it, and so would other causes; this recording does not tell them apart.",
+            names.join(" and ")
+        ),
+        Verdict::Unexplained => match &diagnosis.unexplained {
+            Some(Unexplained::ZeroStep { time_s, height }) => {
+                format!("None of the causes: the zero jumps by {height:.2} {unit} at {time_s:.0} s.")
+            }
+            Some(Unexplained::Outliers { rows, largest }) => format!(
+                "None of the causes: {rows} single rows are off their neighbours, by up to {largest:.2} {unit}."
+            ),
+            Some(Unexplained::NotRepeatable { pure_error, tones_hz }) => {
+                let tones: Vec<String> = tones_hz.iter().map(|hz| format!("{hz:.3} Hz")).collect();
+                let tones = if tones.is_empty() {
+                    "without a tone".to_owned()
+                } else {
+                    format!("with peaks at {}", tones.join(", "))
+                };
+                format!(
+                    "None of the causes: visits to the same state differ by {pure_error:.2} {unit}, {tones}; \
+                     something acts that no column shows."
+                )
+            }
+            None => "None of the causes explains it.".to_owned(),
+        },
+    }
+}
+
+/// The command that writes an excitation which separates what is confounded.
+pub fn experiment(diagnosis: &Diagnosis) -> Option<String> {
+    if diagnosis.verdict != Verdict::Confounded {
+        return None;
+    }
+    let mut names: Vec<&str> = diagnosis.causes.iter().map(|named| named.cause.name()).collect();
+    names.extend(diagnosis.alternatives.iter().flatten().map(|cause| cause.name()));
+    names.sort_unstable();
+    names.dedup();
+    Some(format!("mgpi plan --causes {} -o plan.csv", names.join(",")))
+}

@@ -4,14 +4,15 @@
 //!
 //! # Contract
 //! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the valve once, in
-//! every state: the vented code in all but `Tracking`, `Holding` and `Service`, and the vented code in the same tick in
-//! which a fault is seen. It takes bounded time, allocates nothing and does not panic.
+//! every state: the vented code in all but `Tracking`, `Holding` and `Service`. A fault that samples or computed values show
+//! vents in their tick, one that takes many ticks to be seen in the next. It takes bounded time, allocates nothing and does
+//! not panic.
 
 use model_core::tracking::Command;
 use model_core::{Measured, Mode, TrackingState};
 use wire::{
-    CaptureSample, Fault, Flags, OnModelFault, PLAYS, Protection, Refusal, Response, Signals, State,
-    TickReply, TraceEntry,
+    CaptureSample, Fault, Flags, OnModelFault, PLAYS, Protection, Refusal, Response, State, TickReply,
+    TraceEntry,
 };
 
 use crate::board::{AcquisitionError, Board, DacCode, Samples};
@@ -19,7 +20,7 @@ use crate::capture::Capture;
 use crate::faults::black_box::BlackBox;
 use crate::faults::log::FaultLog;
 use crate::law::controller_step;
-use crate::monitors::Monitors;
+use crate::monitors::{Monitors, Signals};
 use crate::order::{Installation, Order, text};
 use crate::output::{self, Output};
 use crate::scaling::{COMMAND, VENT};
@@ -127,6 +128,8 @@ impl Control {
     }
 
     /// Carries an order out, or says why not.
+    // Not inlined: what it needs of the stack is then not needed while an order is prepared.
+    #[inline(never)]
     pub fn apply(&mut self, order: Order) -> Response {
         self.silent_ticks = 0;
         let done = match order {
@@ -154,6 +157,7 @@ impl Control {
     /// One tick: samples, computes, drives.
     pub fn tick<B: Board>(&mut self, board: &mut B) -> TickReply {
         self.ticks = self.ticks.wrapping_add(1);
+        let before = self.output.code();
         let mut reply = self.work(board.read()).unwrap_or_else(|fault| {
             self.report(fault);
             VENTED
@@ -169,8 +173,21 @@ impl Control {
             .with(Flags::TRACKING, self.running.is_some())
             .with(Flags::FAULT, self.faults.latched().is_some())
             .with(Flags::OVERRUN, core::mem::take(&mut self.overrun));
+        // From here on the valve has what it needs.
+        self.watch(before);
         self.record(&reply);
         reply
+    }
+
+    /// Looks at what takes many ticks to be seen; `before`: what was out until this tick.
+    fn watch(&mut self, before: DacCode) {
+        if matches!(self.state, State::Off | State::Fault) {
+            return;
+        }
+        let outermost = self.installed.as_ref().map(|installed| &installed.survey.outermost);
+        if let Err(fault) = self.monitors.watch(before, outermost, self.state.is_driven()) {
+            self.report(fault);
+        }
     }
 
     /// Takes how long the tick has taken, by a clock of the image.
@@ -300,10 +317,8 @@ impl Control {
             self.monitors.look(samples);
             return Ok(VENTED);
         }
-        let outermost = self.installed.as_ref().map(|installed| &installed.survey.outermost);
-        let signals = self.monitors.take(samples, self.output.code(), outermost)?;
+        let signals = self.monitors.take(samples)?;
         if self.state.is_driven() {
-            self.monitors.follow(self.output.code())?;
             self.silent_ticks = self.silent_ticks.saturating_add(1);
             if self.silent_ticks > self.protection.bus_silent_ticks {
                 return Err(Fault::BusSilent);

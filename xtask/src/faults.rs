@@ -30,8 +30,7 @@ const FAULTS: &str = "
 
 Each has a number, which the status light flashes (tens long, ones short) and the telemetry counts. The first one is kept
 with its tick and the ticks before it, also over a reset, until it is acknowledged (`Request::FaultRecord`). *Vent* means:
-the output is at its safe value in the tick that sees the fault, or in the next where the fault takes many
-ticks to be seen; the state is `Fault`, and nothing drives until the host
+the output is at its safe value in the tick that sees the fault, the state is `Fault`, and nothing drives until the host
 has acknowledged it. The time counts from the tick in which what is detected begins; behind every row stands a test that
 injects its fault (`cargo test -p host-tests --test faults`).
 

@@ -6,8 +6,7 @@
 use wire::Fault;
 
 use crate::faults::black_box::LOOP_RESETS;
-use crate::monitors::sensor::{BAD_IN_A_ROW, JUMPS_IN_A_ROW};
-use crate::monitors::stuck::STUCK_TICKS;
+use crate::monitors::sensor::{BAD_IN_A_ROW, JUMPS_IN_A_ROW, STUCK_TICKS};
 use crate::monitors::{AUTHORITY_TICKS, IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
 use crate::timing::LATE_IN_A_ROW;
 use crate::watchdog::ALLOWANCE_TICKS;
@@ -93,7 +92,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         Fault::SupplySensor,
         "supply sensor open or short",
         "as for the pressure sensor",
-        BAD_IN_A_ROW as u32 + 1,
+        BAD_IN_A_ROW as u32,
         "as for the pressure sensor",
         "as for the pressure sensor; without such a sensor connect its input to that of the pressure regulator's supply",
     ),
@@ -101,7 +100,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         Fault::PressureStuck,
         "pressure sensor stuck",
         "its code stays within 2 for 200 ticks while the command moves by 1.5 bar",
-        STUCK_TICKS as u32 + 1,
+        STUCK_TICKS as u32,
         "the sensor's element or its amplifier is defective, ice or dirt in its port, the tube to it is kinked; or the valve holds \
          the pressure, see valve stuck",
         "compare with a gauge; clean or replace",
@@ -110,7 +109,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         Fault::ContractionStuck,
         "contraction sensor stuck",
         "as for the pressure sensor",
-        STUCK_TICKS as u32 + 1,
+        STUCK_TICKS as u32,
         "the sensor has come off the muscle, its wiper sticks, or the muscle is blocked",
         "move the muscle by hand and watch the reading",
     ),
@@ -135,7 +134,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         Fault::Implausible,
         "contraction implausible for the pressure",
         "it is outside the model's outermost loop by more than 30 % of the stroke, 200 ticks in a row",
-        IMPLAUSIBLE_TICKS as u32 + 1,
+        IMPLAUSIBLE_TICKS as u32,
         "a muscle that is torn off, blocked or another one than the model's; a sensor that has slipped",
         "look at the muscle; compare the model with a new recording (`mgpi simulate`)",
     ),
@@ -159,7 +158,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         Fault::SupplyLow,
         "supply low",
         "the average of the supply's pressure over some 64 ticks is below 4 bar",
-        201,
+        200,
         "the compressor is off or too small, a valve before the board is closed, a filter is clogged",
         "restore the supply, then acknowledge",
     ),
@@ -167,7 +166,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         Fault::Leak,
         "leak or burst",
         "the pressure is below the command: the integral of what is missing beyond 1 bar comes to 1 bar s",
-        1001,
+        1000,
         "a tube has come off, the muscle has burst or leaks, the regulator does not deliver enough",
         "listen; close the supply; replace what leaks",
     ),
@@ -176,7 +175,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         "valve stuck",
         "the same integral, of a pressure that is above the command or does not move; or pressure is left at the end of the \
          self-test",
-        1001,
+        1000,
         "the regulator's piston or coil sticks, its set-point wire is broken, its outlet is closed",
         "venting may be impossible: close the supply and open the dump valve by hand; check the set point's voltage",
     ),
@@ -314,7 +313,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         Fault::Temperature,
         "board too hot",
         "the average of the processor's temperature is above 85 °C, or its sensor's code is implausible three ticks in a row",
-        201,
+        200,
         "the board is in the sun, in a closed box, or overloaded",
         "let it cool down, give it air, then acknowledge",
     ),

@@ -3,10 +3,11 @@
 //! [`crate::state_machine`] tells which order is taken when, [`crate::faults`] what happens when something is wrong.
 //!
 //! # Contract
-//! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the valve once, in
-//! every state: the vented code in all but `Tracking`, `Holding` and `Service`. A fault that samples or computed values show
-//! vents in their tick, one that takes many ticks to be seen in the next. It takes bounded time, allocates nothing and does
-//! not panic.
+//! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the valve, in every
+//! state: the vented code in all but `Tracking`, `Holding` and `Service`. What a sample or a computed value shows at once
+//! keeps a code from the valve; what takes many ticks to be seen is looked at behind the write, so that the valve does not
+//! wait for it, and takes the code back in the same tick by a second write. It takes bounded time, allocates nothing and
+//! does not panic.
 
 use model_core::tracking::Command;
 use model_core::{Measured, Mode, TrackingState};
@@ -163,31 +164,33 @@ impl Control {
             VENTED
         });
         let asked = DacCode(reply.dac_code);
-        let code =
+        let mut code =
             if self.state.is_driven() { self.output.drive(&self.limits, asked) } else { self.output.vent() };
         board.drive(code);
+        reply.flags = reply.flags.with(Flags::LIMITED, code != asked);
+        // The valve has its code in time; what is looked at from here on can only take it back.
+        if let Err(fault) = self.watch(before) {
+            self.report(fault);
+            (reply, code) = (VENTED, self.output.vent());
+            board.drive(code);
+        }
         reply.dac_code = code.0;
         reply.flags = reply
             .flags
-            .with(Flags::LIMITED, code != asked)
             .with(Flags::TRACKING, self.running.is_some())
             .with(Flags::FAULT, self.faults.latched().is_some())
             .with(Flags::OVERRUN, core::mem::take(&mut self.overrun));
-        // From here on the valve has what it needs.
-        self.watch(before);
         self.record(&reply);
         reply
     }
 
     /// Looks at what takes many ticks to be seen; `before`: what was out until this tick.
-    fn watch(&mut self, before: DacCode) {
+    fn watch(&mut self, before: DacCode) -> Result<(), Fault> {
         if matches!(self.state, State::Off | State::Fault) {
-            return;
+            return Ok(());
         }
         let outermost = self.installed.as_ref().map(|installed| &installed.survey.outermost);
-        if let Err(fault) = self.monitors.watch(before, outermost, self.state.is_driven()) {
-            self.report(fault);
-        }
+        self.monitors.watch(before, outermost, self.state.is_driven())
     }
 
     /// Takes how long the tick has taken, by a clock of the image.

@@ -6,7 +6,8 @@
 use wire::Fault;
 
 use crate::faults::black_box::LOOP_RESETS;
-use crate::monitors::sensor::{BAD_IN_A_ROW, JUMPS_IN_A_ROW, STUCK_TICKS};
+use crate::monitors::sensor::{BAD_IN_A_ROW, JUMPS_IN_A_ROW};
+use crate::monitors::stuck::STUCK_TICKS;
 use crate::monitors::{AUTHORITY_TICKS, IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
 use crate::timing::LATE_IN_A_ROW;
 use crate::watchdog::ALLOWANCE_TICKS;

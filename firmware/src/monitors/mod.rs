@@ -11,9 +11,8 @@
 //!
 //! # Contract
 //! Once a tick, in every state but `Off` and `Fault`: [`Monitors::take`] before the valve is written, which answers the
-//! measured quantities or the fault that vents in this tick; and [`Monitors::watch`] behind it, for what takes many ticks to
-//! be seen, and vents in the next. Both read whole numbers where they can: codes are compared with limits that were turned
-//! into codes once.
+//! measured quantities or the fault that vents; and [`Monitors::watch`] behind it, for what takes many ticks to be seen.
+//! Both read whole numbers where they can: codes are compared with limits that were turned into codes once.
 
 pub mod following;
 pub mod persistence;

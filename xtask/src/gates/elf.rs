@@ -25,6 +25,15 @@ pub struct Function {
     pub name: String,
     /// Where its first instruction stands.
     pub address: u64,
+    /// With the constants behind its last instruction. Unit: byte.
+    pub size: u64,
+}
+
+impl Function {
+    /// No run of it without loops and calls has more instructions: the shortest take two bytes.
+    pub fn most_instructions(&self) -> u64 {
+        self.size / 2
+    }
 }
 
 /// An image.
@@ -108,7 +117,11 @@ impl Image {
 fn function<'data>(symbol: impl ObjectSymbol<'data>) -> Function {
     let name = symbol.name_bytes().map(String::from_utf8_lossy).unwrap_or_default();
     // The alternate form leaves out the hash that tells copies apart.
-    Function { name: format!("{:#}", rustc_demangle::demangle(&name)), address: symbol.address() & !THUMB }
+    Function {
+        name: format!("{:#}", rustc_demangle::demangle(&name)),
+        address: symbol.address() & !THUMB,
+        size: symbol.size(),
+    }
 }
 
 /// The addresses in a vector table but for its first two words: the stack's beginning, and where a reset goes.
@@ -126,7 +139,7 @@ mod tests {
     use super::{Function, Image, handlers};
 
     fn panics(names: &[&str]) -> Vec<String> {
-        let function = |name: &&str| Function { name: (*name).to_owned(), address: 0 };
+        let function = |name: &&str| Function { name: (*name).to_owned(), address: 0, size: 0 };
         let functions = names.iter().map(function).collect();
         let image = Image { path: "image".into(), functions, handlers: Vec::new(), flash: 0, ram: 0 };
         image.panics().into_iter().map(str::to_owned).collect()

@@ -219,7 +219,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         Fault::TaskSilent,
         "a task has stopped",
         "link or supervisor have not checked in for 250 ticks; the hardware watchdog is then no longer fed and resets the board",
-        ALLOWANCE_TICKS as u32 + 1,
+        ALLOWANCE_TICKS as u32 + 2,
         "a defect in the program",
         "send the record of the fault to the maintainers",
     ),

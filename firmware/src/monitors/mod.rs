@@ -10,8 +10,9 @@
 //! | [`persistence`] | how long something has to last |
 //!
 //! # Contract
-//! Once a tick, in every state but `Off` and `Fault`: [`Monitors::take`] before the valve is written, which answers the
-//! measured quantities or the fault that vents; and [`Monitors::watch`] behind it, for what takes many ticks to be seen.
+//! Once a tick, in every state but `Off` and `Fault`: [`Monitors::take`] before the valve is written, for what the controller
+//! needs and what a single sample shows; and [`Monitors::watch`] behind it, for what takes several ticks to be seen. A tick
+//! without samples is one with the last.
 //! Both read whole numbers where they can: codes are compared with limits that were turned into codes once.
 
 pub mod following;
@@ -21,7 +22,6 @@ pub mod slow;
 pub mod stuck;
 pub mod survey;
 
-use model_core::tracking::Command;
 use wire::{Fault, Protection, Scaling};
 
 use crate::board::{AcquisitionError, DacCode, Samples};
@@ -39,15 +39,6 @@ pub const MISSING_IN_A_ROW: u16 = 3;
 pub const IMPLAUSIBLE_TICKS: u16 = 200;
 /// Ticks in a row with more feedback than it has authority for that are a fault.
 pub const AUTHORITY_TICKS: u16 = 1000;
-
-/// What control and monitors compute with.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Signals {
-    /// Unit: bar.
-    pub pressure_bar: f32,
-    /// Unit: mm.
-    pub contraction_mm: f32,
-}
 
 /// The protection's limits in the units of the monitors, and what is watched beyond them.
 #[derive(Clone, Debug)]
@@ -76,16 +67,14 @@ pub struct Monitors {
     contraction: Sensor,
     /// Of pressure and contraction.
     stuck: [Stuck; 2],
-    /// The codes of both that could last be trusted.
-    codes: [u16; 2],
+    /// That of the contraction which could last be trusted.
+    contraction_code: u16,
     supply: Slow,
     temperature: Slow,
     pressure_average: Average<4>,
     following: Following,
     implausible: InARow,
     authority: InARow,
-    /// What was last measured and could be trusted.
-    signals: Signals,
 }
 
 impl Monitors {
@@ -98,14 +87,13 @@ impl Monitors {
             pressure: Sensor::default(),
             contraction: Sensor::default(),
             stuck: [Stuck::default(); 2],
-            codes: [0; 2],
+            contraction_code: 0,
             supply: Slow::default(),
             temperature: Slow::default(),
             pressure_average: Average::default(),
             following: Following::default(),
             implausible: InARow::default(),
             authority: InARow::default(),
-            signals: Signals::default(),
         }
     }
 
@@ -124,36 +112,28 @@ impl Monitors {
         self.pressure.bridged.wrapping_add(self.contraction.bridged)
     }
 
-    /// Takes the samples of a tick.
+    /// Takes the samples of a tick; answers the contraction. Unit: mm.
     ///
     /// # Errors
     /// The fault that the samples show.
     #[inline(always)]
-    pub fn take(&mut self, samples: Result<Samples, AcquisitionError>) -> Result<Signals, Fault> {
+    pub fn take(&mut self, samples: Result<Samples, AcquisitionError>) -> Result<f32, Fault> {
         if self.missing.holds_for(MISSING_IN_A_ROW, samples.is_err()) {
             return Err(Fault::Acquisition);
         }
-        let Ok(samples) = samples else { return Ok(self.signals) };
-        self.last = samples;
-        let Limits { pressure, contraction, overpressure_hard, overpressure_soft, .. } = &self.limits;
-        let pressure_code = self.pressure.take(pressure, samples.pressure.0)?;
-        let contraction_code = self.contraction.take(contraction, samples.contraction.0)?;
-        // The hard limit looks at the sample itself: a burst is no less likely than a spike.
-        if samples.pressure.0 > *overpressure_hard && samples.pressure.0 <= pressure.scaling.code_max {
-            return Err(Fault::OverpressureHard);
+        if let Ok(samples) = samples {
+            self.last = samples;
+            let Limits { pressure, contraction, overpressure_hard, .. } = &self.limits;
+            // The hard limit looks at the sample itself: a burst is no less likely than a spike.
+            if samples.pressure.0 > *overpressure_hard && samples.pressure.0 <= pressure.scaling.code_max {
+                return Err(Fault::OverpressureHard);
+            }
+            self.contraction_code = self.contraction.take(contraction, samples.contraction.0)?;
         }
-        if self.pressure_average.of(pressure_code) > *overpressure_soft {
-            return Err(Fault::OverpressureSoft);
-        }
-        self.codes = [pressure_code, contraction_code];
-        self.signals = Signals {
-            pressure_bar: PRESSURE.value(pressure_code),
-            contraction_mm: CONTRACTION.value(contraction_code),
-        };
-        Ok(self.signals)
+        Ok(CONTRACTION.value(self.contraction_code))
     }
 
-    /// Looks at what takes many ticks to be seen. `command`: what was out until this tick; `outermost`: the loop of the
+    /// Looks at what takes several ticks to be seen. `command`: what was out until this tick; `outermost`: the loop of the
     /// installed model; `is_driven`: whether the valve is.
     ///
     /// # Errors
@@ -165,16 +145,21 @@ impl Monitors {
         outermost: Option<&Loop>,
         is_driven: bool,
     ) -> Result<(), Fault> {
-        let Limits { supply, temperature, stuck, following, implausible_share, .. } = &self.limits;
+        let Limits { pressure, supply, temperature, stuck, following, .. } = &self.limits;
+        let pressure_code = self.pressure.take(pressure, self.last.pressure.0)?;
+        if self.pressure_average.of(pressure_code) > self.limits.overpressure_soft {
+            return Err(Fault::OverpressureSoft);
+        }
         self.supply.take(supply, self.last.supply.0)?;
         self.temperature.take(temperature, self.last.temperature.0)?;
-        let Signals { pressure_bar, contraction_mm } = self.signals;
         let [of_pressure, of_contraction] = &mut self.stuck;
-        of_pressure.take(self.codes[0], command.0, *stuck, Fault::PressureStuck)?;
-        of_contraction.take(self.codes[1], command.0, *stuck, Fault::ContractionStuck)?;
-        let is_implausible = outermost.is_some_and(|outermost| {
-            !outermost.is_plausible(pressure_bar, contraction_mm, *implausible_share)
-        });
+        of_pressure.take(pressure_code, command.0, *stuck, Fault::PressureStuck)?;
+        of_contraction.take(self.contraction_code, command.0, *stuck, Fault::ContractionStuck)?;
+        let (pressure_bar, contraction_mm) =
+            (PRESSURE.value(pressure_code), CONTRACTION.value(self.contraction_code));
+        let share = self.limits.implausible_share;
+        let is_implausible =
+            outermost.is_some_and(|outermost| !outermost.is_plausible(pressure_bar, contraction_mm, share));
         if self.implausible.holds_for(IMPLAUSIBLE_TICKS, is_implausible) {
             return Err(Fault::Implausible);
         }
@@ -185,16 +170,13 @@ impl Monitors {
         }
     }
 
-    /// Looks at what the controller has computed.
+    /// Looks at the feedback (bar) beside a feed-forward; 0 where there are not both.
     ///
     /// # Errors
-    /// It is not finite, or the feedback contradicts the feed-forward.
+    /// It contradicts the feed-forward.
     #[inline(always)]
-    pub fn judge(&mut self, command: &Command<f32>, has_both: bool) -> Result<(), Fault> {
-        if !(command.feedforward + command.feedback + command.command).is_finite() {
-            return Err(Fault::NotFinite);
-        }
-        let is_beyond = has_both && command.feedback.abs() > self.limits.authority_bar;
+    pub fn judge(&mut self, feedback_bar: f32) -> Result<(), Fault> {
+        let is_beyond = feedback_bar.abs() > self.limits.authority_bar;
         if self.authority.holds_for(AUTHORITY_TICKS, is_beyond) { Err(Fault::Authority) } else { Ok(()) }
     }
 

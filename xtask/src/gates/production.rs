@@ -6,7 +6,7 @@
 //!
 //! # Limits
 //! What stands in for the read of the converter is 4 instructions; the function itself, which is not run here, has no loop,
-//! and as many instructions as it has room for are added.
+//! and all its instructions are added.
 
 use std::fs;
 use std::path::Path;
@@ -53,7 +53,7 @@ pub fn figures(image: &Image, plugin: &Path, samples: &[Sample]) -> Result<Vec<F
         for (way, Cost { calls, max, .. }) in
             ["whole tick", "tick from interrupt to valve"].into_iter().zip(costs)
         {
-            let most = max + image.function(SCAN)?.most_instructions() as f64;
+            let most = max + image.function(SCAN)?.instructions as f64;
             figures.push(Figure {
                 name: format!("{way} of the {title}, most instructions"),
                 value: most,

@@ -212,6 +212,10 @@ fn print_summary(
         let names: Vec<&str> = set.iter().map(|cause| cause.name()).collect();
         say!("as well       {}", names.join(" and "));
     }
+    if !diagnosis.inseparable.is_empty() {
+        let names: Vec<&str> = diagnosis.inseparable.iter().map(|cause| cause.name()).collect();
+        say!("not told apart {}: the input swings at one speed", names.join(", "));
+    }
     if let Some(command) = experiment(diagnosis) {
         say!("to separate   {command}");
     }

@@ -55,7 +55,7 @@ mod tests;
 use thiserror::Error;
 
 use crate::numbers::{range, root_mean_square};
-use anatomy::examinable::{Examinable, ValveView, examinable};
+use anatomy::examinable::{Examinable, ValveView, examinable, inseparable};
 use anatomy::excitation::Excitation;
 use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
@@ -128,6 +128,8 @@ pub struct Diagnosis {
     pub unexplained: Option<Unexplained>,
     /// What the recording can show.
     pub examinable: Vec<Examinable>,
+    /// Causes that it could show, and not tell apart.
+    pub inseparable: Vec<Cause>,
     /// Root mean square before and with the causes.
     pub rmse: (f64, f64),
     /// The same on blocks that the fit has not seen.
@@ -214,7 +216,9 @@ fn diagnose_and<T>(
     progress(0.8, "what is left");
     let unexplained = unexplained(&search, &best);
     let beyond = go_on(&search, &best, valve.as_ref());
-    Ok((conclude(&search, best, &sizes, unexplained, valve, examinable)?, beyond))
+    let inseparable = inseparable(&examinable, &excitation);
+    let diagnosis = conclude(&search, best, &sizes, unexplained, valve, examinable)?;
+    Ok((Diagnosis { inseparable, ..diagnosis }, beyond))
 }
 
 fn conclude(
@@ -250,6 +254,7 @@ fn conclude(
         alternatives,
         unexplained,
         examinable,
+        inseparable: Vec::new(),
         rmse: (root_mean_square(&baseline.residual), root_mean_square(&best.residual)),
         heldout: (baseline.score.mean(), best.score.mean()),
         pure_error: baseline.pure_error.zip(best.pure_error),

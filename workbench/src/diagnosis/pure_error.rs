@@ -15,8 +15,9 @@ const APART: f64 = 0.04;
 const SAME: f64 = 0.12;
 /// Weight of the input against the stops in that.
 const INPUT_WEIGHT: f64 = 8.0;
-/// Fewest pairs that say something.
+/// Fewest pairs that say something, and their least share of the rows.
 const PAIRS: usize = 60;
+const MATCHED: f64 = 0.1;
 
 /// What visits to the same state differ by.
 #[derive(Clone, Copy, Debug)]
@@ -60,14 +61,14 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
             differences.push((residual[i] - residual[j]).powi(2));
         }
     }
-    if differences.len() < PAIRS {
+    let matched = differences.len() as f64 / states.len().div_ceil(every) as f64;
+    if differences.len() < PAIRS || matched < MATCHED {
         return None;
     }
     // A few pairs of a coarse match do not count for more than ten times the middle ones.
     let most = 20.0 * median(&mut differences.clone());
     let mean = differences.iter().map(|&d| d.min(most)).sum::<f64>() / differences.len() as f64;
-    let looked_at = states.len().div_ceil(every);
-    Some(PureError { square: mean / 2.0, matched: differences.len() as f64 / looked_at as f64 })
+    Some(PureError { square: mean / 2.0, matched })
 }
 
 /// The largest difference; anything above `enough` where it is that.

@@ -70,6 +70,15 @@ pub fn examinable(excitation: &Excitation, valve: ValveView<'_>, unit: &str) -> 
     Cause::ALL.map(judge).to_vec()
 }
 
+/// Causes that are examinable each, and not to be told apart: at one speed a delay and every lag shift the loop by the
+/// same. None or several.
+pub fn inseparable(judged: &[Examinable], excitation: &Excitation) -> Vec<Cause> {
+    let alike = [Cause::TransportDelay, Cause::ValveLag, Cause::ViscousLag];
+    let shown = |cause: &Cause| judged.iter().any(|judged| judged.cause == *cause && judged.examinable);
+    let causes: Vec<Cause> = alike.into_iter().filter(shown).collect();
+    if excitation.speed_ratio < SPEED_RATIO && causes.len() > 1 { causes } else { Vec::new() }
+}
+
 /// What a cause needs, met or not, in words.
 type Judged = Result<String, String>;
 

@@ -14,6 +14,10 @@
 //! configuration of [`PLAYS`] plays and [`DEAD_ZONES`] dead zones with every extension, fits (a test says so).
 #![no_std]
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)
+)]
 
 mod fault;
 mod frame;

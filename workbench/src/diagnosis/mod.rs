@@ -162,7 +162,7 @@ pub fn diagnose(
 }
 
 /// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
-/// A given operator model is gone on from, unless its form is too poor: that is then named too.
+/// The named causes' parameters are then those of that model. A given operator model is gone on from, unless its form is too poor: that is then named too.
 ///
 /// # Errors
 /// See [`DiagnosisError`].
@@ -175,6 +175,12 @@ pub fn diagnose_and_extend(
         let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
         extend(columns, search, best, valve, given, &progress)
     })?;
+    let measured = extended.as_ref().and_then(extend::physical::parameters).unwrap_or_default();
+    for (cause, parameters) in measured {
+        if let Some(named) = diagnosis.causes.iter_mut().find(|named| named.cause == cause) {
+            named.parameters = parameters;
+        }
+    }
     if let Some(given) = extended.as_ref().and_then(|extended| extended.given).filter(Given::is_too_poor) {
         diagnosis.causes.push(Named::shape(&given));
         if diagnosis.verdict == Verdict::Adequate {

@@ -12,7 +12,8 @@ use crate::diagnosis::effect::Driver;
 use crate::diagnosis::physical::{self, Loop, Parameters};
 use crate::identification::{HostModel, simulate};
 
-/// The parameters of every effect of the muscle; None where there is no loop to take them from.
+/// The parameters of the muscle's effects, but those of a rate-dependent width: the search measures that in the thresholds,
+/// where it is defined, and the model has it beside them. None where there is no loop to take them from.
 pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
     let parameters = &extended.model.parameters;
     let model = HostModel::try_new(parameters).ok()?;
@@ -24,7 +25,6 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
         warm_up,
         viscous_lag,
         inertia,
-        rate_dependent_width,
         creep,
         drift,
         periodic_disturbance,
@@ -64,12 +64,6 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
             all.push((Cause::ViscousLag, vec![("time_constant_s", time_constant_s)]));
         }
         (None, None) => {}
-    }
-    if let Some(width) = rate_dependent_width {
-        let middle = middle(&width.width);
-        let wider = Profile::try_new(&width.width, "profile", "").ok()?.value(middle);
-        let gain = wider / turn.half_width(middle).max(1e-9);
-        all.push((Cause::RateDependentWidth, vec![("width_gain", gain), ("rate_exponent", width.exponent)]));
     }
     if let Some(creep) = creep {
         all.push((Cause::Creep, physical::creep(&creep.fractions, &creep.time_constants_s)));

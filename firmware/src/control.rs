@@ -1,17 +1,23 @@
 //! The tick, and the orders between ticks.
 //!
-//! [`crate::state_machine`] tells which order is taken when, [`crate::faults`] what happens when something is wrong.
+//! [`crate::state_machine`] tells which order is taken when, [`crate::faults`] what happens when something is wrong; the
+//! orders are in `control/orders.rs`.
 //!
 //! # Contract
-//! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the valve once, in
-//! every state: the vented code in all but `Tracking`, `Holding` and `Service`, and the vented code in the same tick in
-//! which a fault is seen. It takes bounded time, allocates nothing and does not panic.
+//! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the valve, in every
+//! state: the vented code in all but `Tracking`, `Holding` and `Service`. What a sample or a computed value shows at once
+//! keeps a code from the valve; what takes several ticks to be seen is looked at behind the write, so that the valve does not
+//! wait for it, and takes the code back in the same tick by a second write. It takes bounded time, allocates nothing and
+//! does not panic.
+
+mod orders;
+
+use core::hint::black_box;
 
 use model_core::tracking::Command;
 use model_core::{Measured, Mode, TrackingState};
 use wire::{
-    CaptureSample, Fault, Flags, OnModelFault, PLAYS, Protection, Refusal, Response, Signals, State,
-    TickReply, TraceEntry,
+    CaptureSample, Fault, Flags, OnModelFault, PLAYS, Protection, Refusal, State, TickReply, TraceEntry,
 };
 
 use crate::board::{AcquisitionError, Board, DacCode, Samples};
@@ -20,7 +26,7 @@ use crate::faults::black_box::BlackBox;
 use crate::faults::log::FaultLog;
 use crate::law::controller_step;
 use crate::monitors::Monitors;
-use crate::order::{Installation, Order, text};
+use crate::order::Installation;
 use crate::output::{self, Output};
 use crate::scaling::{COMMAND, VENT};
 use crate::state_machine::{Event, Next, next};
@@ -39,28 +45,30 @@ pub struct TickClock {
 }
 
 /// The owner of the tick.
+// In this order: what every tick needs stands first, where short addresses reach.
 #[derive(Debug)]
+#[repr(C)]
 pub struct Control {
-    /// None: ticks come when the host wants them, at whatever period the configuration says.
-    clock: Option<TickClock>,
     pub(crate) state: State,
-    protection: Protection,
-    installed: Option<Installation>,
-    running: Option<Running>,
     pub(crate) monitors: Monitors,
     limits: output::Limits,
     output: Output,
-    pub(crate) faults: FaultLog,
-    capture: &'static mut Capture,
-    pub(crate) timing: Timing,
     pub(crate) ticks: u32,
-    pub(crate) limited_ticks: u32,
-    self_test_ticks: u32,
     /// Since the host was heard.
     silent_ticks: u32,
     reference_mm: f32,
     service_code: DacCode,
     overrun: bool,
+    pub(crate) limited_ticks: u32,
+    self_test_ticks: u32,
+    pub(crate) timing: Timing,
+    pub(crate) faults: FaultLog,
+    capture: &'static mut Capture,
+    /// None: ticks come when the host wants them, at whatever period the configuration says.
+    clock: Option<TickClock>,
+    protection: Protection,
+    running: Option<Running>,
+    installed: Option<Installation>,
 }
 
 #[derive(Debug)]
@@ -126,51 +134,49 @@ impl Control {
         self.faults.latched()
     }
 
-    /// Carries an order out, or says why not.
-    pub fn apply(&mut self, order: Order) -> Response {
-        self.silent_ticks = 0;
-        let done = match order {
-            Order::Identify => return Response::Hello(self.hello()),
-            Order::Telemetry => return Response::Telemetry(self.telemetry()),
-            Order::FaultRecord => return Response::FaultRecord(self.faults.record()),
-            Order::Capture(order) => {
-                return self.capture.apply(order).map_or(Response::Accepted, Response::Captured);
-            }
-            Order::Reference(reference_mm) => {
-                self.reference_mm = reference_mm;
-                Ok(())
-            }
-            Order::Protect(protection) => self.protect(protection),
-            Order::Install(installation) => self.install(installation),
-            Order::Start(mode) => self.start(mode),
-            Order::SetMode(mode) => self.set_mode(mode),
-            Order::Stop => self.advance(Event::Stop),
-            Order::Acknowledge => self.acknowledge(),
-            Order::Service(code) => self.advance(Event::Service).map(|()| self.service_code = DacCode(code)),
-        };
-        done.map_or_else(Response::Refused, |()| Response::Accepted)
-    }
-
     /// One tick: samples, computes, drives.
     pub fn tick<B: Board>(&mut self, board: &mut B) -> TickReply {
         self.ticks = self.ticks.wrapping_add(1);
+        let before = self.output.code();
         let mut reply = self.work(board.read()).unwrap_or_else(|fault| {
             self.report(fault);
             VENTED
         });
         let asked = DacCode(reply.dac_code);
-        let code =
+        let mut code =
             if self.state.is_driven() { self.output.drive(&self.limits, asked) } else { self.output.vent() };
         board.drive(code);
+        reply.flags = reply.flags.with(Flags::LIMITED, code != asked);
+        // The valve has its code in time; what is looked at from here on can only take it back.
+        if let Err(fault) = self.watch(before, reply.feedback_bar) {
+            self.report(fault);
+            (reply, code) = (VENTED, self.output.vent());
+            board.drive(code);
+        }
         reply.dac_code = code.0;
         reply.flags = reply
             .flags
-            .with(Flags::LIMITED, code != asked)
             .with(Flags::TRACKING, self.running.is_some())
             .with(Flags::FAULT, self.faults.latched().is_some())
             .with(Flags::OVERRUN, core::mem::take(&mut self.overrun));
         self.record(&reply);
         reply
+    }
+
+    /// Looks at what takes several ticks to be seen. `before`: what was out until this tick.
+    fn watch(&mut self, before: DacCode, feedback_bar: f32) -> Result<(), Fault> {
+        if matches!(self.state, State::Off | State::Fault) {
+            return Ok(());
+        }
+        let outermost = self.installed.as_ref().map(|installed| &installed.survey.outermost);
+        self.monitors.watch(before, outermost, self.state.is_driven())?;
+        if !self.state.is_driven() {
+            return Ok(());
+        }
+        let has_both = self.running.as_ref().is_some_and(|running| running.mode == Mode::Both);
+        self.monitors.judge(if has_both { feedback_bar } else { 0.0 })?;
+        self.silent_ticks = self.silent_ticks.saturating_add(1);
+        if self.silent_ticks > self.protection.bus_silent_ticks { Err(Fault::BusSilent) } else { Ok(()) }
     }
 
     /// Takes how long the tick has taken, by a clock of the image.
@@ -221,114 +227,38 @@ impl Control {
         Ok(())
     }
 
-    fn protect(&mut self, protection: Protection) -> Result<(), Refusal> {
-        if self.state.is_driven() {
-            return Err(Refusal::WrongState(self.state));
-        }
-        self.protection = protection;
-        self.scale();
-        Ok(())
-    }
-
-    /// Turns the protection's limits into those of a tick.
-    fn scale(&mut self) {
-        let of_installation = || self.installed.as_ref().map(|installed| installed.period_s);
-        let period_s = self.clock.map(|clock| clock.period_s).or_else(of_installation).unwrap_or(1e-3);
-        self.monitors = Monitors::new(&self.protection, period_s);
-        self.limits = output::Limits::new(&self.protection, period_s);
-    }
-
-    fn install(&mut self, installation: Installation) -> Result<(), Refusal> {
-        if let Some(TickClock { period_s, .. }) = self.clock
-            && (installation.period_s - period_s).abs() > 1e-3 * period_s
-        {
-            let found = installation.period_s;
-            return Err(Refusal::Parameter(text(format_args!(
-                "period_s is {found} s, must be {period_s} s"
-            ))));
-        }
-        if next(self.state, Event::Install) == Next::Refused {
-            return Err(Refusal::WrongState(self.state));
-        }
-        self.installed = Some(installation);
-        self.scale();
-        self.advance(Event::Install)
-    }
-
-    fn start(&mut self, mode: Mode) -> Result<(), Refusal> {
-        let event = if mode == Mode::Hold { Event::Hold } else { Event::Start };
-        let mode = self.permitted(mode)?;
-        self.advance(event)?;
-        self.monitors.start_anew();
-        self.running = self
-            .installed
-            .as_ref()
-            .map(|installed| Running { mode, state: installed.tracking.rest_state(mode) });
-        Ok(())
-    }
-
-    fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
-        let event = if mode == Mode::Hold { Event::Hold } else { Event::SetMode };
-        let mode = self.permitted(mode)?;
-        self.advance(event)?;
-        self.running.iter_mut().for_each(|running| running.mode = mode);
-        Ok(())
-    }
-
-    /// What becomes of a mode if the installed model has not stood its test.
-    fn permitted(&self, mode: Mode) -> Result<Mode, Refusal> {
-        let is_good = self.installed.as_ref().is_none_or(|installed| installed.survey.is_invertible);
-        match mode {
-            Mode::Both if !is_good => Ok(Mode::FeedbackOnly),
-            Mode::FeedforwardOnly if !is_good => {
-                Err(Refusal::Parameter(text(format_args!("the model has not stood its test: feedback only"))))
-            }
-            mode => Ok(mode),
-        }
-    }
-
-    fn acknowledge(&mut self) -> Result<(), Refusal> {
-        if !self.faults.acknowledge() {
-            return Err(Refusal::WrongState(self.state));
-        }
-        self.advance(Event::Acknowledge)
-    }
-
     /// What the samples of a tick lead to.
     fn work(&mut self, samples: Result<Samples, AcquisitionError>) -> Result<TickReply, Fault> {
         if matches!(self.state, State::Off | State::Fault) {
             self.monitors.look(samples);
             return Ok(VENTED);
         }
-        let outermost = self.installed.as_ref().map(|installed| &installed.survey.outermost);
-        let signals = self.monitors.take(samples, self.output.code(), outermost)?;
-        if self.state.is_driven() {
-            self.monitors.follow(self.output.code())?;
-            self.silent_ticks = self.silent_ticks.saturating_add(1);
-            if self.silent_ticks > self.protection.bus_silent_ticks {
-                return Err(Fault::BusSilent);
-            }
-        }
+        let contraction_mm = self.monitors.take(samples)?;
         match self.state {
-            State::Tracking | State::Holding => self.track(signals),
+            State::Tracking | State::Holding => self.track(contraction_mm),
             State::Service => Ok(TickReply { dac_code: self.service_code.0, ..VENTED }),
             State::SelfTest => self.self_test().map(|()| VENTED),
             State::Off | State::Ready | State::Fault => Ok(VENTED),
         }
     }
 
-    fn track(&mut self, signals: Signals) -> Result<TickReply, Fault> {
+    fn track(&mut self, contraction_mm: f32) -> Result<TickReply, Fault> {
         let (Some(Installation { tracking, .. }), Some(running)) = (&self.installed, &mut self.running)
         else {
             return Ok(VENTED);
         };
         let Running { mode, state } = running;
         let surroundings = self.monitors.samples().surroundings;
-        let measured = Measured { contraction: signals.contraction_mm, surroundings };
+        let measured = Measured { contraction: contraction_mm, surroundings };
+        // Behind pointers that the compiler knows nothing of: it would else reach each number of the static control by its
+        // whole address, by two instructions more than from a register.
+        let (tracking, state) = (black_box(tracking), black_box(state));
         let command = controller_step(tracking, state, *mode, self.reference_mm, measured)
             .map_err(|_| Fault::Reference)?;
-        self.monitors.judge(&command, *mode == Mode::Both)?;
         let Command { command, feedforward, feedback, limited } = command;
+        if !(feedforward + feedback + command).is_finite() {
+            return Err(Fault::NotFinite);
+        }
         Ok(TickReply {
             dac_code: COMMAND.code(command),
             feedforward_bar: feedforward,

@@ -57,6 +57,8 @@ pub enum Order {
 /// # Errors
 /// A configuration of another version, or with an invalid parameter; limits that are none; a tick, which only an emulated
 /// board takes, and takes before it comes here.
+// Not inlined, like what it calls: what they need of the stack is then not needed at once.
+#[inline(never)]
 pub fn prepare(request: Request) -> Result<Order, Refusal> {
     Ok(match request {
         Request::Identify => Order::Identify,
@@ -75,17 +77,16 @@ pub fn prepare(request: Request) -> Result<Order, Refusal> {
     })
 }
 
+#[inline(never)]
 fn validate(configuration: &Configuration) -> Result<Installation, Refusal> {
     if configuration.version != VERSION {
         return Err(Refusal::Version(VERSION));
     }
     let parameters = &configuration.tracking;
     let refuse = |error: ParameterError| Refusal::Parameter(text(format_args!("{error}")));
-    Ok(Installation {
-        tracking: Tracking::try_new(parameters).map_err(refuse)?,
-        survey: survey(&parameters.model).map_err(refuse)?,
-        period_s: parameters.period_s,
-    })
+    let tracking = Tracking::try_new(parameters).map_err(refuse)?;
+    let survey = survey(&parameters.model, tracking.inverse()).map_err(refuse)?;
+    Ok(Installation { tracking, survey, period_s: parameters.period_s })
 }
 
 /// Limits that can be compared with: none is NaN or negative, and what has to be above 0 is.

@@ -149,10 +149,10 @@ impl Bench {
         if self.wrong.low_voltage {
             self.control().report(Fault::BrownOut);
         }
+        self.control.iter_mut().for_each(|control| _ = control.tick(&mut self.inputs));
         if !self.watchdog.is_content(&self.check_ins) {
             self.control().report(Fault::TaskSilent);
         }
-        self.control.iter_mut().for_each(|control| _ = control.tick(&mut self.inputs));
         let elapsed_cycles = if self.wrong.is_late { DEADLINE_CYCLES + 1 } else { 1_000 };
         self.control().close_tick(TickEnd { elapsed_cycles, is_overrun: false });
     }

@@ -1,5 +1,5 @@
-//! What the plugin is started with: `out=FILE`, `handler=ADDRESS` and `fn=NAME:ADDRESS`, the latter two any number of
-//! times. Addresses are hexadecimal after `0x`.
+//! What the plugin is started with: `out=FILE`, `handler=ADDRESS`, `fn=NAME:ADDRESS` and `way=NAME:NAME`, the latter three
+//! any number of times. Addresses are hexadecimal after `0x`; the names of a way are those of functions before it.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -22,6 +22,8 @@ pub struct Arguments {
     pub handlers: BTreeSet<u64>,
     /// The functions to watch.
     pub functions: Vec<Function>,
+    /// Ways from the begin of a function to the return of another that it calls: their places in the list above.
+    pub ways: Vec<(usize, usize)>,
 }
 
 impl Arguments {
@@ -33,7 +35,7 @@ impl Arguments {
         let mut parsed = Self::default();
         for argument in arguments {
             parsed.take(argument).ok_or_else(|| {
-                format!("`{argument}` is not out=FILE, handler=0xADDRESS or fn=NAME:0xADDRESS")
+                format!("`{argument}` is not out=FILE, handler=0xADDRESS, fn=NAME:0xADDRESS or way=NAME:NAME")
             })?;
         }
         if parsed.out.as_os_str().is_empty() {
@@ -51,6 +53,11 @@ impl Arguments {
             ("fn", function) => {
                 let (name, place) = function.rsplit_once(':')?;
                 self.functions.push(Function { name: name.to_owned(), address: address(place)? });
+            }
+            ("way", names) => {
+                let place = |name| self.functions.iter().position(|function| function.name == name);
+                let (from, to) = names.split_once(':')?;
+                self.ways.push((place(from)?, place(to)?));
             }
             _ => return None,
         }
@@ -73,8 +80,16 @@ mod tests {
             out: "/tmp/a=b".into(),
             handlers: [0x20, 0x800_0101].into(),
             functions: vec![Function { name: "a::b".to_owned(), address: 0x10 }],
+            ways: Vec::new(),
         };
         assert_eq!(parsed, Ok(expected));
+    }
+
+    #[test]
+    fn a_way_joins_two_functions_that_were_named_before() {
+        let parsed = Arguments::parse(["out=o", "fn=a:0x10", "fn=b:0x20", "way=a:b"]);
+        assert_eq!(parsed.map(|arguments| arguments.ways), Ok(vec![(0, 1)]));
+        assert!(Arguments::parse(["out=o", "fn=a:0x10", "way=a:b"]).is_err());
     }
 
     #[test]

@@ -3,6 +3,11 @@
 //! Every exception has a `Level` of its own: its own call stack and its own count, so that what it does is no part
 //! of what it interrupts. What an instruction has done is known only when the next one is seen: a conditional return
 //! may or may not have been taken, and an exception may stand between the two.
+//!
+//! # An entry that nobody sees
+//! Where time is counted in instructions, QEMU stops at an access to a device in the middle of a block and begins that
+//! instruction anew, without showing it a second time. An interrupt may come first: then the instruction that was shown is
+//! not executed before it returns, and the handler's first one is not shown. So a handler is also known by its second.
 
 use crate::thumb::Flow;
 
@@ -19,6 +24,8 @@ pub struct Instruction {
     pub is_handler: bool,
     /// The watched function that begins here, as its place in the list of them.
     pub function: Option<usize>,
+    /// The first instruction of the handler of which this is the second, if that one leads here and nowhere else.
+    pub entry: Option<&'static Instruction>,
 }
 
 /// What the calls of a function have cost.
@@ -57,6 +64,8 @@ struct Open {
     depth: usize,
     /// The level's count before its first instruction.
     start: u64,
+    /// Whether a way from here has come to its end: only its first end counts.
+    has_arrived: bool,
 }
 
 /// The program, or an exception that interrupts it.
@@ -74,7 +83,10 @@ struct Level {
 /// Counts what it is shown.
 #[derive(Debug)]
 pub struct Counter {
+    /// Of the functions, then of the ways.
     costs: Vec<Cost>,
+    functions: usize,
+    ways: Vec<(usize, usize)>,
     /// What the level below was interrupted by, up to the running one.
     interrupted: Vec<Level>,
     level: Level,
@@ -82,17 +94,19 @@ pub struct Counter {
 }
 
 impl Counter {
-    /// A counter for a number of watched functions, before the image's first instruction.
-    pub fn new(functions: usize) -> Self {
+    /// A counter for a number of watched functions and ways between them, before the image's first instruction.
+    pub fn new(functions: usize, ways: Vec<(usize, usize)>) -> Self {
         Self {
-            costs: vec![Cost::default(); functions],
+            costs: vec![Cost::default(); functions + ways.len()],
+            functions,
+            ways,
             interrupted: Vec::new(),
             level: Level::default(),
             lost: None,
         }
     }
 
-    /// What each function has cost so far.
+    /// What each function, and then each way, has cost so far.
     ///
     /// # Errors
     /// The call stack was lost; the message says where.
@@ -105,6 +119,14 @@ impl Counter {
         if self.lost.is_some() {
             return;
         }
+        if let Some(entry) = instruction.entry
+            && self.level.last.is_none_or(|last| last.address != entry.address)
+        {
+            // The one that was shown last is yet to be executed.
+            self.level.count = self.level.count.saturating_sub(1);
+            self.level.last = None;
+            self.see(entry);
+        }
         if instruction.is_handler {
             self.interrupted.push(std::mem::take(&mut self.level));
         } else {
@@ -115,7 +137,7 @@ impl Counter {
             let depth = level.return_addresses.len();
             // A function may also jump back to its own beginning.
             if !level.open.iter().any(|open| open.function == function && open.depth == depth) {
-                level.open.push(Open { function, depth, start: level.count });
+                level.open.push(Open { function, depth, start: level.count, has_arrived: false });
             }
         }
         level.count += 1;
@@ -130,7 +152,7 @@ impl Counter {
         match last.flow {
             Flow::Call => self.level.return_addresses.push(last.next),
             Flow::Return => self.go_back(address),
-            Flow::Other => {}
+            Flow::Jump | Flow::Other => {}
         }
     }
 
@@ -156,6 +178,14 @@ impl Counter {
         let Level { open, return_addresses, count, .. } = &mut self.level;
         while let Some(call) = open.pop_if(|call| call.depth >= return_addresses.len()) {
             self.costs[call.function].add(*count - call.start);
+            let ends = self.ways.iter().zip(&mut self.costs[self.functions..]);
+            for (&(from, _), cost) in ends.filter(|((_, to), _)| *to == call.function) {
+                let caller = open.iter_mut().rev().find(|caller| caller.function == from);
+                if let Some(caller) = caller.filter(|caller| !caller.has_arrived) {
+                    caller.has_arrived = true;
+                    cost.add(*count - caller.start);
+                }
+            }
         }
     }
 }
@@ -171,9 +201,20 @@ mod tests {
     const HANDLER: u64 = 0x200;
     const OTHER_HANDLER: u64 = 0x300;
 
+    /// The first instruction of the handler.
+    static ENTRY: Instruction = Instruction {
+        address: HANDLER,
+        next: HANDLER + 2,
+        flow: Flow::Other,
+        is_handler: true,
+        function: Some(1),
+        entry: None,
+    };
+
     /// Executes instructions of 2 bytes at these addresses.
     fn run(path: &[(u64, Flow)]) -> Counter {
-        let mut counter = Counter::new(2);
+        let mut counter = Counter::new(2, vec![(1, 0)]);
+        let leads_on = path.iter().all(|&(address, flow)| address != HANDLER || flow == Flow::Other);
         for &(address, flow) in path {
             counter.see(&Instruction {
                 address,
@@ -181,6 +222,7 @@ mod tests {
                 flow,
                 is_handler: matches!(address, HANDLER | OTHER_HANDLER),
                 function: [WATCHED, HANDLER].iter().position(|&entry| entry == address),
+                entry: (leads_on && address == ENTRY.next).then_some(&ENTRY),
             });
         }
         counter
@@ -272,6 +314,15 @@ mod tests {
     }
 
     #[test]
+    fn an_exception_whose_entry_is_not_seen_comes_before_the_instruction_that_was() {
+        let anew = [(WATCHED, OTHER), (0x202, CALL), (0x40, RETURN), (0x204, RETURN), (WATCHED, OTHER)];
+        let path = [&[(0, CALL)], &anew[..], &[(0x102, RETURN), (2, OTHER)]].concat();
+        let counter = run(&path);
+        assert_eq!(calls_and_sum(&counter, 0), (1, 2));
+        assert_eq!(calls_and_sum(&counter, 1), (1, 4), "with the one that was not seen");
+    }
+
+    #[test]
     fn an_exception_between_a_call_and_the_function_changes_nothing() {
         let path =
             [(0, CALL), (HANDLER, RETURN), (WATCHED, OTHER), (0x102, RETURN), (HANDLER, RETURN), (2, OTHER)];
@@ -285,6 +336,15 @@ mod tests {
         let counter = run(&path);
         assert_eq!(calls_and_sum(&counter, 0), (1, 2));
         assert_eq!(calls_and_sum(&counter, 1), (1, 2));
+    }
+
+    #[test]
+    fn a_way_counts_from_the_begin_of_a_function_to_the_first_return_of_another_that_it_calls() {
+        let once = [(HANDLER, CALL), (WATCHED, OTHER), (0x102, RETURN)];
+        let path = [&once[..], &[(0x202, CALL), (WATCHED, RETURN), (0x204, RETURN), (2, OTHER)]].concat();
+        let counter = run(&[&[(0, OTHER)], &path[..]].concat());
+        assert_eq!(calls_and_sum(&counter, 0), (2, 3));
+        assert_eq!(calls_and_sum(&counter, 2), (1, 3), "not to the second return");
     }
 
     #[test]

@@ -12,11 +12,12 @@
 //! own: calls and returns are told by their encoding, exceptions by the entry addresses of their handlers.
 //!
 //! # Use
-//! `qemu-system-arm … -plugin libinstruction_counter.so,out=FILE,handler=ADDRESS,…,fn=NAME:ADDRESS,…`
+//! `qemu-system-arm … -plugin libinstruction_counter.so,out=FILE,handler=ADDRESS,…,fn=NAME:ADDRESS,…,way=NAME:NAME,…`
 //!
 //! At the orderly end of the emulator (SIGTERM is one) FILE gets a line a function: its name, then calls, fewest
-//! instructions of a call, most, their sum, and the number of the first call with the most, counted from 0. A last
-//! line `lost` followed by a text says that the call stack was lost and the figures are void.
+//! instructions of a call, most, their sum, and the number of the first call with the most, counted from 0. A way from
+//! one function to another that it calls gets a line too, named `to_` and the other: up to that one's first return. A
+//! line `lost` followed by a text, instead, says that the call stack was lost and the figures are void.
 //!
 //! # Contract
 //! A call counts from the function's first instruction to its return, with what it calls, also by tail calls; without

@@ -88,7 +88,7 @@ pub unsafe extern "C" fn qemu_plugin_install(
             return 1;
         }
     };
-    let counter = Counter::new(arguments.functions.len());
+    let counter = Counter::new(arguments.functions.len(), arguments.ways.clone());
     if PLUGIN.set(Mutex::new(Plugin { arguments, counter, instructions: HashMap::new() })).is_err() {
         eprintln!("instruction-counter: is there already");
         return 1;
@@ -141,15 +141,22 @@ impl Plugin {
     /// The one instruction at an address, however often its block is translated.
     fn instruction(&mut self, address: u64, encoding: &[u8]) -> &'static Instruction {
         let Self { arguments, instructions, .. } = self;
-        instructions.entry(address).or_insert_with(|| {
-            Box::leak(Box::new(Instruction {
-                address,
-                next: address + encoding.len() as u64,
-                flow: Flow::of(encoding),
-                is_handler: arguments.handlers.contains(&address),
-                function: arguments.functions.iter().position(|function| function.address == address),
-            }))
-        })
+        if let Some(known) = instructions.get(&address) {
+            return known;
+        }
+        // QEMU translates a handler's first instruction before its second.
+        let leads_here = |first: &&Instruction| first.next == address && first.flow == Flow::Other;
+        let first = |handler| instructions.get(handler).copied().filter(leads_here);
+        let instruction: &Instruction = Box::leak(Box::new(Instruction {
+            address,
+            next: address + encoding.len() as u64,
+            flow: Flow::of(encoding),
+            is_handler: arguments.handlers.contains(&address),
+            function: arguments.functions.iter().position(|function| function.address == address),
+            entry: arguments.handlers.iter().find_map(first),
+        }));
+        instructions.insert(address, instruction);
+        instruction
     }
 
     fn results(&self) -> String {
@@ -157,11 +164,12 @@ impl Plugin {
             Err(problem) => format!("lost {problem}\n"),
             Ok(costs) => {
                 let mut text = String::new();
-                for (function, Cost { calls, min, max, sum, max_call }) in
-                    self.arguments.functions.iter().zip(costs)
-                {
+                let Arguments { functions, ways, .. } = &self.arguments;
+                let of_ways = ways.iter().map(|&(_, to)| format!("to_{}", functions[to].name));
+                let names = functions.iter().map(|function| function.name.clone()).chain(of_ways);
+                for (name, Cost { calls, min, max, sum, max_call }) in names.zip(costs) {
                     // Writing to a string cannot fail.
-                    let _ = writeln!(text, "{} {calls} {min} {max} {sum} {max_call}", function.name);
+                    let _ = writeln!(text, "{name} {calls} {min} {max} {sum} {max_call}");
                 }
                 text
             }

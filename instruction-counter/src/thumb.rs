@@ -7,7 +7,9 @@ pub enum Flow {
     Call,
     /// It returns: `bx lr`, or a load of the program counter from the stack.
     Return,
-    /// Neither. Jumps, and with them tail calls, leave the call stack as it is.
+    /// It goes elsewhere, and leaves the call stack as it is: `b`, `bx` of another register. Tail calls are among them.
+    Jump,
+    /// None of these.
     Other,
 }
 
@@ -31,6 +33,10 @@ impl Flow {
             0xE8BD if loads_pc => Self::Return,
             // ldr pc, [sp], #offset
             0xF85D if second & 0xFF00 == 0xFB00 => Self::Return,
+            // b; bx register
+            0xE000..=0xE7FF | 0x4700..=0x477F => Self::Jump,
+            // b.w
+            _ if first & 0xF800 == 0xF000 && second & 0xD000 == 0x9000 => Self::Jump,
             _ => Self::Other,
         }
     }
@@ -63,11 +69,15 @@ mod tests {
     }
 
     #[test]
-    fn jumps_and_the_rest_leave_the_call_stack_alone() {
-        assert_eq!(flow(&[0xE7FE]), Flow::Other, "b back");
-        assert_eq!(flow(&[0xF000, 0xB801]), Flow::Other, "b.w forward");
+    fn jumps_are_known() {
+        assert_eq!(flow(&[0xE7FE]), Flow::Jump, "b back");
+        assert_eq!(flow(&[0xF000, 0xB801]), Flow::Jump, "b.w forward");
+        assert_eq!(flow(&[0x4718]), Flow::Jump, "bx r3");
+    }
+
+    #[test]
+    fn the_rest_is_none_of_them() {
         assert_eq!(flow(&[0xF000, 0x8001]), Flow::Other, "beq.w forward");
-        assert_eq!(flow(&[0x4718]), Flow::Other, "bx r3");
         assert_eq!(flow(&[0xBC80]), Flow::Other, "pop {{r7}}");
         assert_eq!(flow(&[0xE8BD, 0x07F0]), Flow::Other, "pop.w {{r4-r10}}");
         assert_eq!(flow(&[0xF85D, 0x7B04]), Flow::Other, "ldr r7, [sp], #4");

@@ -26,8 +26,8 @@ const LIMIT: Duration = Duration::from_secs(60);
 const ANSWER_TICKS: u32 = 100_000;
 /// The stack, from memory.x.
 const STACK: u32 = 0x2000_0000;
-/// Unit: byte.
-const STACK_BYTES: u32 = 80 * 1024;
+/// Its length. Unit: byte.
+pub const STACK_BYTES: u32 = 80 * 1024;
 /// The sectors of the parameter store, from memory.x.
 const STORE: u32 = 0x0800_4000;
 /// Unit: byte.

@@ -6,7 +6,8 @@
 use wire::Fault;
 
 use crate::faults::black_box::LOOP_RESETS;
-use crate::monitors::sensor::{BAD_IN_A_ROW, JUMPS_IN_A_ROW, STUCK_TICKS};
+use crate::monitors::sensor::{BAD_IN_A_ROW, JUMPS_IN_A_ROW};
+use crate::monitors::stuck::STUCK_TICKS;
 use crate::monitors::{AUTHORITY_TICKS, IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
 use crate::timing::LATE_IN_A_ROW;
 use crate::watchdog::ALLOWANCE_TICKS;
@@ -218,7 +219,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         Fault::TaskSilent,
         "a task has stopped",
         "link or supervisor have not checked in for 250 ticks; the hardware watchdog is then no longer fed and resets the board",
-        ALLOWANCE_TICKS as u32 + 1,
+        ALLOWANCE_TICKS as u32 + 2,
         "a defect in the program",
         "send the record of the fault to the maintainers",
     ),

@@ -2,24 +2,27 @@
 //!
 //! | file | what it watches |
 //! |---|---|
-//! | [`sensor`] | pressure and contraction, each for itself: open, short, spikes, stuck |
+//! | [`sensor`] | pressure and contraction, each for itself: open, short, spikes |
+//! | [`stuck`] | pressure and contraction, against the command |
 //! | [`slow`] | supply and temperature |
 //! | [`following`] | pressure against command: leak, burst, stuck valve |
 //! | [`survey`] | the model against itself, and contraction against pressure |
 //! | [`persistence`] | how long something has to last |
 //!
 //! # Contract
-//! [`Monitors::take`] once a tick, in every state but `Off` and `Fault`: it answers the measured quantities or the fault
-//! that vents. It reads whole numbers where it can: codes are compared with limits that were turned into codes once.
+//! Once a tick, in every state but `Off` and `Fault`: [`Monitors::take`] before the valve is written, for what the controller
+//! needs and what a single sample shows; and [`Monitors::watch`] behind it, for what takes several ticks to be seen. A tick
+//! without samples is one with the last.
+//! Both read whole numbers where they can: codes are compared with limits that were turned into codes once.
 
 pub mod following;
 pub mod persistence;
 pub mod sensor;
 pub mod slow;
+pub mod stuck;
 pub mod survey;
 
-use model_core::tracking::Command;
-use wire::{Fault, Protection, Scaling, Signals};
+use wire::{Fault, Protection, Scaling};
 
 use crate::board::{AcquisitionError, DacCode, Samples};
 use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
@@ -27,6 +30,7 @@ use following::Following;
 use persistence::{Average, InARow};
 use sensor::Sensor;
 use slow::Slow;
+use stuck::Stuck;
 use survey::Loop;
 
 /// Ticks in a row without new samples that are a fault.
@@ -41,6 +45,8 @@ pub const AUTHORITY_TICKS: u16 = 1000;
 struct Limits {
     pressure: sensor::Limits,
     contraction: sensor::Limits,
+    /// How far the command has to move past a sensor that does not. Unit: DAC code.
+    stuck: u16,
     supply: slow::Limits,
     temperature: slow::Limits,
     overpressure_hard: u16,
@@ -59,14 +65,16 @@ pub struct Monitors {
     missing: InARow,
     pressure: Sensor,
     contraction: Sensor,
+    /// Of pressure and contraction.
+    stuck: [Stuck; 2],
+    /// That of the contraction which could last be trusted.
+    contraction_code: u16,
     supply: Slow,
     temperature: Slow,
     pressure_average: Average<4>,
     following: Following,
     implausible: InARow,
     authority: InARow,
-    /// What was last measured and could be trusted.
-    signals: Signals,
 }
 
 impl Monitors {
@@ -78,13 +86,14 @@ impl Monitors {
             missing: InARow::default(),
             pressure: Sensor::default(),
             contraction: Sensor::default(),
+            stuck: [Stuck::default(); 2],
+            contraction_code: 0,
             supply: Slow::default(),
             temperature: Slow::default(),
             pressure_average: Average::default(),
             following: Following::default(),
             implausible: InARow::default(),
             authority: InARow::default(),
-            signals: Signals::default(),
         }
     }
 
@@ -103,72 +112,71 @@ impl Monitors {
         self.pressure.bridged.wrapping_add(self.contraction.bridged)
     }
 
-    /// Takes the samples of a tick. `command`: what was out until now; `outermost`: the loop of the installed model.
+    /// Takes the samples of a tick; answers the contraction. Unit: mm.
     ///
     /// # Errors
     /// The fault that the samples show.
     #[inline(always)]
-    pub fn take(
-        &mut self,
-        samples: Result<Samples, AcquisitionError>,
-        command: DacCode,
-        outermost: Option<&Loop>,
-    ) -> Result<Signals, Fault> {
+    pub fn take(&mut self, samples: Result<Samples, AcquisitionError>) -> Result<f32, Fault> {
         if self.missing.holds_for(MISSING_IN_A_ROW, samples.is_err()) {
             return Err(Fault::Acquisition);
         }
-        let Ok(samples) = samples else { return Ok(self.signals) };
-        self.last = samples;
-        let Limits { pressure, contraction, supply, temperature, .. } = &self.limits;
-        let pressure_code = self.pressure.take(pressure, samples.pressure.0, command.0)?;
-        let contraction_code = self.contraction.take(contraction, samples.contraction.0, command.0)?;
-        let supply_code = self.supply.take(supply, samples.supply.0)?;
-        let temperature_code = self.temperature.take(temperature, samples.temperature.0)?;
-        // The hard limit looks at the sample itself: a burst is no less likely than a spike.
-        if samples.pressure.0 > self.limits.overpressure_hard
-            && pressure.scaling.is_plausible(samples.pressure.0)
-        {
-            return Err(Fault::OverpressureHard);
+        if let Ok(samples) = samples {
+            self.last = samples;
+            let Limits { pressure, contraction, overpressure_hard, .. } = &self.limits;
+            // The hard limit looks at the sample itself: a burst is no less likely than a spike.
+            if samples.pressure.0 > *overpressure_hard && samples.pressure.0 <= pressure.scaling.code_max {
+                return Err(Fault::OverpressureHard);
+            }
+            self.contraction_code = self.contraction.take(contraction, samples.contraction.0)?;
         }
+        Ok(CONTRACTION.value(self.contraction_code))
+    }
+
+    /// Looks at what takes several ticks to be seen. `command`: what was out until this tick; `outermost`: the loop of the
+    /// installed model; `is_driven`: whether the valve is.
+    ///
+    /// # Errors
+    /// The fault that the last samples have shown.
+    #[inline(always)]
+    pub fn watch(
+        &mut self,
+        command: DacCode,
+        outermost: Option<&Loop>,
+        is_driven: bool,
+    ) -> Result<(), Fault> {
+        let Limits { pressure, supply, temperature, stuck, following, .. } = &self.limits;
+        let pressure_code = self.pressure.take(pressure, self.last.pressure.0)?;
         if self.pressure_average.of(pressure_code) > self.limits.overpressure_soft {
             return Err(Fault::OverpressureSoft);
         }
-        let signals = Signals {
-            pressure_bar: PRESSURE.value(pressure_code),
-            contraction_mm: CONTRACTION.value(contraction_code),
-            supply_bar: SUPPLY.value(supply_code),
-            temperature_c: TEMPERATURE.value(temperature_code),
-        };
-        self.signals = signals;
+        self.supply.take(supply, self.last.supply.0)?;
+        self.temperature.take(temperature, self.last.temperature.0)?;
+        let [of_pressure, of_contraction] = &mut self.stuck;
+        of_pressure.take(pressure_code, command.0, *stuck, Fault::PressureStuck)?;
+        of_contraction.take(self.contraction_code, command.0, *stuck, Fault::ContractionStuck)?;
+        let (pressure_bar, contraction_mm) =
+            (PRESSURE.value(pressure_code), CONTRACTION.value(self.contraction_code));
         let share = self.limits.implausible_share;
-        let is_implausible = outermost.is_some_and(|outermost| {
-            !outermost.is_plausible(signals.pressure_bar, signals.contraction_mm, share)
-        });
+        let is_implausible =
+            outermost.is_some_and(|outermost| !outermost.is_plausible(pressure_bar, contraction_mm, share));
         if self.implausible.holds_for(IMPLAUSIBLE_TICKS, is_implausible) {
             return Err(Fault::Implausible);
         }
-        Ok(signals)
-    }
-
-    /// Looks at the pressure against the command that was out until now, while the valve is driven.
-    ///
-    /// # Errors
-    /// It does not follow.
-    #[inline(always)]
-    pub fn follow(&mut self, command: DacCode) -> Result<(), Fault> {
-        self.following.take(&self.limits.following, COMMAND.value(command.0), self.signals.pressure_bar)
-    }
-
-    /// Looks at what the controller has computed.
-    ///
-    /// # Errors
-    /// It is not finite, or the feedback contradicts the feed-forward.
-    #[inline(always)]
-    pub fn judge(&mut self, command: &Command<f32>, has_both: bool) -> Result<(), Fault> {
-        if !(command.feedforward + command.feedback + command.command).is_finite() {
-            return Err(Fault::NotFinite);
+        if is_driven {
+            self.following.take(following, COMMAND.value(command.0), pressure_bar)
+        } else {
+            Ok(())
         }
-        let is_beyond = has_both && command.feedback.abs() > self.limits.authority_bar;
+    }
+
+    /// Looks at the feedback (bar) beside a feed-forward; 0 where there are not both.
+    ///
+    /// # Errors
+    /// It contradicts the feed-forward.
+    #[inline(always)]
+    pub fn judge(&mut self, feedback_bar: f32) -> Result<(), Fault> {
+        let is_beyond = feedback_bar.abs() > self.limits.authority_bar;
         if self.authority.holds_for(AUTHORITY_TICKS, is_beyond) { Err(Fault::Authority) } else { Ok(()) }
     }
 
@@ -187,6 +195,7 @@ impl Monitors {
         self.contraction.start_anew();
         (self.supply, self.temperature) = (Slow::default(), Slow::default());
         self.pressure_average = Average::default();
+        self.stuck = [Stuck::default(); 2];
         self.following = Following::default();
         self.implausible = InARow::default();
         self.authority = InARow::default();
@@ -199,23 +208,20 @@ impl Limits {
         let codes = |scaling: &Scaling, difference: f32| (difference * scaling.codes_per_unit) as u16;
         let level =
             |scaling: &Scaling, value: f32| (scaling.zero_code + value * scaling.codes_per_unit) as u16;
-        let of = |scaling: Scaling, jump, faults| sensor::Limits {
-            scaling,
-            jump: codes(&scaling, jump),
-            stuck: codes(&COMMAND, protection.stuck_command_bar),
-            faults,
-        };
+        let of =
+            |scaling: Scaling, jump, faults| sensor::Limits { scaling, jump: codes(&scaling, jump), faults };
         Self {
             pressure: of(
                 PRESSURE,
                 protection.pressure_jump_bar,
-                [Fault::PressureSensor, Fault::PressureSpiking, Fault::PressureStuck],
+                [Fault::PressureSensor, Fault::PressureSpiking],
             ),
             contraction: of(
                 CONTRACTION,
                 protection.contraction_jump_mm,
-                [Fault::ContractionSensor, Fault::ContractionSpiking, Fault::ContractionStuck],
+                [Fault::ContractionSensor, Fault::ContractionSpiking],
             ),
+            stuck: codes(&COMMAND, protection.stuck_command_bar),
             supply: slow::Limits {
                 scaling: SUPPLY,
                 lowest: level(&SUPPLY, protection.supply_min_bar),

@@ -2,7 +2,7 @@
 //!
 //! A code outside the plausible ones (open wire, short) or a jump that nothing physical makes (interference) is *bridged*:
 //! the last good code stands for it. Bridging ends in a fault: after [`BAD_IN_A_ROW`] implausible codes in a row, or when
-//! jumps come too close together. A sensor whose code stays where it is while the command moves is stuck.
+//! jumps come too close together.
 
 use wire::{Fault, Scaling};
 
@@ -16,11 +16,6 @@ const JUMP_WEIGHT: u16 = 16;
 const JUMP_LIMIT: u16 = 64;
 /// Jumps in a row that are a fault.
 pub const JUMPS_IN_A_ROW: u16 = JUMP_LIMIT / JUMP_WEIGHT + 1;
-/// How long a sensor has to stay where it is to be stuck. Unit: tick.
-pub const STUCK_TICKS: u16 = 200;
-/// How far codes of a sensor that stays where it is may be apart: noise of the converter.
-const STILL_CODES: u16 = 2;
-
 /// What tells a good code from a bad one.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
@@ -28,10 +23,8 @@ pub struct Limits {
     pub scaling: Scaling,
     /// Largest credible change in a tick. Unit: ADC code.
     pub jump: u16,
-    /// How far the command has to move. Unit: DAC code.
-    pub stuck: u16,
-    /// What implausible, jumping and stuck codes are.
-    pub faults: [Fault; 3],
+    /// What implausible and jumping codes are.
+    pub faults: [Fault; 2],
 }
 
 /// What is remembered of the codes.
@@ -41,23 +34,18 @@ pub struct Sensor {
     code: Option<u16>,
     implausible: InARow,
     jumps: u16,
-    /// Where the sensor stayed, and since when.
-    still: u16,
-    still_ticks: u16,
-    /// The command's lowest and highest code since then.
-    command: (u16, u16),
     /// Codes that were bridged.
     pub bridged: u32,
 }
 
 impl Sensor {
-    /// Takes the code of a tick, and the command (DAC code) that was out before; answers the code to use.
+    /// Takes the code of a tick; answers the code to use.
     ///
     /// # Errors
     /// The code cannot be trusted any more.
     #[inline(always)]
-    pub fn take(&mut self, limits: &Limits, code: u16, command: u16) -> Result<u16, Fault> {
-        let [implausible, jumping, stuck] = limits.faults;
+    pub fn take(&mut self, limits: &Limits, code: u16) -> Result<u16, Fault> {
+        let [implausible, jumping] = limits.faults;
         let is_plausible = limits.scaling.is_plausible(code);
         if self.implausible.holds_for(BAD_IN_A_ROW, !is_plausible) {
             return Err(implausible);
@@ -74,23 +62,11 @@ impl Sensor {
             return Ok(last);
         }
         self.code = Some(code);
-        if self.is_stuck(limits, code, command) { Err(stuck) } else { Ok(code) }
+        Ok(code)
     }
 
     /// Forgets what it has of the past.
     pub fn start_anew(&mut self) {
         *self = Self { bridged: self.bridged, ..Self::default() };
-    }
-
-    #[inline(always)]
-    fn is_stuck(&mut self, limits: &Limits, code: u16, command: u16) -> bool {
-        if code.abs_diff(self.still) > STILL_CODES {
-            (self.still, self.still_ticks, self.command) = (code, 0, (command, command));
-            return false;
-        }
-        self.still_ticks = self.still_ticks.saturating_add(1);
-        let (low, high) = self.command;
-        self.command = (low.min(command), high.max(command));
-        self.still_ticks >= STUCK_TICKS && high - low > limits.stuck
     }
 }

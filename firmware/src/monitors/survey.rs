@@ -4,8 +4,10 @@
 //! was given. The *loop* tells between which contractions the muscle is at each pressure: the two branches of the outermost
 //! loop, as a table. Both are made when a configuration arrives, outside the tick.
 
-use model_core::{Hysteresis, InverseHysteresis, Invertible, Model, ModelParameters, ParameterError};
+use model_core::{Hysteresis, InverseHysteresis, Model, ModelParameters, ParameterError};
 use wire::{DEAD_ZONES, PLAYS};
+
+use crate::law::BoardInverse;
 
 /// Rows of the table.
 const ROWS: usize = 33;
@@ -32,13 +34,18 @@ pub struct Survey {
     pub is_invertible: bool,
 }
 
-/// Surveys a model.
+/// Surveys a model and its inverse.
+///
+/// Not inlined: it needs much stack, and only while it runs.
 ///
 /// # Errors
 /// The first parameter that no model can be made of.
-pub fn survey(model: &ModelParameters<f32, PLAYS, DEAD_ZONES>) -> Result<Survey, ParameterError> {
+#[inline(never)]
+pub fn survey(
+    model: &ModelParameters<f32, PLAYS, DEAD_ZONES>,
+    inverse: &BoardInverse,
+) -> Result<Survey, ParameterError> {
     let model = Model::try_new(model)?;
-    let inverse = model.inverse()?;
     let (start, end) = (model.input_range().min(), model.input_range().max());
     let step = (end - start) / (ROWS - 1) as f32;
     let (mut state, mut inverse_state) = (model.rest_state(), inverse.rest_state());

@@ -126,8 +126,8 @@ impl<T: Real> Balance<T> {
         let velocity = memory.velocity.rate(&step.stencil, &Affine::identity());
         let acceleration = memory.acceleration.rate(&step.stencil, &memory.velocity.moves(&velocity));
         let terms = [
-            self.load.as_ref().map(|load| load.term(surroundings.load)),
-            self.temperature.as_ref().map(|temperature| temperature.term(surroundings.temperature)),
+            self.load.as_ref().zip(surroundings.load).map(|(load, measured)| load.term(measured)),
+            self.temperature.as_ref().zip(surroundings.temperature).map(|(schedule, at)| schedule.term(at)),
             self.warm_up.as_ref().map(|warm_up| warm_up.term(memory.travel.value())),
             self.viscous_lag.as_ref().map(|viscosity| viscosity.term(velocity)),
             self.inertia.as_ref().map(|inertia| inertia.term(acceleration)),
@@ -142,10 +142,13 @@ impl<T: Real> Present<'_, T> {
     /// What they take, where the operator's input has moved by `pushed` to `u` and its output by `moved` to `y`. Input unit.
     #[inline(always)]
     pub(super) fn value(&self, (u, pushed): (T, T), (y, moved): (T, T)) -> T {
-        let mut sum = T::ZERO;
-        for term in self.terms.iter().flatten() {
-            sum += term.profile.value(y) * term.driver.at(moved);
-        }
+        let of = |term: &Option<Term<'_, T>>| match term {
+            Some(term) => term.profile.value(y) * term.driver.at(moved),
+            None => T::ZERO,
+        };
+        // Written out: a loop would need all terms in memory.
+        let [load, temperature, warm_up, viscous_lag, inertia] = &self.terms;
+        let mut sum = of(load) + of(temperature) + of(warm_up) + of(viscous_lag) + of(inertia);
         if let Some(width) = &self.width {
             sum += width.value(u, pushed, y);
         }

@@ -54,9 +54,8 @@ impl<T: Real> Schedule<T> {
     }
 
     #[inline(always)]
-    pub(super) fn term(&self, measured: Option<T>) -> Term<'_, T> {
-        let away = measured.map_or(T::ZERO, |measured| measured - self.reference);
-        let constant = away.limit(T::from_f64(-FARTHEST), T::from_f64(FARTHEST));
+    pub(super) fn term(&self, measured: T) -> Term<'_, T> {
+        let constant = (measured - self.reference).limit(T::from_f64(-FARTHEST), T::from_f64(FARTHEST));
         Term { profile: &self.offset, driver: Affine { constant, gain: T::ZERO } }
     }
 }

@@ -51,6 +51,8 @@ pub enum Form {
     Driven(Driver),
     /// Equivalent input: strengths times the acceleration, then strengths times the rate.
     Inertia,
+    /// The bend of the envelope is the parameter.
+    Envelope,
     /// The thresholds of all operators wider with a rate: times 1 + gain rate^power; first the power, then the gain, for
     /// the rate over its root mean square.
     Thresholds(Rate),
@@ -185,12 +187,11 @@ impl Effect {
                 vec![Self::new(Form::Inertia, both), Self::new(Form::OutputInertia, [])]
             }
             Cause::RateDependentWidth => {
-                let power = Parameter::new(0.5, 0.2, 1.5, 1e-3);
+                // A width that grows nearly as the speed is viscosity.
+                let power = Parameter::new(0.5, 0.2, 0.75, 1e-3);
                 let gain = Parameter::new(0.0, 0.0, 10.0, 1e-2);
                 let range = Parameter::logarithm(0.05 * span, 0.005 * span, 0.4 * span);
-                // Friction that grows nearly as the speed is viscosity.
-                let less = Parameter { high: 0.75, ..power };
-                let friction = [less, range].into_iter().chain(strengths(0.05 * span, 0.0));
+                let friction = [power, range].into_iter().chain(strengths(0.05 * span, 0.0));
                 vec![
                     Self::new(Form::Thresholds(Rate::Input), [power, gain]),
                     Self::new(Form::Thresholds(Rate::Contraction), [power, gain]),
@@ -228,10 +229,11 @@ impl Effect {
         Self::new(Form::Wander, [])
     }
 
-    /// What belongs to the baseline, from several starts: a small delay, and a width that does not depend on the rate.
-    pub fn nuisances(signals: &Signals) -> Vec<Vec<Self>> {
-        let of_radius = |share| vec![Self::small_delay(signals), Self::static_width(signals, share)];
-        [0.03, 0.1, 0.25].map(of_radius).to_vec()
+    /// What belongs to the baseline: its envelope, a small delay, and a width that does not depend on the rate, its radius
+    /// a share of the input's span.
+    pub fn nuisances(signals: &Signals, radius: f64) -> [Self; 3] {
+        let envelope = Self::new(Form::Envelope, [Parameter::new(0.5, 0.0, 1.2, 1e-3)]);
+        [envelope, Self::small_delay(signals), Self::static_width(signals, radius)]
     }
 
     /// A delay of at most half a row, which no recording is free of.

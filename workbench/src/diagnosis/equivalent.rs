@@ -5,36 +5,54 @@ use super::effect::{Effect, Form, Parameter, Rate};
 use super::output::{driven, low_pass};
 use super::signals::{Signals, TENTS};
 
-/// The input after the lags, delays and creep on its way.
-pub fn travelled_input(signals: &Signals, effects: &[Effect]) -> Vec<f64> {
-    let mut input = signals.input.clone();
-    for effect in effects {
-        let first = effect.parameters.first().map_or(0.0, |parameter| parameter.value);
-        match effect.form {
-            Form::Lag => input = low_pass(&input, &signals.time_s, first.exp()),
-            Form::Delay => input = delayed(&input, &signals.time_s, first),
-            Form::CreepOfInput => {
-                let before = input.clone();
-                for (weight, tau_s) in effect.parameters.iter().zip(&signals.creep_s) {
-                    if weight.value > 0.0 {
-                        let slow = low_pass(&before, &signals.time_s, *tau_s);
-                        for ((u, slow), now) in input.iter_mut().zip(slow).zip(&before) {
-                            *u += weight.value * (slow - now);
-                        }
-                    }
-                }
+/// What arrives at the muscle.
+#[derive(Clone, Debug)]
+pub struct Arrived {
+    /// The input after the lags, delays and creep on its way.
+    pub input: Vec<f64>,
+    /// How fast that moves. Unit: input unit/s.
+    pub speed: Vec<f64>,
+}
+
+impl Arrived {
+    /// The input under these effects.
+    pub fn new(signals: &Signals, effects: &[Effect]) -> Self {
+        let mut input = signals.input.clone();
+        let mut speed = signals.speed_of(Rate::Input).to_vec();
+        let needs_speed = effects.iter().any(|effect| effect.form == Form::Thresholds(Rate::Input));
+        for effect in effects {
+            let first = effect.parameters.first().map_or(0.0, |parameter| parameter.value);
+            let late = |values: &[f64]| match effect.form {
+                Form::Lag => Some(low_pass(values, &signals.time_s, first.exp())),
+                Form::Delay => Some(delayed(values, &signals.time_s, first)),
+                _ => None,
+            };
+            if effect.form == Form::CreepOfInput {
+                creep(&mut input, signals, &effect.parameters);
+            } else if let Some(values) = late(&input) {
+                input = values;
+                speed = late(&speed).filter(|_| needs_speed).unwrap_or(speed);
             }
-            _ => {}
+        }
+        Self { input, speed }
+    }
+}
+
+/// Slow parts of the input.
+fn creep(input: &mut [f64], signals: &Signals, weights: &[Parameter]) {
+    let before = input.to_vec();
+    for (weight, tau_s) in weights.iter().zip(&signals.creep_s).filter(|(weight, _)| weight.value > 0.0) {
+        let slow = low_pass(&before, &signals.time_s, *tau_s);
+        for ((u, slow), now) in input.iter_mut().zip(slow).zip(&before) {
+            *u += weight.value * (slow - now);
         }
     }
-    input
 }
 
 /// The input on its way to the operators.
 #[derive(Clone, Debug)]
 pub struct Stages {
-    /// After lags, delays and creep.
-    travelled: Vec<f64>,
+    arrived: Arrived,
     /// Less what acts as a force.
     forced: Vec<f64>,
     /// Less what the widths add: what the operators see.
@@ -44,16 +62,16 @@ pub struct Stages {
 impl Stages {
     /// The input under these effects.
     pub fn new(signals: &Signals, effects: &[Effect]) -> Self {
-        Self::from_travelled(signals, effects, travelled_input(signals, effects))
+        Self::from_arrived(signals, effects, Arrived::new(signals, effects))
     }
 
-    fn from_travelled(signals: &Signals, effects: &[Effect], travelled: Vec<f64>) -> Self {
-        let mut forced = travelled.clone();
+    fn from_arrived(signals: &Signals, effects: &[Effect], arrived: Arrived) -> Self {
+        let mut forced = arrived.input.clone();
         for effect in effects {
             push(&mut forced, signals, effect);
         }
-        let seen = widened(signals, effects, forced.clone());
-        Self { travelled, forced, seen }
+        let seen = widened(signals, effects, &arrived.speed, forced.clone());
+        Self { arrived, forced, seen }
     }
 
     /// What the operators see if the effect `changed` is as it stands in `effects`, and the others are as they were.
@@ -61,11 +79,12 @@ impl Stages {
         match effects[changed].form {
             Form::Lag | Form::Delay | Form::CreepOfInput => Self::new(signals, effects).seen,
             Form::Driven(_) | Form::Inertia => {
-                Self::from_travelled(signals, effects, self.travelled.clone()).seen
+                Self::from_arrived(signals, effects, self.arrived.clone()).seen
             }
             Form::Width | Form::Friction(_) | Form::Thresholds(_) => {
-                widened(signals, effects, self.forced.clone())
+                widened(signals, effects, &self.arrived.speed, self.forced.clone())
             }
+            Form::Envelope => Seen { bend: bend(effects), ..self.seen.clone() },
             _ => self.seen.clone(),
         }
     }
@@ -89,37 +108,40 @@ fn push(input: &mut [f64], signals: &Signals, effect: &Effect) {
 }
 
 /// The widths come last: they need what the operators see.
-fn widened(signals: &Signals, effects: &[Effect], mut input: Vec<f64>) -> Seen {
-    let wider = match effects.iter().find(|effect| wider(signals, effect, 0, None).is_some()) {
-        Some(effect) => (0..input.len()).filter_map(|at| wider(signals, effect, at, None)).collect(),
-        None => Vec::new(),
+fn widened(signals: &Signals, effects: &[Effect], arrived: &[f64], mut input: Vec<f64>) -> Seen {
+    let contraction = signals.speed_of(Rate::Contraction);
+    let of_effect = |effect: &Effect| {
+        let Form::Thresholds(rate) = effect.form else { return None };
+        let speed = if rate == Rate::Input { arrived } else { contraction };
+        Some(speed.iter().map(|&speed| wider(signals, effect, rate, speed)).collect())
     };
+    let wider: Vec<f64> = effects.iter().find_map(of_effect).unwrap_or_default();
     for effect in effects.iter().filter(|effect| matches!(effect.form, Form::Width | Form::Friction(_))) {
         if effect.parameters[2..].iter().any(|strength| strength.value != 0.0) {
-            let of_row = |at| {
+            let of_row = |at: usize| {
                 let wider = wider.get(at).copied().unwrap_or(1.0);
-                Friction::of(signals, effect, at, wider, None)
+                Friction::of(signals, effect, at, wider, contraction[at])
             };
-            let friction: Option<Vec<Friction>> = (0..input.len()).map(of_row).collect();
-            friction.iter().for_each(|friction| resist(&mut input, friction));
+            resist(&mut input, of_row);
         }
     }
-    Seen { input, wider }
+    Seen { input, wider, bend: bend(effects) }
 }
 
-/// What an effect multiplies the thresholds by. `speed` stands for the measured rate of the contraction. Unit: output
-/// unit/s.
-pub fn wider(signals: &Signals, effect: &Effect, at: usize, speed: Option<f64>) -> Option<f64> {
-    let Form::Thresholds(rate) = effect.form else { return None };
-    Some(1.0 + effect.parameters[1].value * faster(signals, rate, effect.parameters[0].value, at, speed))
+/// The bend of the envelope.
+pub fn bend(effects: &[Effect]) -> f64 {
+    let envelope = effects.iter().find(|effect| effect.form == Form::Envelope);
+    envelope.map_or(0.0, |effect| effect.parameters[0].value)
 }
 
-/// A rate, as a multiple of its typical value, to a power.
-fn faster(signals: &Signals, rate: Rate, power: f64, at: usize, speed: Option<f64>) -> f64 {
-    let speed = match (rate, speed) {
-        (Rate::Contraction, Some(speed)) => speed,
-        _ => signals.speed_of(rate)[at],
-    };
+/// What thresholds that follow this rate are multiplied by at a speed.
+pub fn wider(signals: &Signals, thresholds: &Effect, rate: Rate, speed: f64) -> f64 {
+    let [power, gain] = [0, 1].map(|i: usize| thresholds.parameters[i].value);
+    1.0 + gain * faster(signals, rate, power, speed)
+}
+
+/// A speed, as a multiple of its typical value, to a power.
+fn faster(signals: &Signals, rate: Rate, power: f64, speed: f64) -> f64 {
     (speed.abs() / signals.typical_speed(rate)).powf(power)
 }
 
@@ -148,12 +170,12 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// That of an effect, if it is one, where the thresholds are `wider`. `speed` stands for the measured rate of the
-    /// contraction. Unit: output unit/s.
-    pub fn of(signals: &Signals, effect: &Effect, at: usize, wider: f64, speed: Option<f64>) -> Option<Self> {
+    /// That of an effect, if it is one, where the thresholds are `wider` and the contraction is so fast. Unit: output
+    /// unit/s.
+    pub fn of(signals: &Signals, effect: &Effect, at: usize, wider: f64, speed: f64) -> Option<Self> {
         let times = match effect.form {
             Form::Width => wider,
-            Form::Friction(rate) => faster(signals, rate, effect.parameters[0].value, at, speed),
+            Form::Friction(rate) => faster(signals, rate, effect.parameters[0].value, speed),
             _ => return None,
         };
         let range = effect.parameters[1].value.exp() * times;
@@ -168,13 +190,15 @@ impl Friction {
 }
 
 /// Takes off what a width adds, sample by sample.
-fn resist(input: &mut [f64], friction: &[Friction]) {
+fn resist(input: &mut [f64], friction: impl Fn(usize) -> Option<Friction>) {
     let mut stop = 0.0;
     let mut last = input.first().copied().unwrap_or(0.0);
-    for (u, friction) in input.iter_mut().zip(friction) {
-        stop = friction.stop(*u, stop, last);
-        last = *u - friction.slope * stop;
-        *u = last;
+    for (at, u) in input.iter_mut().enumerate() {
+        if let Some(friction) = friction(at) {
+            stop = friction.stop(*u, stop, last);
+            last = *u - friction.slope * stop;
+            *u = last;
+        }
     }
 }
 

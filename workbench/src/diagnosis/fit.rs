@@ -6,20 +6,17 @@
 //! which for these is exact. At the end the same columns make the cross-validation cheap: each fold's fit is a solution of
 //! the normal equations less the fold's part.
 
-use nalgebra::{DMatrix, DVector};
-
-use super::basis::{Basis, COLUMNS, ENTRIES, Entries, Seen};
+use super::basis::{Basis, COLUMNS, Seen};
+use super::design::{Design, Normal};
 use super::effect::{Effect, Form};
 use super::equivalent::Stages;
 use super::output;
 use super::signals::{FOLDS, Signals};
 
 /// Gauss-Newton steps at most.
-const STEPS: usize = 8;
+const STEPS: usize = 10;
 /// A step that gains less than this share of the sum of squares is the last.
 const ENOUGH: f64 = 2e-3;
-/// Ridge, as a share of a column's own square.
-const RIDGE: f64 = 1e-7;
 
 /// A fitted set of effects.
 #[derive(Clone, Debug)]
@@ -55,125 +52,6 @@ impl Fit {
     /// Root mean square of the residual. Output unit.
     pub fn rms(&self) -> f64 {
         (self.residual.iter().map(|e| e * e).sum::<f64>() / self.residual.len().max(1) as f64).sqrt()
-    }
-}
-
-/// Rows of columns at one point of the parameters.
-pub(super) struct Design {
-    /// Those of the baseline.
-    pub(super) rows: Vec<Entries>,
-    /// Those of the effects.
-    pub(super) dense: Vec<Vec<f64>>,
-    /// The first of the dense columns of each effect.
-    firsts: Vec<usize>,
-    /// Which dense columns must not have negative weights.
-    one_sign: Vec<bool>,
-}
-
-/// Normal equations.
-#[derive(Clone)]
-pub(super) struct Normal {
-    matrix: DMatrix<f64>,
-    right: DVector<f64>,
-}
-
-impl Design {
-    fn new(signals: &Signals, basis: &Basis, effects: &[Effect], seen: &Seen) -> Self {
-        let mut rows = Vec::with_capacity(signals.rows.len());
-        basis.run(seen, &signals.rows, |_, entries| rows.push(entries));
-        let (mut dense, mut firsts, mut one_sign) = (Vec::new(), Vec::new(), Vec::new());
-        for effect in effects {
-            let (columns, positive) = output::columns(effect, signals);
-            firsts.push(dense.len());
-            one_sign.extend(columns.iter().map(|_| positive));
-            dense.extend(columns);
-        }
-        Self { rows, dense, firsts, one_sign }
-    }
-
-    /// How many.
-    pub(super) fn columns(&self) -> usize {
-        COLUMNS + self.dense.len()
-    }
-
-    /// These rows with further columns.
-    pub(super) fn with_columns(&self, columns: &[Vec<f64>]) -> Self {
-        Self {
-            rows: self.rows.clone(),
-            dense: self.dense.iter().chain(columns).cloned().collect(),
-            firsts: Vec::new(),
-            one_sign: Vec::new(),
-        }
-    }
-
-    /// The sum of a row with these weights.
-    fn predict(&self, row: usize, weights: &[f64]) -> f64 {
-        self.rows[row].sum(weights)
-            + self.dense.iter().zip(&weights[COLUMNS..]).map(|(column, w)| column[row] * w).sum::<f64>()
-    }
-
-    /// The normal equations of the rows, each added to those that `part` names.
-    pub(super) fn normal<const P: usize>(
-        &self,
-        target: impl Fn(usize) -> f64,
-        part: impl Fn(usize) -> [bool; P],
-    ) -> [Normal; P] {
-        let count = self.columns();
-        let dense = self.dense.len();
-        let empty = Normal { matrix: DMatrix::zeros(count, count), right: DVector::zeros(count) };
-        let mut parts: [Normal; P] = std::array::from_fn(|_| empty.clone());
-        let mut places = vec![0; ENTRIES + dense];
-        let mut values = vec![0.0; ENTRIES + dense];
-        for (i, place) in places[ENTRIES..].iter_mut().enumerate() {
-            *place = COLUMNS + i;
-        }
-        for (row, entries) in self.rows.iter().enumerate() {
-            for i in 0..ENTRIES {
-                places[i] = entries.columns[i] as usize;
-                values[i] = entries.values[i];
-            }
-            for (value, column) in values[ENTRIES..].iter_mut().zip(&self.dense) {
-                *value = column[row];
-            }
-            let wanted = target(row);
-            for (normal, _) in parts.iter_mut().zip(part(row)).filter(|(_, named)| *named) {
-                // The columns of a row are in rising order: the upper triangle, column by column.
-                for (j, (&place, &value)) in places.iter().zip(&values).enumerate() {
-                    normal.right[place] += value * wanted;
-                    let mut column = normal.matrix.column_mut(place);
-                    for (&other, &factor) in places[..=j].iter().zip(&values[..=j]) {
-                        column[other] += value * factor;
-                    }
-                }
-            }
-        }
-        parts
-    }
-}
-
-impl Normal {
-    fn less(&self, other: &Self) -> Self {
-        Self { matrix: &self.matrix - &other.matrix, right: &self.right - &other.right }
-    }
-
-    /// The solution in the columns that are `free`, the others 0; and the factor of those columns.
-    pub(super) fn solve(&self, free: &[usize]) -> Option<(Vec<f64>, nalgebra::Cholesky<f64, nalgebra::Dyn>)> {
-        let count = free.len();
-        let mut matrix = DMatrix::zeros(count, count);
-        for (j, &column) in free.iter().enumerate() {
-            for (i, &row) in free.iter().enumerate().take(j + 1) {
-                matrix[(j, i)] = self.matrix[(row.min(column), row.max(column))];
-            }
-            matrix[(j, j)] = matrix[(j, j)] * (1.0 + RIDGE) + 1e-12;
-        }
-        let right = DVector::from_iterator(count, free.iter().map(|&column| self.right[column]));
-        let factor = nalgebra::Cholesky::new(matrix)?;
-        let solution = factor.solve(&right);
-        let mut all = vec![0.0; self.right.len()];
-        for (&column, &value) in free.iter().zip(solution.iter()) {
-            all[column] = value;
-        }
-        Some((all, factor))
     }
 }
 
@@ -267,24 +145,52 @@ impl Point {
 
 /// Fits effects from where their parameters stand; None where the normal equations cannot be solved.
 pub fn fit(signals: &Signals, basis: &Basis, effects: &[Effect]) -> Option<Fit> {
-    let mut point = Point::new(signals, basis, effects.to_vec())?;
-    let nonlinear = effects.iter().map(|effect| effect.parameters.len()).sum::<usize>();
-    let mut sensitivities = Vec::new();
-    for _ in 0..STEPS {
-        sensitivities = point.sensitivities(signals, basis);
-        if nonlinear == 0 {
-            break;
-        }
-        let Some(step) = step(&point, &sensitivities) else { break };
-        let before = point.squares;
-        let Some(next) = descend(signals, basis, &point, &step) else { break };
-        point = next;
-        if point.squares > (1.0 - ENOUGH) * before {
-            sensitivities = point.sensitivities(signals, basis);
-            break;
+    Some(Descent::new(signals, basis, effects.to_vec())?.finish())
+}
+
+/// A fit on its way.
+pub struct Descent<'a> {
+    signals: &'a Signals,
+    basis: &'a Basis,
+    point: Point,
+    /// Those of the last step; of the point itself where none was made.
+    sensitivities: Vec<Vec<f64>>,
+    steps: usize,
+}
+
+impl<'a> Descent<'a> {
+    /// From where the effects' parameters stand; None where the normal equations cannot be solved.
+    pub fn new(signals: &'a Signals, basis: &'a Basis, effects: Vec<Effect>) -> Option<Self> {
+        let point = Point::new(signals, basis, effects)?;
+        Some(Self { signals, basis, point, sensitivities: Vec::new(), steps: 0 })
+    }
+
+    /// Sum of squares so far.
+    pub fn squares(&self) -> f64 {
+        self.point.squares
+    }
+
+    /// Goes on to so many steps since the start, or to where another one gains too little.
+    pub fn advance(&mut self, steps: usize) {
+        while self.steps < steps {
+            self.sensitivities = self.point.sensitivities(self.signals, self.basis);
+            let next = step(&self.point, &self.sensitivities)
+                .and_then(|step| descend(self.signals, self.basis, &self.point, &step));
+            let before = self.point.squares;
+            let Some(next) = next else {
+                self.steps = STEPS;
+                return;
+            };
+            self.point = next;
+            self.steps = if self.squares() > (1.0 - ENOUGH) * before { STEPS } else { self.steps + 1 };
         }
     }
-    Some(cross_validate(signals, point, sensitivities))
+
+    /// The fit at the end of the way, tried on rows that it has not seen.
+    pub fn finish(mut self) -> Fit {
+        self.advance(STEPS);
+        cross_validate(self.signals, self.point, self.sensitivities)
+    }
 }
 
 /// The Gauss-Newton step of the nonlinear parameters, within their bounds.

@@ -8,7 +8,7 @@
 
 use super::basis::{Basis, COLUMNS};
 use super::effect::{Driver, Effect, Form, Rate};
-use super::equivalent::{Friction, strength, travelled_input, wider};
+use super::equivalent::{Arrived, Friction, bend, strength, wider};
 use super::fit::Fit;
 use super::output;
 use super::signals::{Signals, TENTS};
@@ -18,7 +18,7 @@ const EVALUATIONS: usize = 40;
 
 /// The simulated contraction of the scored rows. Output unit.
 pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> Vec<f64> {
-    let input = travelled_input(signals, &fit.effects);
+    let Arrived { input, speed } = Arrived::new(signals, &fit.effects);
     let (mut added, mut creep) = (vec![0.0; signals.rows.len()], Vec::new());
     // Weights of acceleration and rate on the output.
     let mut filter = (0.0, 0.0);
@@ -50,9 +50,9 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> Vec<f64> {
     let mut behind = Motion { place: signals.output[0], rate: 0.0, acceleration: 0.0 };
     let mut slow = vec![signals.output[0]; creep.len()];
     let mut simulated = Vec::with_capacity(signals.rows.len());
-    for (at, &pressure) in input.iter().enumerate() {
+    for (at, (&pressure, &speed)) in input.iter().zip(&speed).enumerate() {
         let step_s = if at == 0 { 0.0 } else { signals.time_s[at] - signals.time_s[at - 1] };
-        let muscle = state.step(signals, basis, &fit.effects, &fit.weights, (at, pressure, step_s));
+        let muscle = state.step(signals, basis, &fit.effects, &fit.weights, (at, pressure, speed, step_s));
         let muscle = behind.follow(muscle, step_s, filter);
         // y (1 + sum c (1 - b)) = muscle + sum c (1 - b) slow, b the share that a low-pass takes up in this step.
         let (mut over, mut under) = (muscle, 1.0);
@@ -85,7 +85,7 @@ struct State {
 impl State {
     fn new(basis: &Basis, effects: &[Effect], input: f64, contraction: f64) -> Self {
         Self {
-            walk: basis.walk(input),
+            walk: basis.walk(input, bend(effects)),
             stops: vec![0.0; effects.len()],
             last_input: input,
             motion: Motion { place: contraction, rate: 0.0, acceleration: 0.0 },
@@ -93,14 +93,14 @@ impl State {
         }
     }
 
-    /// One row: its place, the pressure and the time since the row before. Returns the muscle's contraction.
+    /// One row: its place, the pressure, its speed and the time since the row before. Returns the muscle's contraction.
     fn step(
         &mut self,
         signals: &Signals,
         basis: &Basis,
         effects: &[Effect],
         weights: &[f64],
-        (at, pressure, step_s): (usize, f64, f64),
+        (at, pressure, input_speed, step_s): (usize, f64, f64, f64),
     ) -> f64 {
         let (mut wanted, mut viscosity, mut mass) = (pressure, 0.0, 0.0);
         for effect in effects {
@@ -121,10 +121,15 @@ impl State {
                 _ => {}
             }
         }
-        let widening = effects.iter().find(|effect| matches!(effect.form, Form::Thresholds(_)));
-        let wider_at =
-            |speed: f64| widening.and_then(|effect| wider(signals, effect, at, Some(speed))).unwrap_or(1.0);
-        let follows = widening.is_some_and(|effect| effect.form == Form::Thresholds(Rate::Contraction));
+        let widening = effects.iter().find_map(|effect| match effect.form {
+            Form::Thresholds(rate) => Some((effect, rate)),
+            _ => None,
+        });
+        let follows = widening.is_some_and(|(_, rate)| rate == Rate::Contraction);
+        let wider_at = |speed: f64| {
+            let speed = if follows { speed } else { input_speed };
+            widening.map_or(1.0, |(effect, rate)| wider(signals, effect, rate, speed))
+        };
         // Thresholds that follow the speed of the contraction: the more it moves the less it moves, one root.
         let answer = |u: f64| {
             let of_wider = |wider: f64| basis.step(&mut self.walk.clone(), u, wider).sum(weights);
@@ -141,7 +146,7 @@ impl State {
                 .iter()
                 .zip(&self.stops)
                 .filter_map(|(effect, stop)| {
-                    let friction = Friction::of(signals, effect, at, wider, Some(rate))?;
+                    let friction = Friction::of(signals, effect, at, wider, rate)?;
                     let range = friction.range;
                     Some(friction.slope * (stop + u - self.last_input).clamp(-range, range))
                 })
@@ -154,7 +159,7 @@ impl State {
         let wider = wider_at(rate);
         basis.step(&mut self.walk, u, wider);
         for (effect, stop) in effects.iter().zip(&mut self.stops) {
-            if let Some(friction) = Friction::of(signals, effect, at, wider, Some(rate)) {
+            if let Some(friction) = Friction::of(signals, effect, at, wider, rate) {
                 *stop = (*stop + u - self.last_input).clamp(-friction.range, friction.range);
             }
         }

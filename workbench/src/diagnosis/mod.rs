@@ -15,7 +15,7 @@
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`] | what is wrong but none of the causes |
 //! | [`physical`] | the parameters in units that people measure in |
-//! | [`extend`] | the operator model extended by the named causes, running free, and its gain |
+//! | [`mod@extend`] | the operator model extended by the named causes, running free, and its gain |
 //! | [`words`] | the verdict in a sentence, and the experiment that is left to be made |
 //!
 //! # Contract
@@ -30,6 +30,7 @@
 pub mod anatomy;
 pub mod basis;
 pub mod cause;
+mod design;
 pub mod effect;
 pub mod equivalent;
 pub mod extend;
@@ -39,6 +40,7 @@ pub mod gain;
 pub mod output;
 pub mod physical;
 pub mod pure_error;
+pub mod race;
 pub mod reject;
 pub mod screen;
 pub mod search;

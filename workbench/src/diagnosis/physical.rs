@@ -6,6 +6,7 @@
 use super::basis::Seen;
 use super::cause::Cause;
 use super::effect::{Driver, Effect, Form, Rate};
+use super::equivalent::bend;
 use super::fit::Fit;
 use super::search::{Candidate, Search};
 use super::signals::{Signals, TENTS, hats};
@@ -27,7 +28,7 @@ pub(super) struct Loop {
 impl Loop {
     pub(super) fn of(search: &Search<'_>, fit: &Fit) -> Self {
         Self::new(range(&search.signals.input), |input| {
-            let seen = Seen { input: input.to_vec(), wider: Vec::new() };
+            let seen = Seen { input: input.to_vec(), wider: Vec::new(), bend: bend(&fit.effects) };
             search.basis.simulate(&seen, &fit.weights)
         })
     }
@@ -88,6 +89,16 @@ pub fn parameters(search: &Search<'_>, set: &Candidate) -> Vec<(Cause, Parameter
         .collect()
 }
 
+/// Whether an inertia among the causes swings: damped beyond that it is two lags, and no mass shows.
+pub fn swings(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
+    let Some(place) = causes.iter().position(|&cause| cause == Cause::Inertia) else { return true };
+    let at = fit.effects.len() - causes.len() + place;
+    let weights = fit.output_weights(search.signals, at);
+    let turn = Loop::of(search, fit);
+    let parameters = of_effect(search.signals, Cause::Inertia, &fit.effects[at], weights, &turn);
+    parameters.iter().all(|&(name, value)| name != "damping_ratio" || value < 1.0)
+}
+
 /// Those of the valve's causes.
 pub fn of_valve(valve: &Valve, cause: Cause) -> Parameters {
     match cause {
@@ -126,7 +137,7 @@ fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], 
             let range = parameter(1).exp() * at_middle(2) / typical.powf(parameter(0));
             width(range / turn.half_width(middle).max(1e-9), parameter(0), rate)
         }
-        Form::Width => Vec::new(),
+        Form::Envelope | Form::Width => Vec::new(),
         Form::Driven(driver) | Form::Added(driver) => {
             // The change of the output at the tents, per unit of what drives it.
             let changes: [f64; TENTS] = std::array::from_fn(|tent| match effect.form {

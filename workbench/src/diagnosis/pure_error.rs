@@ -5,7 +5,7 @@
 
 use super::basis::{Basis, Seen};
 use super::signals::Signals;
-use crate::numbers::median;
+use crate::numbers::{median, root_mean_square};
 
 /// Rows that are compared, at most.
 const ROWS: usize = 1500;
@@ -18,9 +18,28 @@ const INPUT_WEIGHT: f64 = 8.0;
 /// Fewest pairs that say something.
 const PAIRS: usize = 60;
 
+/// What visits to the same state differ by.
+#[derive(Clone, Copy, Debug)]
+pub struct PureError {
+    /// Mean square. Unit: square of the output unit.
+    pub square: f64,
+    /// Share of the rows whose state is visited again.
+    pub matched: f64,
+}
+
+impl PureError {
+    /// The error, root mean square: what is matched less than by `other` counts with its whole residual. A set of causes
+    /// that spreads the states has explained nothing by that. Output unit.
+    pub fn beside(&self, other: &Self, residual: &[f64]) -> f64 {
+        let lost = (other.matched - self.matched).max(0.0);
+        let whole = root_mean_square(residual).powi(2);
+        ((self.matched * self.square + lost * whole) / (self.matched + lost)).sqrt()
+    }
+}
+
 /// The pure error of a residual, a value a scored row, of what saw this input; None where the recording visits too few
-/// states twice. Output unit.
-pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64]) -> Option<f64> {
+/// states twice.
+pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64]) -> Option<PureError> {
     let states = basis.states(seen, &signals.rows);
     let every = states.len().div_ceil(ROWS).max(1);
     let apart_s = APART * signals.duration_s();
@@ -47,7 +66,8 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
     // A few pairs of a coarse match do not count for more than ten times the middle ones.
     let most = 20.0 * median(&mut differences.clone());
     let mean = differences.iter().map(|&d| d.min(most)).sum::<f64>() / differences.len() as f64;
-    Some((mean / 2.0).sqrt())
+    let looked_at = states.len().div_ceil(every);
+    Some(PureError { square: mean / 2.0, matched: differences.len() as f64 / looked_at as f64 })
 }
 
 /// The largest difference; anything above `enough` where it is that.

@@ -17,10 +17,12 @@ use super::screen::Screen;
 use super::search::{Candidate, EVIDENCE, Search};
 use super::signals::Signals;
 
-/// Times at which a step is looked for.
+/// Times at which a step is looked for, and how near the ends of the record, as a share of it: a step at the beginning
+/// is one with the unknown memory of the muscle.
 const TIMES: usize = 80;
+const END: f64 = 0.05;
 /// A pure error above the first share of the held-out error is large: then the second share of its square has to have
-/// been removed by the causes.
+/// been removed by the causes; the more the larger it is, up to the other pair.
 const LARGE: [(f64, f64); 2] = [(0.45, 0.5), (0.65, 0.8)];
 /// And it has to be above so many times the noise: states are never quite the same.
 const SEEN: f64 = 4.0;
@@ -82,7 +84,7 @@ fn best_step(search: &Search<'_>, set: &Candidate) -> Option<(f64, Candidate)> {
     let start_s = signals.time_s.first().copied().unwrap_or(0.0);
     let (_, time_s) = (0..TIMES)
         .into_par_iter()
-        .map(|i| start_s + signals.duration_s() * (i as f64 + 0.5) / TIMES as f64)
+        .map(|i| start_s + signals.duration_s() * (END + (1.0 - 2.0 * END) * i as f64 / (TIMES - 1) as f64))
         .map(|time_s| (screen.promise(&Effect::step(time_s)), time_s))
         .max_by(|one, other| one.0.total_cmp(&other.0))?;
     let mut effects = set.fit.effects.clone();
@@ -115,9 +117,10 @@ fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
 fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let (before, after) = (search.baseline.pure_error?, set.pure_error?);
     let removed = if set.causes.is_empty() { 0.0 } else { 1.0 - (after / before).powi(2) };
-    let is_left = |&(large, share): &(f64, f64)| after > large * set.score.mean() && removed < share;
+    let [(large, least), (larger, most)] = LARGE;
+    let size = (after / set.score.mean().max(1e-12) - large) / (larger - large);
+    let is_left = size > 0.0 && removed < least + (most - least) * size.min(1.0);
     let is_seen = after > SEEN * search.signals.noise;
     let tones_hz = tones(&search.signals.scored_s(), &set.residual, 3);
-    (is_seen && LARGE.iter().any(is_left))
-        .then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
+    (is_seen && is_left).then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
 }

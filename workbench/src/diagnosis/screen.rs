@@ -7,8 +7,9 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::basis::{Basis, COLUMNS};
+use super::design::Design;
 use super::effect::{Effect, Form};
-use super::fit::{Design, Fit, Point};
+use super::fit::{Fit, Point};
 use super::output;
 use super::signals::Signals;
 

@@ -14,11 +14,15 @@ use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
 use super::free_run::free_run;
 use super::gain::{Score, mask};
-use super::pure_error::pure_error;
+use super::physical::swings;
+use super::pure_error::{PureError, pure_error};
+use super::race::Runner;
 use super::screen::Screen;
 use super::signals::Signals;
 use crate::numbers::range;
 
+/// Radii of the baseline's width that are started from, as shares of the input's span.
+pub(super) const WIDTHS: [f64; 3] = [0.1, 0.03, 0.25];
 /// Sets of each size that go on.
 const BEAM: usize = 3;
 /// Causes of the largest set.
@@ -41,6 +45,8 @@ const MORE: f64 = 0.1;
 const BETTER: f64 = 0.05;
 /// What a second cause that resists motion has to be better by: neither is quite of our form.
 const ALIKE: f64 = 0.08;
+/// What an inertia that does not swing has to be better by: it may be two other causes that lag.
+const STILL: f64 = 0.3;
 /// The least share of the square of the first error that a cause beside others explains.
 const SHARE: f64 = 0.03;
 /// A set that gains less than this over its parent is not built upon.
@@ -59,6 +65,10 @@ pub struct Candidate {
     pub residual: Vec<f64>,
     /// What differs between visits to the same state, if there are enough. Output unit.
     pub pure_error: Option<f64>,
+    /// The same where states that are no longer visited twice count too. Output unit.
+    pub spread: Option<f64>,
+    /// Whether an inertia among its causes swings.
+    pub swings: bool,
 }
 
 /// What is searched.
@@ -74,33 +84,41 @@ pub struct Search<'a> {
     pub mask: Vec<bool>,
     /// The set without causes.
     pub baseline: Candidate,
+    /// What visits to the same state differ by without causes, if there are enough.
+    pub pure: Option<PureError>,
 }
 
 impl<'a> Search<'a> {
-    /// Fits the baseline, for a fresh and for a preconditioned muscle.
+    /// Fits the baseline, for a fresh and for a preconditioned muscle, from several starts.
     pub fn new(signals: &'a mut Signals, examinable: Vec<Cause>) -> Option<Self> {
         let (low, high) = range(&signals.input);
         let basis = Basis::new(low, high, true);
         let first = fit(signals, &basis, &[])?;
         signals.set_simulated(&basis.simulate(&first.seen, &first.weights));
         let signals = &*signals;
-        let of_kind = |preconditioned| {
-            let basis = Basis::new(low, high, preconditioned);
-            let fit = Effect::nuisances(signals)
-                .into_iter()
-                .filter_map(|effects| fit(signals, &basis, &effects))
-                .min_by(|one, other| one.rms().total_cmp(&other.rms()))?;
-            let mask = mask(&fit);
-            let score = Score::of(signals, &fit.unseen, &mask);
-            let pure_error = pure_error(signals, &basis, &fit.seen, &fit.residual);
-            let residual = fit.residual.clone();
-            let baseline = Candidate { causes: Vec::new(), fit, score, residual, pure_error };
-            Some(Self { signals, basis, examinable: examinable.clone(), mask, baseline })
-        };
-        [true, false]
+        let (basis, fit) = WIDTHS
             .into_par_iter()
-            .filter_map(of_kind)
-            .min_by(|one, other| one.baseline.score.mean().total_cmp(&other.baseline.score.mean()))
+            .flat_map(|radius| [(radius, true), (radius, false)])
+            .filter_map(|(radius, preconditioned)| {
+                let basis = Basis::new(low, high, preconditioned).bent(&first.weights);
+                fit(signals, &basis, &Effect::nuisances(signals, radius)).map(|fit| (basis, fit))
+            })
+            .min_by(|one, other| unseen(&one.1).total_cmp(&unseen(&other.1)))?;
+        let mask = mask(&fit);
+        let score = Score::of(signals, &fit.unseen, &mask);
+        let pure = pure_error(signals, &basis, &fit.seen, &fit.residual);
+        let pure_error = pure.map(|error| error.square.sqrt());
+        let residual = fit.residual.clone();
+        let baseline = Candidate {
+            causes: Vec::new(),
+            fit,
+            score,
+            residual,
+            pure_error,
+            spread: pure_error,
+            swings: true,
+        };
+        Some(Self { signals, basis, examinable, mask, baseline, pure })
     }
 
     /// The effects that could stand for a cause beside a set.
@@ -127,33 +145,14 @@ impl<'a> Search<'a> {
                     .collect();
                 starts.sort_by(|one, other| other.0.total_cmp(&one.0));
                 let best = starts.first().map_or(0.0, |start| start.0);
-                (best, cause, starts.into_iter().take(STARTS).map(|start| start.1).collect())
+                let most =
+                    if set.causes.is_empty() && cause.resists_motion() { starts.len() } else { STARTS };
+                (best, cause, starts.into_iter().take(most).map(|start| start.1).collect())
             })
             .filter(|(_, _, starts): &(f64, Cause, Vec<Effect>)| !starts.is_empty())
             .collect();
         all.sort_by(|one, other| other.0.total_cmp(&one.0));
         all.into_iter().take(PROMISING).map(|(_, cause, starts)| (cause, starts)).collect()
-    }
-
-    /// A set with one more cause, by the best of these effects.
-    pub fn with(&self, set: &Candidate, cause: Cause, starts: Vec<Effect>) -> Option<Candidate> {
-        let causes: Vec<Cause> = set.causes.iter().copied().chain([cause]).collect();
-        starts
-            .into_iter()
-            .flat_map(|start| {
-                let replaces = |effect: &Effect| start.form == Form::Delay && effect.form == Form::Delay;
-                let mut effects: Vec<Effect> =
-                    set.fit.effects.iter().filter(|effect| !replaces(effect)).cloned().collect();
-                effects.push(start);
-                // The width of the baseline may have tried to be what the cause is: from its start once more.
-                let mut anew = effects.clone();
-                if let Some(width) = anew.iter_mut().find(|effect| effect.form == Form::Width) {
-                    *width = Effect::static_width(self.signals, 0.1);
-                }
-                [effects, anew].into_iter().filter_map(|effects| fit(self.signals, &self.basis, &effects))
-            })
-            .map(|fit| self.candidate(causes.clone(), fit))
-            .min_by(|one, other| one.cost().total_cmp(&other.cost()))
     }
 
     /// A set with its fit, judged.
@@ -172,12 +171,12 @@ impl<'a> Search<'a> {
         let lost = fit.unseen.iter().zip(&fit.residual).map(|(unseen, residual)| unseen - residual);
         let unseen: Vec<f64> = lost.zip(&free).map(|(lost, free)| lost + free).collect();
         let score = Score::of(self.signals, &unseen, &self.mask);
-        let pure_error = self
-            .baseline
-            .pure_error
-            .and_then(|_| pure_error(self.signals, &self.basis, &fit.seen, &free))
-            .map(|error| error.max(1.5 * self.signals.noise));
-        Candidate { causes, fit, score, pure_error, residual: free }
+        let pure = self.pure.and_then(|_| pure_error(self.signals, &self.basis, &fit.seen, &free));
+        let least = 1.5 * self.signals.noise;
+        let pure_error = pure.map(|error| error.square.sqrt().max(least));
+        let spread = self.pure.zip(pure).map(|(before, after)| after.beside(&before, &free).max(least));
+        let swings = swings(self, &causes, &fit);
+        Candidate { causes, fit, score, pure_error, spread, residual: free, swings }
     }
 
     /// A set without one of its causes, the rest fitted from where it stands.
@@ -257,7 +256,7 @@ impl<'a> Search<'a> {
                 let kept =
                     if set.causes.len() > 1 { self.without(set, cause)? } else { self.baseline.clone() };
                 let starts = self.starts(&kept, rival);
-                self.with(&kept, rival, starts)
+                self.race(self.runners(&kept, rival, starts)).into_iter().next()
             })
             .min_by(|one, other| one.cost().total_cmp(&other.cost()))
             .filter(|other| other.cost() < set.cost() - 1e-3)
@@ -269,25 +268,14 @@ impl<'a> Search<'a> {
         let mut going = vec![self.baseline.clone()];
         for size in 0..LARGEST {
             progress(size as f64 / (LARGEST + 1) as f64);
-            let steps: Vec<(&Candidate, Cause, Vec<Effect>)> = going
+            let runners: Vec<Runner> = going
                 .par_iter()
-                .flat_map(|set| {
-                    let promising = self.promising(set);
-                    promising.into_par_iter().map(move |(cause, starts)| (set, cause, starts))
+                .flat_map_iter(|set| {
+                    let promising = self.promising(set).into_iter();
+                    promising.flat_map(move |(cause, starts)| self.runners(set, cause, starts))
                 })
                 .collect();
-            let mut found: Vec<Candidate> = steps
-                .into_par_iter()
-                .filter_map(|(set, cause, starts)| self.with(set, cause, starts))
-                .collect();
-            found.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
-            // The same set may be reached by several ways: the best is kept.
-            let mut distinct: Vec<Candidate> = Vec::new();
-            for candidate in found {
-                if !distinct.iter().any(|other| other.same_causes(&candidate)) {
-                    distinct.push(candidate);
-                }
-            }
+            let distinct = self.race(runners);
             // Of two fast causes neither need be among the best alone.
             let is_fast = |set: &Candidate| set.causes.iter().all(|cause| cause.is_fast());
             let also = |(rank, set): &(usize, &Candidate)| *rank < BEAM || (size == 0 && is_fast(set));
@@ -304,25 +292,25 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Square sum of what a fit has not seen.
+fn unseen(fit: &Fit) -> f64 {
+    fit.unseen.iter().map(|e| e * e).sum()
+}
+
 impl Candidate {
     /// What is minimised: the logarithm of the held-out error, and in part that of the pure error; of two causes that
     /// explain the same the simpler one is preferred.
     pub fn cost(&self) -> f64 {
-        let pure = self.pure_error.map_or(0.0, |error| PURE * error.max(1e-12).ln());
+        let pure = self.spread.map_or(0.0, |error| PURE * error.max(1e-12).ln());
         let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(1);
         let complexity: f64 =
             self.causes.iter().map(|cause| cause.complexity()).sum::<f64>() + ALIKE * dynamic as f64;
-        self.score.mean().max(1e-12).ln() + pure + complexity
+        let doubt = if self.swings { 0.0 } else { STILL };
+        self.score.mean().max(1e-12).ln() + pure + complexity + doubt
     }
 
     /// How much less a later set costs.
     pub fn evidence(&self, later: &Self) -> f64 {
         self.cost() - later.cost()
-    }
-
-    /// Whether the causes are the same, in whatever order.
-    pub fn same_causes(&self, other: &Self) -> bool {
-        self.causes.len() == other.causes.len()
-            && self.causes.iter().all(|cause| other.causes.contains(cause))
     }
 }

@@ -52,7 +52,7 @@ pub fn run(
         .args(["-semihosting-config", "enable=on,target=native"])
         .args(["-chardev", "socket,id=link,fd=0", "-serial", "null", "-serial", "chardev:link"])
         .arg("-plugin")
-        .arg(plugin_option(image, plugin, functions, &results))
+        .arg(plugin_option(image, plugin, functions, None, &results))
         .arg("-kernel")
         .arg(&image.path)
         // Descriptor 0 is the standard input. Standard output is the firmware's log.
@@ -66,15 +66,23 @@ pub fn run(
     driven.with_context(|| format!("in the emulator: {}", messages.trim()))?;
     let text = fs::read_to_string(&results)
         .with_context(|| format!("no counts in {}; the emulator: {}", results.display(), messages.trim()))?;
-    read_costs(&text, functions)
+    read_costs(&text, &functions.iter().map(|function| function.name.as_str()).collect::<Vec<_>>())
 }
 
-/// How the emulator is told of the counter. Commas separate the option's parts; one in a file's name is doubled.
-pub fn plugin_option(image: &Image, plugin: &Path, functions: &[&Function], results: &Path) -> String {
+/// How the emulator is told of the counter: functions to be counted, and the way from the begin of one of them to the
+/// return of another. Commas separate the option's parts; one in a file's name is doubled.
+pub fn plugin_option(
+    image: &Image,
+    plugin: &Path,
+    functions: &[&Function],
+    way: Option<[&Function; 2]>,
+    results: &Path,
+) -> String {
     let escaped = |path: &Path| path.to_string_lossy().replace(',', ",,");
     let mut option = format!("{},out={}", escaped(plugin), escaped(results));
     option.extend(image.handlers.iter().map(|address| format!(",handler={address:#x}")));
     option.extend(functions.iter().map(|f| format!(",fn={}:{:#x}", f.name, f.address)));
+    option.extend(way.map(|[from, to]| format!(",way={}:{}", from.name, to.name)));
     option
 }
 
@@ -86,17 +94,17 @@ fn end(child: Child) -> Result<String> {
     Ok(String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// The counter's results: a line a function, with its calls, least, most, sum and dearest call.
+/// The counter's results: a line a function and way, with its calls, least, most, sum and dearest call.
 ///
 /// # Errors
 /// The call stack was lost, or they are not there.
-pub fn read_costs(text: &str, functions: &[&Function]) -> Result<Vec<Cost>> {
+pub fn read_costs(text: &str, names: &[&str]) -> Result<Vec<Cost>> {
     if let Some(problem) = text.strip_prefix("lost ") {
         bail!("the counter has lost the call stack: {problem}");
     }
-    let lines = text.lines().zip(functions);
-    let costs: Option<Vec<_>> = lines.map(|(line, function)| read_cost(line, &function.name)).collect();
-    costs.filter(|costs| costs.len() == functions.len()).with_context(|| format!("no counts: {text}"))
+    let lines = text.lines().zip(names);
+    let costs: Option<Vec<_>> = lines.map(|(line, name)| read_cost(line, name)).collect();
+    costs.filter(|costs| costs.len() == names.len()).with_context(|| format!("no counts: {text}"))
 }
 
 fn read_cost(line: &str, name: &str) -> Option<Cost> {

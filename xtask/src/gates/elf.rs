@@ -25,6 +25,8 @@ pub struct Function {
     pub name: String,
     /// Where its first instruction stands.
     pub address: u64,
+    /// How many instructions it has, constants behind the last one counted with them.
+    pub instructions: usize,
 }
 
 /// An image.
@@ -74,7 +76,7 @@ impl Image {
             functions: elf
                 .symbols()
                 .filter(|symbol| symbol.kind() == SymbolKind::Text)
-                .map(function)
+                .map(|symbol| function(&elf, &symbol))
                 .collect(),
             handlers: handlers(vectors.data()?),
             flash,
@@ -105,10 +107,36 @@ impl Image {
     }
 }
 
-fn function<'data>(symbol: impl ObjectSymbol<'data>) -> Function {
+fn function<'data>(elf: &ElfFile32<'data, LittleEndian>, symbol: &impl ObjectSymbol<'data>) -> Function {
     let name = symbol.name_bytes().map(String::from_utf8_lossy).unwrap_or_default();
     // The alternate form leaves out the hash that tells copies apart.
-    Function { name: format!("{:#}", rustc_demangle::demangle(&name)), address: symbol.address() & !THUMB }
+    Function {
+        name: format!("{:#}", rustc_demangle::demangle(&name)),
+        address: symbol.address() & !THUMB,
+        instructions: instructions(code(elf, symbol).unwrap_or_default()),
+    }
+}
+
+/// What an ELF file holds of a function.
+fn code<'data>(
+    elf: &ElfFile32<'data, LittleEndian>,
+    symbol: &impl ObjectSymbol<'data>,
+) -> Option<&'data [u8]> {
+    let section = elf.section_by_index(symbol.section_index()?).ok()?;
+    section.data_range(symbol.address() & !THUMB, symbol.size()).ok()?
+}
+
+/// The number of Thumb instructions: one or two halfwords each, as the first one says.
+fn instructions(code: &[u8]) -> usize {
+    let mut halfwords = code.chunks_exact(2);
+    let mut count = 0;
+    while let Some(first) = halfwords.next() {
+        if first[1] >= 0xE8 {
+            halfwords.next();
+        }
+        count += 1;
+    }
+    count
 }
 
 /// The addresses in a vector table but for its first two words: the stack's beginning, and where a reset goes.
@@ -123,13 +151,19 @@ fn handlers(table: &[u8]) -> Vec<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Function, Image, handlers};
+    use super::{Function, Image, handlers, instructions};
 
     fn panics(names: &[&str]) -> Vec<String> {
-        let function = |name: &&str| Function { name: (*name).to_owned(), address: 0 };
+        let function = |name: &&str| Function { name: (*name).to_owned(), address: 0, instructions: 0 };
         let functions = names.iter().map(function).collect();
         let image = Image { path: "image".into(), functions, handlers: Vec::new(), flash: 0, ram: 0 };
         image.panics().into_iter().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn instructions_of_one_and_of_two_halfwords_are_told_apart() {
+        // push {r7, lr}; mov.w r0, #-1; pop {r7, pc}.
+        assert_eq!(instructions(&[0x80, 0xB5, 0x4F, 0xF0, 0xFF, 0x30, 0x80, 0xBD]), 3);
     }
 
     #[test]

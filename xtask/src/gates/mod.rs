@@ -10,6 +10,7 @@
 //! | [`elf`] | functions, sizes and panics of an image |
 //! | [`accuracy`] | `f32` against `f64` |
 //! | [`models`] | the models whose tick is counted |
+//! | [`production`] | tick and stack of the production image |
 //! | [`bounds`] | what the figures have to be |
 //!
 //! The inverse is part of the controller in the image `emulated`; its own cost is that in the image `control_law`, with
@@ -26,6 +27,7 @@ mod drive;
 mod elf;
 mod inputs;
 mod models;
+mod production;
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
@@ -65,6 +67,7 @@ pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     let mut figures = run::step("instructions", || costs(&plugin, &law, &emulated, &parameters, &samples))?;
     figures
         .extend(run::step("instructions of each model", || costs_of_models(&plugin, &emulated, &samples))?);
+    figures.extend(run::step("production image", || production::figures(&stm32f405, &plugin, &samples))?);
     figures.extend(sizes("emulated", &emulated));
     figures.extend(sizes("stm32f405", &stm32f405));
     let (error, sample) = accuracy::inverse_error(&parameters, &samples)?;

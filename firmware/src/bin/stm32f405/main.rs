@@ -181,16 +181,17 @@ mod app {
     fn tick(mut cx: tick::Context) {
         let tick::LocalResources { board, clock, watchdog, hardware_watchdog, voltage, .. } = cx.local;
         cx.shared.control.lock(|control| {
-            let is_content = watchdog.is_content(&CHECK_INS);
-            let seen = [(voltage.is_low(), Fault::BrownOut), (!is_content, Fault::TaskSilent)];
-            for (_, fault) in seen.into_iter().filter(|(is_seen, _)| *is_seen) {
-                control.report(fault);
+            if voltage.is_low() {
+                control.report(Fault::BrownOut);
             }
             control.tick(board);
-            control.close_tick(clock.end());
-            if is_content {
+            // Behind the write of the valve, which need not wait for what takes many ticks.
+            if watchdog.is_content(&CHECK_INS) {
                 hardware_watchdog.feed(control.state().is_driven());
+            } else {
+                control.report(Fault::TaskSilent);
             }
+            control.close_tick(clock.end());
         });
     }
 

@@ -130,7 +130,7 @@ impl Carrier<'_> {
                     compensated: false,
                 });
             }
-            Form::Width | Form::Step | Form::Wander => {}
+            Form::Envelope | Form::Width | Form::Step | Form::Wander => {}
         }
     }
 

@@ -12,11 +12,14 @@
 //! | [`physical`] | the extensions' parameters in the units that people measure in |
 //!
 //! # Contract
-//! The models have seen nothing of the output but the scored rows before the split, when they are compared behind it; then
-//! they go on from there with all rows. The model without extensions is fitted in the same way, of the same size.
+//! What is fitted has seen nothing of the output but the scored rows before the split, when the models are compared behind
+//! it; then it goes on from there with all rows. The model without extensions is fitted in the same way, of the same size.
 //!
 //! # Limits
-//! The causes themselves were chosen on the whole recording; a gain that is free of that too takes another recording.
+//! The causes, and where the fit begins, come from the whole recording; a gain that is free of that too takes another
+//! recording. A delay that was found between command and pressure has no place in the chain, and is left out. Extensions
+//! have one form each: creep acts on the contraction, all that resists motion on the balance of forces. What acts
+//! elsewhere (creep of the pressure, a filter of the contraction) is only approximated.
 
 mod carry;
 pub mod given;
@@ -141,7 +144,8 @@ fn rows(columns: &Columns) -> Rows<'_> {
 }
 
 /// Extends the operator model by the causes of a set and those of the valve; None where no model runs through the
-/// recording. The operator goes on from a given one, unless there is none or its form is too poor. `progress` is called with the share of the work that is done.
+/// recording. The operator goes on from a given one, unless there is none or its form is too poor. `progress` is called
+/// with the share of the work that is done.
 pub fn extend(
     columns: &Columns,
     search: &Search<'_>,

@@ -1,0 +1,113 @@
+//! The orders of the host, carried out between ticks.
+
+use model_core::Mode;
+use wire::{Protection, Refusal, Response};
+
+use super::{Control, Running, TickClock};
+use crate::board::DacCode;
+use crate::monitors::Monitors;
+use crate::order::{Installation, Order, text};
+use crate::output;
+use crate::state_machine::{Event, Next, next};
+
+impl Control {
+    /// Carries an order out, or says why not.
+    // Not inlined: what it needs of the stack is then not needed while an order is prepared.
+    #[inline(never)]
+    pub fn apply(&mut self, order: Order) -> Response {
+        self.silent_ticks = 0;
+        let done = match order {
+            Order::Identify => return Response::Hello(self.hello()),
+            Order::Telemetry => return Response::Telemetry(self.telemetry()),
+            Order::FaultRecord => return Response::FaultRecord(self.faults.record()),
+            Order::Capture(order) => {
+                return self.capture.apply(order).map_or(Response::Accepted, Response::Captured);
+            }
+            Order::Reference(reference_mm) => {
+                self.reference_mm = reference_mm;
+                Ok(())
+            }
+            Order::Protect(protection) => self.protect(protection),
+            Order::Install(installation) => self.install(installation),
+            Order::Start(mode) => self.start(mode),
+            Order::SetMode(mode) => self.set_mode(mode),
+            Order::Stop => self.advance(Event::Stop),
+            Order::Acknowledge => self.acknowledge(),
+            Order::Service(code) => self.advance(Event::Service).map(|()| self.service_code = DacCode(code)),
+        };
+        done.map_or_else(Response::Refused, |()| Response::Accepted)
+    }
+
+    fn protect(&mut self, protection: Protection) -> Result<(), Refusal> {
+        if self.state.is_driven() {
+            return Err(Refusal::WrongState(self.state));
+        }
+        self.protection = protection;
+        self.scale();
+        Ok(())
+    }
+
+    /// Turns the protection's limits into those of a tick.
+    fn scale(&mut self) {
+        let of_installation = || self.installed.as_ref().map(|installed| installed.period_s);
+        let period_s = self.clock.map(|clock| clock.period_s).or_else(of_installation).unwrap_or(1e-3);
+        self.monitors = Monitors::new(&self.protection, period_s);
+        self.limits = output::Limits::new(&self.protection, period_s);
+    }
+
+    fn install(&mut self, installation: Installation) -> Result<(), Refusal> {
+        if let Some(TickClock { period_s, .. }) = self.clock
+            && (installation.period_s - period_s).abs() > 1e-3 * period_s
+        {
+            let found = installation.period_s;
+            return Err(Refusal::Parameter(text(format_args!(
+                "period_s is {found} s, must be {period_s} s"
+            ))));
+        }
+        if next(self.state, Event::Install) == Next::Refused {
+            return Err(Refusal::WrongState(self.state));
+        }
+        self.installed = Some(installation);
+        self.scale();
+        self.advance(Event::Install)
+    }
+
+    fn start(&mut self, mode: Mode) -> Result<(), Refusal> {
+        let event = if mode == Mode::Hold { Event::Hold } else { Event::Start };
+        let mode = self.permitted(mode)?;
+        self.advance(event)?;
+        self.monitors.start_anew();
+        self.running = self
+            .installed
+            .as_ref()
+            .map(|installed| Running { mode, state: installed.tracking.rest_state(mode) });
+        Ok(())
+    }
+
+    fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
+        let event = if mode == Mode::Hold { Event::Hold } else { Event::SetMode };
+        let mode = self.permitted(mode)?;
+        self.advance(event)?;
+        self.running.iter_mut().for_each(|running| running.mode = mode);
+        Ok(())
+    }
+
+    /// What becomes of a mode if the installed model has not stood its test.
+    fn permitted(&self, mode: Mode) -> Result<Mode, Refusal> {
+        let is_good = self.installed.as_ref().is_none_or(|installed| installed.survey.is_invertible);
+        match mode {
+            Mode::Both if !is_good => Ok(Mode::FeedbackOnly),
+            Mode::FeedforwardOnly if !is_good => {
+                Err(Refusal::Parameter(text(format_args!("the model has not stood its test: feedback only"))))
+            }
+            mode => Ok(mode),
+        }
+    }
+
+    fn acknowledge(&mut self) -> Result<(), Refusal> {
+        if !self.faults.acknowledge() {
+            return Err(Refusal::WrongState(self.state));
+        }
+        self.advance(Event::Acknowledge)
+    }
+}

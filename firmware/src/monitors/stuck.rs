@@ -1,0 +1,38 @@
+//! A sensor whose code stays where it is while the command moves.
+
+use wire::Fault;
+
+/// How long a sensor has to stay where it is to be stuck. Unit: tick.
+pub const STUCK_TICKS: u16 = 200;
+/// How far codes of a sensor that stays where it is may be apart: noise of the converter.
+const STILL_CODES: u16 = 2;
+
+/// What is remembered of one sensor.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stuck {
+    /// Where it stays.
+    code: u16,
+    /// Since how many ticks.
+    ticks: u16,
+    /// The command's lowest and highest code since then.
+    command: (u16, u16),
+}
+
+impl Stuck {
+    /// Takes a code of the sensor and of the command; `moved`: how far the command has to move (DAC code).
+    ///
+    /// # Errors
+    /// `fault`, when the sensor is stuck.
+    #[inline(always)]
+    pub fn take(&mut self, code: u16, command: u16, moved: u16, fault: Fault) -> Result<(), Fault> {
+        if code.abs_diff(self.code) > STILL_CODES {
+            *self = Self { code, ticks: 0, command: (command, command) };
+            return Ok(());
+        }
+        self.ticks = self.ticks.saturating_add(1);
+        let (low, high) = self.command;
+        self.command = (low.min(command), high.max(command));
+        let has_moved = self.command.1 - self.command.0 > moved;
+        if self.ticks >= STUCK_TICKS && has_moved { Err(fault) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,136 @@
+//! Many starts, few finishes: sets of causes are begun from several starts each, and only those that do well early are
+//! fitted to the end.
+
+use rayon::prelude::*;
+
+use super::cause::Cause;
+use super::effect::{Effect, Form};
+use super::fit::{Descent, fit};
+use super::search::{Candidate, Search, WIDTHS};
+
+/// Steps that all starts make.
+const HEAT: usize = 3;
+/// Starts of a set that are fitted to the end.
+const FINISHERS: usize = 3;
+/// Sets that are fitted to the end.
+const SETS: usize = 8;
+/// Sets, beside the best one, that are tried with its nuisances.
+const BORROWERS: usize = 2;
+/// Delays that a pair begins from. Unit: s.
+const DELAYS_S: [f64; 2] = [0.03, 0.2];
+
+/// A set of causes at a start.
+pub struct Runner {
+    causes: Vec<Cause>,
+    /// Nuisances, then an effect a cause.
+    effects: Vec<Effect>,
+}
+
+impl Search<'_> {
+    /// The starts of a set with one more cause, which these effects could stand for.
+    pub fn runners(&self, set: &Candidate, cause: Cause, starts: Vec<Effect>) -> Vec<Runner> {
+        let causes: Vec<Cause> = set.causes.iter().copied().chain([cause]).collect();
+        let of_start = |start: Effect| {
+            let replaces = |effect: &Effect| start.form == Form::Delay && effect.form == Form::Delay;
+            let mut effects: Vec<Effect> =
+                set.fit.effects.iter().filter(|effect| !replaces(effect)).cloned().collect();
+            effects.push(start);
+            // Envelope and width of the baseline may have tried to be what the cause is: from their starts once more.
+            let mut anew = effects.clone();
+            lend(&Effect::nuisances(self.signals, WIDTHS[0]), &mut anew);
+            let afresh = self.afresh(set, &anew);
+            [effects, anew].into_iter().chain(afresh)
+        };
+        starts
+            .into_iter()
+            .flat_map(of_start)
+            .map(|effects| Runner { causes: causes.clone(), effects })
+            .collect()
+    }
+
+    /// A pair of fast causes from the starts of the first one: alone it has tried to be both.
+    fn afresh(&self, set: &Candidate, pair: &[Effect]) -> Vec<Vec<Effect>> {
+        let [cause] = set.causes[..] else { return Vec::new() };
+        let place = pair.len() - 2;
+        if !cause.is_fast() {
+            return Vec::new();
+        }
+        let is_near = |start: &Effect| {
+            start.form != Form::Delay || (DELAYS_S[0]..DELAYS_S[1]).contains(&start.parameters[0].value)
+        };
+        let anew = |start: Effect| {
+            let mut effects = pair.to_vec();
+            effects[place] = start;
+            effects
+        };
+        Effect::starts(cause, self.signals).into_iter().filter(is_near).map(anew).collect()
+    }
+
+    /// The sets of these starts, fitted and judged, the best first.
+    pub fn race(&self, runners: Vec<Runner>) -> Vec<Candidate> {
+        let heat = |Runner { causes, effects }| {
+            let mut descent = Descent::new(self.signals, &self.basis, effects)?;
+            descent.advance(HEAT);
+            Some((causes, descent))
+        };
+        let mut running: Vec<(Vec<Cause>, Descent<'_>)> = runners.into_par_iter().filter_map(heat).collect();
+        running.sort_by(|one, other| one.1.squares().total_cmp(&other.1.squares()));
+        let mut sets: Vec<(Vec<Cause>, usize)> = Vec::new();
+        running.retain(|(causes, _)| match sets.iter_mut().find(|(set, _)| is_same(set, causes)) {
+            Some((_, count)) => {
+                *count += 1;
+                *count <= FINISHERS
+            }
+            None => {
+                sets.push((causes.clone(), 1));
+                sets.len() <= SETS
+            }
+        });
+        let mut found: Vec<Candidate> = running
+            .into_par_iter()
+            .map(|(causes, descent)| self.candidate(causes, descent.finish()))
+            .collect();
+        let sort =
+            |found: &mut Vec<Candidate>| found.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
+        sort(&mut found);
+        // The same set may be reached by several ways: the best is kept.
+        let mut distinct: Vec<Candidate> = Vec::new();
+        for candidate in found {
+            if !distinct.iter().any(|other| is_same(&other.causes, &candidate.causes)) {
+                distinct.push(candidate);
+            }
+        }
+        self.borrow(&mut distinct);
+        sort(&mut distinct);
+        distinct
+    }
+
+    /// The sets after the best one from where its nuisances stand: a tie is not to be decided by those.
+    fn borrow(&self, sets: &mut [Candidate]) {
+        let Some((best, others)) = sets.split_first_mut() else { return };
+        others.par_iter_mut().take(BORROWERS).for_each(|set| {
+            let mut effects = set.fit.effects.clone();
+            lend(&best.fit.effects, &mut effects);
+            let other = fit(self.signals, &self.basis, &effects);
+            let other = other.map(|fit| self.candidate(set.causes.clone(), fit));
+            if let Some(other) = other.filter(|other| other.cost() < set.cost()) {
+                *set = other;
+            }
+        });
+    }
+}
+
+/// Puts the envelope and the width of one set into another.
+fn lend(from: &[Effect], to: &mut [Effect]) {
+    let lent = from.iter().filter(|effect| matches!(effect.form, Form::Envelope | Form::Width));
+    for nuisance in lent {
+        if let Some(standing) = to.iter_mut().find(|effect| effect.form == nuisance.form) {
+            *standing = nuisance.clone();
+        }
+    }
+}
+
+/// Whether the causes are the same, in whatever order.
+fn is_same(one: &[Cause], other: &[Cause]) -> bool {
+    one.len() == other.len() && one.iter().all(|cause| other.contains(cause))
+}

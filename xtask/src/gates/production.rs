@@ -1,0 +1,115 @@
+//! The tick of the unmodified production image, with everything it checks: from its interrupt's first instruction to the
+//! return of the function that writes the valve, and to its last; and the most stack that the image has used meanwhile.
+//!
+//! The references come over the image's link, one after the other as it acknowledges them, several ticks each: the memory of
+//! the plays takes the same course as with one a tick. The samples are put in by the debug stub ([`probe`]).
+//!
+//! # Limits
+//! What stands in for the read of the converter is 4 instructions; the function itself, which is not run here, has no loop,
+//! and all its instructions are added.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use firmware::law::{extended_parameters, paper_parameters};
+use firmware::{AdcCode, Samples, scaling};
+use model_core::{Mode, Surroundings};
+use probe::Production;
+use wire::{Configuration, Protection, Request, Response, VERSION};
+
+use super::bounds::Figure;
+use super::counted::{Cost, plugin_option, read_costs};
+use super::drive::Parameters;
+use super::elf::Image;
+use super::inputs::Sample;
+
+/// The interrupt of the tick.
+const TICK: &str = "SysTick";
+/// The function that reads the converter.
+const SCAN: &str = "adc_scan";
+/// The function that writes the valve.
+const WRITE: &str = "dac_write";
+/// The counter's name of the way from one to the other.
+const WAY: &str = "to_dac_write";
+/// The phases that ask the most of the controller.
+const PHASES: [&str; 2] = ["full reversals", "nested reversals"];
+/// A period of the tick. Unit: cycle of the core.
+const PERIOD_CYCLES: f64 = 168_000.0;
+
+/// Instructions of the dearest ticks with the paper's model, without extensions and with all, and bytes of stack.
+///
+/// # Errors
+/// The image does not start, track or answer.
+pub fn figures(image: &Image, plugin: &Path, samples: &[Sample]) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    let mut stack = 0;
+    for (title, parameters) in [
+        ("image stm32f405", paper_parameters()?),
+        ("image stm32f405, every extension", extended_parameters()?),
+    ] {
+        let (costs, used) = run(image, plugin, parameters, samples)?;
+        stack = stack.max(used);
+        for (way, Cost { calls, max, .. }) in
+            ["whole tick", "tick from interrupt to valve"].into_iter().zip(costs)
+        {
+            let most = max + image.function(SCAN)?.instructions as f64;
+            figures.push(Figure {
+                name: format!("{way} of the {title}, most instructions"),
+                value: most,
+                remark: format!(
+                    "in {calls} ticks; {:.2} % of 1 ms at 168 MHz, were each a cycle",
+                    100.0 * most / PERIOD_CYCLES
+                ),
+            });
+        }
+    }
+    figures.push(Figure {
+        name: "image stm32f405, most bytes of stack".to_owned(),
+        value: stack.into(),
+        remark: format!("of {}; beyond them is no memory", probe::STACK_BYTES),
+    });
+    Ok(figures)
+}
+
+/// Costs of tick and way to the valve, and bytes of stack.
+fn run(image: &Image, plugin: &Path, parameters: Parameters, samples: &[Sample]) -> Result<([Cost; 2], u32)> {
+    let results = image.path.with_extension("counts");
+    let (tick, write) = (image.function(TICK)?, image.function(WRITE)?);
+    let option = plugin_option(image, plugin, &[tick, write], Some([tick, write]), &results);
+    let options = ["-plugin".to_owned(), option];
+    let mut board = Production::start(&image.path, &[], &options)?;
+    board.tick(Some(converted(0.0)))?;
+    // What watches the plant is at work like the rest, but the plant is no muscle here.
+    demand(&mut board, &Request::Protect(Protection::SIMULATED))?;
+    demand(&mut board, &Request::Configure(Configuration { version: VERSION, tracking: parameters }))?;
+    demand(&mut board, &Request::Start(Mode::Both))?;
+    for sample in samples.iter().filter(|sample| PHASES.contains(&sample.phase)) {
+        board.tick(Some(converted(sample.contraction_mm)))?;
+        demand(&mut board, &Request::Reference(sample.reference_mm))?;
+    }
+    let stack = board.stack_bytes()?;
+    board.end()?;
+    let text = fs::read_to_string(&results).with_context(|| format!("no counts in {}", results.display()))?;
+    let [tick, _, way] = read_costs(&text, &[TICK, WRITE, WAY])?[..] else {
+        bail!("counts are missing: {text}")
+    };
+    Ok(([tick, way], stack))
+}
+
+fn converted(contraction_mm: f32) -> Samples {
+    Samples {
+        pressure: AdcCode(scaling::PRESSURE.code(0.0)),
+        contraction: AdcCode(scaling::CONTRACTION.code(contraction_mm)),
+        supply: AdcCode(scaling::SUPPLY.code(8.0)),
+        temperature: AdcCode(scaling::TEMPERATURE.code(25.0)),
+        // The board measures neither.
+        surroundings: Surroundings::default(),
+    }
+}
+
+fn demand(board: &mut Production, request: &Request) -> Result<()> {
+    let response = board.request(request)?;
+    ensure!(response == Response::Accepted, "the production image answers {response:?} to {request:?}");
+    Ok(())
+}

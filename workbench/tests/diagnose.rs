@@ -60,6 +60,22 @@ fn an_input_that_does_not_move_is_refused() {
 }
 
 #[test]
+fn the_page_says_what_the_command_says_and_needs_nothing_from_outside() {
+    let bench = bench();
+    let said = bench.succeeds("diagnose rec.csv --report d.html");
+    let page = bench.read("d.html");
+    let sentence = said.lines().nth(1).expect("a sentence");
+    assert!(page.contains(&format!("<p class=\"verdict\">{sentence}</p>")), "{sentence}");
+    for judged in said.lines().filter_map(|line| line.strip_prefix("not examined  ")) {
+        let (cause, why) = judged.split_once(": ").expect("a reason");
+        assert!(page.contains(&format!("<dt>{cause}</dt>")) && page.contains(why), "{judged}");
+    }
+    for foreign in ["<script ", "<link", "<img", "url(", "src="] {
+        assert!(!page.contains(foreign), "{foreign}");
+    }
+}
+
+#[test]
 fn an_existing_diagnosis_is_kept_unless_forced() {
     let bench = bench();
     bench.write("d.json", "mine");

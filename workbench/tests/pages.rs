@@ -8,6 +8,10 @@ mod common;
 use std::process::Command;
 
 use common::{Bench, recording};
+use model_core::Surroundings;
+use workbench::pil::lock_step::{Measurement, Run, Sample};
+use workbench::pil::results;
+use workbench::report::tracked;
 
 /// The browsers that will do.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
@@ -25,7 +29,7 @@ fn every_report_is_whole_on_a_desk_and_on_a_phone() {
     let bench = Bench::new();
     recording(&bench, "rec.csv");
     late(&bench, "rec.csv", "late.csv");
-    log(&bench, "log.csv");
+    bench.write("log.csv", results::log(&run()));
     for (report, command) in [
         ("identified.html", "identify rec.csv -o model.toml --starts 2 --report"),
         ("compared.html", "compare rec.csv -o c.csv --models sgpi,mgpi --sizes 3/3 --starts 2 --report"),
@@ -34,11 +38,35 @@ fn every_report_is_whole_on_a_desk_and_on_a_phone() {
         ("figures.html", "report --model paper.toml --recording rec.csv --log log.csv -o"),
     ] {
         bench.succeeds(&format!("{command} {report}"));
-        for width in WIDTHS {
-            let faults = faults(&bench, browser, report, width);
-            assert!(faults.is_empty(), "{report} at {width} pixels: {faults}");
-        }
+        assert_whole(&bench, browser, report);
     }
+    let run = run();
+    let runs = [("tracking", &run), ("feedforward_only", &run), ("feedback_only", &run)];
+    bench.write("tracked.html", tracked::to_html(&runs, 120.0, "A made-up run"));
+    assert_whole(&bench, browser, "tracked.html");
+}
+
+/// Looks at a report at every width.
+fn assert_whole(bench: &Bench, browser: &str, report: &str) {
+    for width in WIDTHS {
+        let faults = faults(bench, browser, report, width);
+        assert!(faults.is_empty(), "{report} at {width} pixels: {faults}");
+    }
+}
+
+/// A run of a muscle that stays half a millimetre behind.
+fn run() -> Run {
+    let sample = |tick: u32| {
+        let time_s = f64::from(tick) / 1000.0;
+        let reference_mm = 60.0 * (1.0 - (6.3 * time_s).cos());
+        let measured = Measurement {
+            pressure_bar: reference_mm / 40.0,
+            contraction_mm: reference_mm - 0.5,
+            surroundings: Surroundings::default(),
+        };
+        Sample { time_s, reference_mm, measured, command_bar: 2.0, feedforward_bar: 2.0, feedback_bar: 0.0 }
+    };
+    Run { samples: (0..1000).map(sample).collect(), overruns: 0 }
 }
 
 /// The recording, of a muscle that is late by 0.3 s.
@@ -50,19 +78,6 @@ fn late(bench: &Bench, from: &str, to: &str) {
         late += &format!("{},{},{}\n", fields[0], fields[1], rows[row.saturating_sub(6)][2]);
     }
     bench.write(to, late);
-}
-
-/// The log of a muscle that stays half a millimetre behind.
-fn log(bench: &Bench, name: &str) {
-    let mut text =
-        "time_s,reference_mm,contraction_mm,pressure_bar,command_bar,feedforward_bar,feedback_bar\n"
-            .to_owned();
-    for tick in 0..1000 {
-        let time_s = f64::from(tick) / 1000.0;
-        let reference_mm = 60.0 * (1.0 - (6.3 * time_s).cos());
-        text += &format!("{time_s},{reference_mm},{},2,2,2,0\n", reference_mm - 0.5);
-    }
-    bench.write(name, text);
 }
 
 /// What is wrong with a page at a width; empty if nothing is.

@@ -145,7 +145,7 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
     let recording = Recording::of(&table, choice)?;
     let Recording { drive, output } = &recording;
     let column = |name: &str| table.column(name).map(<[f64]>::to_vec);
-    let input_is_command = drive.input.channel.name == "command_bar";
+    let input_is_command = drive.input.channel.name.starts_with("command");
     let columns = Columns {
         command: if input_is_command { None } else { column("command_bar") },
         load_n: column("load_n"),

@@ -70,12 +70,11 @@ pub fn examinable(excitation: &Excitation, valve: ValveView<'_>, unit: &str) -> 
     Cause::ALL.map(judge).to_vec()
 }
 
-/// Causes that are examinable each, and not to be told apart: at one speed a delay and every lag shift the loop by the
-/// same. None or several.
+/// Causes that show, and not apart: at one speed a delay and a lag shift the loop by the same.
 pub fn inseparable(judged: &[Examinable], excitation: &Excitation) -> Vec<Cause> {
     let alike = [Cause::TransportDelay, Cause::ValveLag, Cause::ViscousLag];
-    let shown = |cause: &Cause| judged.iter().any(|judged| judged.cause == *cause && judged.examinable);
-    let causes: Vec<Cause> = alike.into_iter().filter(shown).collect();
+    let shown = judged.iter().filter(|judged| judged.examinable && alike.contains(&judged.cause));
+    let causes: Vec<Cause> = shown.map(|judged| judged.cause).collect();
     if excitation.speed_ratio < SPEED_RATIO && causes.len() > 1 { causes } else { Vec::new() }
 }
 

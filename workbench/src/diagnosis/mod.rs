@@ -175,7 +175,9 @@ pub fn diagnose_and_extend(
         let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
         extend(columns, search, best, valve, given, &progress)
     })?;
-    let measured = extended.as_ref().and_then(extend::physical::parameters).unwrap_or_default();
+    // A model that gains nothing has nothing to say about them.
+    let gaining = extended.as_ref().filter(|extended| extended.extended_rmse < extended.baseline_rmse);
+    let measured = gaining.and_then(extend::physical::parameters).unwrap_or_default();
     for (cause, parameters) in measured {
         if let Some(named) = diagnosis.causes.iter_mut().find(|named| named.cause == cause) {
             named.parameters = parameters;

@@ -45,6 +45,8 @@ use refine::Task;
 
 /// The share of the scored rows that the compared models are fitted to.
 const TAUGHT: f64 = 2.0 / 3.0;
+/// An extended model with more than this share of the plain one's error is tried from another start too.
+const LITTLE: f64 = 0.5;
 
 /// An operator.
 #[derive(Clone, Debug)]
@@ -170,7 +172,10 @@ pub fn extend(
     let mut extended = if set.causes.is_empty() {
         Extension { extensions, ..plain.clone() }
     } else {
-        before.refined(start::operator(&start::Seen::of(search, set), taught)?.with(extensions))?.0
+        let found = before
+            .refined(start::operator(&start::Seen::of(search, set), taught)?.with(extensions.clone()))?
+            .0;
+        nearer(&before, found, &plain, extensions)?
     };
     let given = match given {
         None => None,
@@ -211,6 +216,24 @@ pub fn extend(
         given,
         valve_is_named,
     })
+}
+
+/// A refined model with extensions, or, where it gains little over the plain one, whichever is better of it and the plain
+/// operator with the same extensions, refined: what the operators see in the search is not always a good beginning.
+fn nearer(
+    task: &Task<'_>,
+    found: Extension,
+    plain: &Extension,
+    extensions: ExtensionParameters<f64>,
+) -> Option<Extension> {
+    let reached = task.rms(&found)?;
+    if reached < LITTLE * task.rms(plain)? {
+        return Some(found);
+    }
+    let other = task.refined(Extension { extensions, ..plain.clone() });
+    let other =
+        other.map(|(other, _)| other).filter(|other| task.rms(other).is_some_and(|rms| rms < reached));
+    Some(other.unwrap_or(found))
 }
 
 #[cfg(test)]

@@ -12,16 +12,15 @@ use crate::diagnosis::effect::Driver;
 use crate::diagnosis::physical::{self, Loop, Parameters};
 use crate::identification::{HostModel, simulate};
 
-/// The parameters of the muscle's effects, but those of a rate-dependent width: the search measures that in the thresholds,
-/// where it is defined, and the model has it beside them. None where there is no loop to take them from.
+/// The parameters of the muscle's effects that show in motion: a model that runs free is not misled by the noise of
+/// measured rates. Those of load and temperature, and of a width, the search measures where they are defined, on the
+/// contraction and in the thresholds. None where there is no loop to take them from.
 pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
     let parameters = &extended.model.parameters;
     let model = HostModel::try_new(parameters).ok()?;
     let turn = Loop::new(parameters.input(), |input| simulate(&model, input));
     let ExtensionParameters {
         transport_delay,
-        load,
-        temperature,
         warm_up,
         viscous_lag,
         inertia,
@@ -34,20 +33,11 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
     if let Some(delay) = transport_delay {
         all.push((Cause::TransportDelay, vec![("delay_s", delay.delay_s)]));
     }
-    let moved = |cause, driver, lambda: f64, offset: &ProfileParameters<f64>| {
-        let changes: Vec<f64> =
-            offset.knots.iter().zip(&offset.values).map(|(&knot, value)| -value * turn.slope(knot)).collect();
-        physical::moved(&offset.knots, cause, driver, lambda, &changes)
-    };
-    if let Some(load) = load {
-        all.push((Cause::Load, moved(Cause::Load, Driver::Load, 0.0, &load.offset)));
-    }
-    if let Some(schedule) = temperature {
-        let parameters = moved(Cause::Temperature, Driver::Temperature, 0.0, &schedule.offset);
-        all.push((Cause::Temperature, parameters));
-    }
     if let Some(warm_up) = warm_up {
-        let parameters = moved(Cause::WarmUp, Driver::WarmUp, warm_up.travel.ln(), &warm_up.offset);
+        let ProfileParameters { knots, values } = &warm_up.offset;
+        let changes: Vec<f64> =
+            knots.iter().zip(values).map(|(&knot, value)| -value * turn.slope(knot)).collect();
+        let parameters = physical::moved(knots, Cause::WarmUp, Driver::WarmUp, warm_up.travel.ln(), &changes);
         all.push((Cause::WarmUp, parameters));
     }
     // At mid stroke, times the slope there.

@@ -61,7 +61,7 @@ fn a_model_of_the_recordings_class_comes_out_best() {
     for text in ["Loops of mgpi 10/10", "Loops of sgpi 10", "Root mean square error (mm)", "held out"] {
         assert!(page.contains(text), "{text} is missing");
     }
-    assert_eq!(page.matches("role=\"img\"").count(), 5);
+    assert_eq!(page.matches("role=\"img\"").count(), 4);
 }
 
 #[test]

@@ -42,7 +42,8 @@ pub fn mgpi() -> Command {
 /// # Errors
 /// When cargo fails, or the verdicts stay under their bounds.
 pub fn game(arguments: &[String]) -> Result<()> {
-    build()?;
+    // The game starts the `mgpi` that stands beside it.
+    run::succeed(&mut run::cargo(&["build", "--package", "workbench", "--bin", "mgpi"]))?;
     let game = ["run", "--package", "host-tests", "--bin", "game", "--"];
     run::succeed(run::cargo(&game).args(arguments))
 }

@@ -16,7 +16,7 @@ const FINISHERS: usize = 3;
 const SETS: usize = 8;
 /// Sets, beside the best one, that are tried with its nuisances.
 const BORROWERS: usize = 2;
-/// Delays that a pair begins from. Unit: s.
+/// Delays that a pair begins from lie from the first to below the second. Unit: s.
 const DELAYS_S: [f64; 2] = [0.03, 0.2];
 
 /// A set of causes at a start.

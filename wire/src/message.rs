@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::{CaptureOrder, Captured, Fault, FaultRecord, Protection, Telemetry};
 
 /// Version of the messages. Raised with every change that the other side would misread.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// The largest number of plays that a board takes.
 pub const PLAYS: usize = 32;
 /// The largest number of dead zones that a board takes.
@@ -182,7 +182,7 @@ pub enum Refusal {
 /// The samples of one tick: what the board's ADC would have read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TickRequest {
-    /// For a model with a delay, the one that is due after it. Unit: mm.
+    /// Of the next tick; for a model with a delay, the one that is due after it. Unit: mm.
     pub reference_mm: f32,
     /// Pressure. Unit: ADC code.
     pub pressure_code: u16,

@@ -4,8 +4,8 @@ use model_core::cascade::CascadeParameters;
 use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters, PiecewiseLinearParameters};
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentWidthParameters, ScheduleParameters, SupplySaturationParameters, TransportDelayParameters,
-    ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+    RateDependentWidthParameters, ScheduleParameters, Sites, SupplySaturationParameters,
+    TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
 };
 use model_core::pid::PidParameters;
 use model_core::tracking::{Command, Prepared};
@@ -97,6 +97,7 @@ pub fn extended_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES
             phase_rad: 1.0,
             compensated: true,
         }),
+        sites: Sites::default(),
     };
     Ok(TrackingParameters { extensions, ..paper_parameters()? })
 }

@@ -6,7 +6,7 @@ mod common;
 mod effects;
 
 use common::{Parameters, SIZE as CAPACITY, cascades, history};
-use effects::{EXACT, Effect, Extensions, LOSSY, PERIOD_S, SIZE, muscle, profile, together};
+use effects::{ELSEWHERE, EXACT, Effect, Extensions, LOSSY, PERIOD_S, SIZE, muscle, profile, together};
 use model_core::extension::transport_delay::DELAY_SAMPLES;
 use model_core::extension::{
     CreepParameters, DeadbandForm, PeriodicDisturbanceParameters, ProfileParameters, Sample,
@@ -197,7 +197,7 @@ fn creep_over_a_thousand_seconds_and_drift_lose_nothing_in_single_precision() {
 
 /// Any set of effects.
 fn effects() -> impl Strategy<Value = Extensions> {
-    let list: Vec<Effect> = EXACT.into_iter().chain(LOSSY).collect();
+    let list: Vec<Effect> = EXACT.into_iter().chain(ELSEWHERE).chain(LOSSY).collect();
     let count = list.len();
     prop::sample::subsequence(list, 0..=count).prop_map(|set| together(&set))
 }
@@ -242,7 +242,7 @@ proptest! {
     #[test]
     fn forward_of_inverse_is_exact_for_any_set_of_effects(
         parameters in cascades(), shares in history(),
-        set in prop::sample::subsequence(EXACT.to_vec(), 0..=EXACT.len()),
+        set in prop::sample::subsequence([EXACT.as_slice(), &ELSEWHERE].concat(), 0..=EXACT.len()),
     ) {
         let extensions = Extensions { transport_delay: None, ..together(&set) };
         let model = ExtendedModel::<f64, CAPACITY, CAPACITY>::try_new(&parameters, &extensions).expect("valid");

@@ -99,8 +99,9 @@ mod tests {
     use model_core::envelope::{EnvelopeParameters, KNOTS, PiecewiseLinearParameters};
     use model_core::extension::{
         CreepParameters, DeadbandForm, DriftParameters, ExtensionParameters, PeriodicDisturbanceParameters,
-        ProfileParameters, RateDependentWidthParameters, ScheduleParameters, SupplySaturationParameters,
-        TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+        ProfileParameters, RateDependentWidthParameters, ScheduleParameters, Sites,
+        SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
+        WarmUpParameters,
     };
     use model_core::memoryless::MemorylessParameters;
     use model_core::pid::PidParameters;
@@ -202,6 +203,7 @@ mod tests {
                 phase_rad: number,
                 compensated: true,
             }),
+            sites: Sites::default(),
         }
     }
 

@@ -66,19 +66,72 @@ phase_rad = 1.0
 compensated = true
 "#;
 
+/// What acts on the other side of the hysteresis than usual.
+const ELSEWHERE: &str = r#"
+[extensions.load]
+acts_on = "contraction"
+reference_n = 20.0
+knots_mm = [10.0, 60.0, 110.0]
+offset_mm_per_n = [0.1, 0.2, 0.4]
+
+[extensions.temperature]
+acts_on = "contraction"
+reference_c = 25.0
+knots_mm = [0.0]
+offset_mm_per_k = [-0.1]
+
+[extensions.warm_up]
+acts_on = "contraction"
+travel_mm = 300.0
+knots_mm = [10.0, 110.0]
+offset_mm = [3.0, 1.0]
+
+[extensions.viscous_lag]
+acts_on = "contraction"
+knots_mm = [0.0]
+viscosity_s = [0.05]
+
+[extensions.inertia]
+acts_on = "contraction"
+knots_mm = [60.0]
+inertia_s2 = [0.0004]
+
+[extensions.creep]
+acts_on = "pressure"
+time_constants_s = [0.1, 1.0, 10.0]
+fractions = [0.02, 0.03, 0.03]
+"#;
+
 fn with_extensions(extensions: &str) -> String {
     format!("{PAPER}\n{extensions}")
 }
 
 #[test]
 fn every_extension_is_written_as_it_was_read() {
+    assert_written_as_read(EXTENSIONS);
+}
+
+#[test]
+fn an_extension_on_the_other_side_of_the_hysteresis_is_written_as_it_was_read() {
+    assert_written_as_read(ELSEWHERE);
+}
+
+#[test]
+fn a_strength_in_the_unit_of_the_other_side_is_refused() {
     let bench = Bench::new();
-    bench.write("model.toml", with_extensions(EXTENSIONS));
+    bench.write("bad.toml", with_extensions(&ELSEWHERE.replace("viscosity_s =", "viscosity_bar_s_per_mm =")));
+    let error = ModelFile::read(&bench.path("bad.toml")).expect_err("invalid").to_string();
+    assert!(error.contains("[extensions.viscous_lag] viscosity_s: missing"), "{error}");
+}
+
+fn assert_written_as_read(extensions: &str) {
+    let bench = Bench::new();
+    bench.write("model.toml", with_extensions(extensions));
     let file = ModelFile::read(&bench.path("model.toml")).expect("valid");
     let written = file.to_toml();
     // Every table with every key, as it stands above.
     let found: Vec<&str> = written.lines().skip_while(|line| !line.starts_with("[extensions.")).collect();
-    let given: Vec<&str> = EXTENSIONS.trim().lines().collect();
+    let given: Vec<&str> = extensions.trim().lines().collect();
     let plain = |line: &&str| line.replace("3e-5", "0.00003");
     assert_eq!(found.iter().map(plain).collect::<Vec<_>>(), given.iter().map(plain).collect::<Vec<_>>());
     let again = ModelFile::read(bench.write("again.toml", &written).path("again.toml").as_path());

@@ -1,4 +1,5 @@
-//! The effects on the balance of forces, as an equivalent input: what pressure they take from the operator.
+//! The effects on the balance of forces, as an equivalent input: what pressure they take from the operator. And the same
+//! behind it: what contraction.
 //!
 //! pressure = u + Σ hᵢ(y) dᵢ, with u the operator's input, y its output, hᵢ the profile of an effect and dᵢ what drives
 //! it. Before y is known a driver is constant + gain * (how far y moves): one form, [`Term`], for what is measured (load,
@@ -6,7 +7,7 @@
 //! on u itself.
 //!
 //! Model and inverse use the same [`Present`]: the inverse knows u and y and adds, the model searches the u for which
-//! the sum is the pressure.
+//! the sum is the pressure. Behind the operator its output takes the place of the pressure, and the contraction y that of u.
 
 use crate::error::ParameterError;
 use crate::real::Real;
@@ -19,7 +20,7 @@ use super::schedule::Schedule;
 use super::sum::Sum;
 use super::viscous_lag::ViscousLag;
 use super::warm_up::WarmUp;
-use super::{ExtensionParameters, Surroundings, each};
+use super::{ExtensionParameters, Site, Sites, Surroundings, each};
 
 /// An effect at a sample: a profile times what drives it.
 #[derive(Clone, Copy, Debug)]
@@ -67,17 +68,24 @@ pub(super) struct Present<'a, T> {
 }
 
 impl<T: Real> Balance<T> {
-    /// None without effects.
-    pub(super) fn try_new(parameters: &ExtensionParameters<T>) -> Result<Option<Self>, ParameterError> {
+    /// Those at a site; None without effects.
+    pub(super) fn try_new(
+        parameters: &ExtensionParameters<T>,
+        site: Site,
+    ) -> Result<Option<Self>, ParameterError> {
+        let Sites { load, temperature, warm_up, viscous_lag, inertia, .. } = parameters.sites;
+        let schedule = |name| move |schedule: &_| Schedule::try_new(schedule, name);
         let balance = Self {
-            load: each(&parameters.load, |load| Schedule::try_new(load, "load"))?,
-            temperature: each(&parameters.temperature, |schedule| {
-                Schedule::try_new(schedule, "temperature")
-            })?,
-            warm_up: each(&parameters.warm_up, WarmUp::try_new)?,
-            viscous_lag: each(&parameters.viscous_lag, ViscousLag::try_new)?,
-            inertia: each(&parameters.inertia, Inertia::try_new)?,
-            rate_dependent_width: each(&parameters.rate_dependent_width, RateDependentWidth::try_new)?,
+            load: here(load == site, &parameters.load, schedule("load"))?,
+            temperature: here(temperature == site, &parameters.temperature, schedule("temperature"))?,
+            warm_up: here(warm_up == site, &parameters.warm_up, WarmUp::try_new)?,
+            viscous_lag: here(viscous_lag == site, &parameters.viscous_lag, ViscousLag::try_new)?,
+            inertia: here(inertia == site, &parameters.inertia, Inertia::try_new)?,
+            rate_dependent_width: here(
+                site == Site::Pressure,
+                &parameters.rate_dependent_width,
+                RateDependentWidth::try_new,
+            )?,
         };
         let none = Self {
             load: None,
@@ -136,6 +144,15 @@ impl<T: Real> Balance<T> {
         let width = width.map(|(width, step)| width.at(step, &memory.width));
         Present { terms, width, velocity, acceleration, step, memory }
     }
+}
+
+/// What becomes of the parameters of an effect, if it is there and here.
+fn here<P, Q>(
+    is_here: bool,
+    parameters: &Option<P>,
+    become_of: impl Fn(&P) -> Result<Q, ParameterError>,
+) -> Result<Option<Q>, ParameterError> {
+    if is_here { each(parameters, become_of) } else { Ok(None) }
 }
 
 impl<T: Real> Present<'_, T> {

@@ -1,5 +1,7 @@
 //! Creep: a part of every move comes late, over decades of time.
 //!
+//! Of the contraction, or, before the hysteresis, of the pressure: what follows is said of the first.
+//!
 //! y = y₀ - Σ cₖ dₖ, where dₖ = y₀ - (y₀ through a first-order low-pass of time constant τₖ): Kelvin-Voigt elements on a
 //! logarithmic grid. Between samples y₀ is taken to move evenly: of second order.
 //!
@@ -14,8 +16,8 @@ use crate::convert;
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
-use super::relaxation;
 use super::sum::Sum;
+use super::{ExtensionParameters, Site, each, relaxation};
 
 /// The most elements.
 pub const CREEP_ELEMENTS: usize = 6;
@@ -97,6 +99,19 @@ impl<T: Real> Creep<T> {
             return Err(Check::new("sum of creep fractions", "").error(sum.to_f64(), Requirement::Below(1.0)));
         }
         Ok(Self { parameters: parameters.clone() })
+    }
+
+    /// The creep that acts at a site.
+    pub(super) fn try_at(
+        parameters: &ExtensionParameters<T>,
+        site: Site,
+    ) -> Result<Option<Self>, ParameterError> {
+        if parameters.sites.creep == site { each(&parameters.creep, Self::try_new) } else { Ok(None) }
+    }
+
+    /// For the first sample: the muscle has crept to its end.
+    pub(super) fn first(&self) -> CreepStep<T> {
+        self.step(T::INFINITY)
     }
 
     pub(super) fn step(&self, dt: T) -> CreepStep<T> {

@@ -1,17 +1,20 @@
-//! The three groups of effects with their steps of time and memories, as model and inverse share them.
+//! The groups of effects with their steps of time and memories, as model and inverse share them.
 
 use crate::error::ParameterError;
 use crate::real::Real;
 
-use super::ExtensionParameters;
 use super::balance::{Balance, BalanceMemory, BalanceStep};
+use super::creep::{Creep, CreepMemory, CreepStep};
 use super::output::{OutputEffects, OutputMemory, OutputStep};
 use super::valve::{Valve, ValveMemory, ValveStep};
+use super::{ExtensionParameters, Site};
 
 /// The validated effects, but for the delay.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Effects<T> {
     pub(super) valve: Option<Valve<T>>,
+    /// Of the pressure.
+    pub(super) creep: Option<Creep<T>>,
     pub(super) balance: Option<Balance<T>>,
     pub(super) output: Option<OutputEffects<T>>,
 }
@@ -20,6 +23,7 @@ pub(super) struct Effects<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EffectsStep<T> {
     pub(super) valve: ValveStep<T>,
+    pub(super) creep: Option<CreepStep<T>>,
     pub(super) balance: Option<BalanceStep<T>>,
     pub(super) output: Option<OutputStep<T>>,
 }
@@ -28,6 +32,9 @@ pub(super) struct EffectsStep<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EffectsMemory<T> {
     pub(super) valve: ValveMemory<T>,
+    pub(super) creep: CreepMemory<T>,
+    /// The pressure that creeps. Input unit.
+    pub(super) felt: T,
     pub(super) balance: BalanceMemory<T>,
     pub(super) output: Option<OutputMemory<T>>,
     /// The operator's input. Input unit.
@@ -37,25 +44,32 @@ pub(super) struct EffectsMemory<T> {
 }
 
 impl<T: Real> Effects<T> {
-    pub(super) fn try_new(parameters: &ExtensionParameters<T>) -> Result<Self, ParameterError> {
+    /// `outputs`: the operator's lowest and highest.
+    pub(super) fn try_new(
+        parameters: &ExtensionParameters<T>,
+        outputs: (T, T),
+    ) -> Result<Self, ParameterError> {
         Ok(Self {
             valve: Valve::try_new(parameters)?,
-            balance: Balance::try_new(parameters)?,
-            output: OutputEffects::try_new(parameters)?,
+            creep: Creep::try_at(parameters, Site::Pressure)?,
+            balance: Balance::try_new(parameters, Site::Pressure)?,
+            output: OutputEffects::try_new(parameters, outputs)?,
         })
     }
 
     /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
-        self.valve.is_none() && self.balance.is_none() && self.output.is_none()
+        let Self { valve, creep, balance, output } = self;
+        valve.is_none() && creep.is_none() && balance.is_none() && output.is_none()
     }
 
     /// For a step of `dt` after one of `before`.
     pub(super) fn step(&self, dt: T, before: T) -> EffectsStep<T> {
         EffectsStep {
             valve: self.valve.as_ref().map_or(ValveStep::First, |valve| valve.step(dt)),
+            creep: self.creep.as_ref().map(|creep| creep.step(dt)),
             balance: self.balance.as_ref().map(|balance| balance.step(dt, before)),
-            output: self.output.as_ref().map(|output| output.step(dt)),
+            output: self.output.as_ref().map(|output| output.step(dt, before)),
         }
     }
 
@@ -63,6 +77,7 @@ impl<T: Real> Effects<T> {
     pub(super) fn first(&self) -> EffectsStep<T> {
         EffectsStep {
             valve: ValveStep::First,
+            creep: self.creep.as_ref().map(Creep::first),
             balance: self.balance.as_ref().map(Balance::first),
             output: self.output.as_ref().map(OutputEffects::first),
         }
@@ -72,8 +87,10 @@ impl<T: Real> Effects<T> {
     pub(super) fn resting(&self, u: T, y0: T, time_s: T) -> EffectsMemory<T> {
         EffectsMemory {
             valve: ValveMemory::resting(u),
+            creep: CreepMemory::resting(),
+            felt: u,
             balance: Balance::resting(u),
-            output: self.output.as_ref().map(|output| output.resting(time_s)),
+            output: self.output.as_ref().map(|output| output.resting(y0, time_s)),
             u,
             y0,
         }

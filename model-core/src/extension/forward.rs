@@ -54,6 +54,8 @@ pub struct ExtendedModel<T, const N: usize, const M: usize> {
     delay_s: Option<T>,
     /// Of the root. Input unit.
     tolerance: T,
+    /// Of that behind the operator. Output unit.
+    output_tolerance: T,
 }
 
 /// What an extended model remembers.
@@ -82,9 +84,11 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
         let model = Model::try_new(parameters)?;
         let range = model.input_range();
         let tolerance = T::from_f64(TOLERANCE).at_least(T::from_f64(4.0) * T::EPSILON);
+        let (lowest, highest) = model.output_range();
         Ok(Self {
             tolerance: tolerance * (range.max() - range.min()),
-            effects: Effects::try_new(extensions)?,
+            output_tolerance: tolerance * (highest - lowest),
+            effects: Effects::try_new(extensions, (lowest, highest))?,
             delay_s: each(&extensions.transport_delay, TransportDelayParameters::checked)?,
             model,
         })
@@ -138,8 +142,9 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             Some(delay_s) => state.line.step(delay_s, dt_s, pressure),
             None => pressure,
         };
-        let moved = self.operate(state, felt, &surroundings);
-        Ok(Output { pressure, contraction: self.output(state, moved) })
+        let crept = self.creep(state, felt);
+        self.operate(state, crept, &surroundings);
+        Ok(Output { pressure, contraction: self.output(state, &surroundings) })
     }
 
     /// Makes the coefficients those of a step of `dt_s`, unless they are.
@@ -154,13 +159,23 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
         state.has_begun = true;
     }
 
-    /// Drives the operator with a pressure, and answers how far its output moves.
-    fn operate(&self, state: &mut ExtendedState<T, N>, pressure: T, surroundings: &Surroundings<T>) -> T {
+    /// The pressure that the muscle follows at once.
+    fn creep(&self, state: &mut ExtendedState<T, N>, felt: T) -> T {
+        let EffectsMemory { creep: memory, felt: last, .. } = &mut state.effects;
+        let Some(creep) = &state.step.creep else { return felt };
+        let moved = felt - *last;
+        let crept = creep.output(memory, felt, moved);
+        creep.keep(memory, moved);
+        *last = felt;
+        crept
+    }
+
+    /// Drives the operator with a pressure.
+    fn operate(&self, state: &mut ExtendedState<T, N>, pressure: T, surroundings: &Surroundings<T>) {
         let ExtendedState { operator, trial, effects, slope, step, .. } = state;
         let (Some(balance), Some(step)) = (&self.effects.balance, &step.balance) else {
-            let before = effects.y0;
             effects.y0 = self.output_at(operator, pressure);
-            return effects.y0 - before;
+            return;
         };
         let pressure = self.model.input_range().extrapolated(pressure);
         let present = balance.at(step, &effects.balance, surroundings);
@@ -174,9 +189,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             });
             operator.copy_from(trial);
         }
-        let moved = effects.y0 - y0;
-        effects.balance = present.remembered((effects.u, effects.u - u0), moved);
-        moved
+        effects.balance = present.remembered((effects.u, effects.u - u0), effects.y0 - y0);
     }
 
     /// A step of the operator, whose input is finite.
@@ -184,13 +197,13 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
         self.model.step(operator, u).unwrap_or(T::ZERO)
     }
 
-    /// The output where the operator's output has moved.
-    fn output(&self, state: &mut ExtendedState<T, N>, moved: T) -> T {
+    /// The contraction where the operator's output is.
+    fn output(&self, state: &mut ExtendedState<T, N>, surroundings: &Surroundings<T>) -> T {
         let EffectsMemory { output: memory, y0, .. } = &mut state.effects;
         match (&self.effects.output, &state.step.output, memory) {
             (Some(output), Some(step), Some(memory)) => {
-                let contraction = step.output(memory, *y0, moved);
-                step.keep(memory, moved);
+                let tolerance = self.output_tolerance;
+                let contraction = output.contraction(step, memory, *y0, surroundings, tolerance);
                 contraction + output.zero(step, memory)
             }
             _ => *y0,

@@ -1,11 +1,12 @@
 //! The inverse of the extended model: from a wanted contraction to the command, at a fixed period.
 //!
 //! ```text
-//! wanted ─▶ drift⁻¹, tone⁻¹, creep⁻¹ ─▶ y₀ ─▶ operator⁻¹ ─▶ u ─▶ + what the effects take ─▶ pressure ─▶ valve⁻¹ ─▶ command
+//! wanted ─▶ drift⁻¹, tone⁻¹, creep⁻¹ ─▶ + what the effects take ─▶ y₀ ─▶ operator⁻¹ ─▶ u
+//!      u ─▶ + what the effects take ─▶ creep⁻¹ ─▶ pressure ─▶ valve⁻¹ ─▶ command
 //! ```
 //!
 //! Each step is explicit. What the inverse remembers is what can be reached: the operator's end where the wanted
-//! contraction is beyond it, the pressure of a valve that got the limited command.
+//! contraction is beyond it, the pressure of a valve that got the limited command, the creep of a limited pressure.
 //!
 //! # Delay
 //! The answer acts a delay later. So the wanted contraction is that of the present plus the delay, and drift and tone are
@@ -63,7 +64,7 @@ struct CompensationState<T> {
 
 impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
     /// `period_s`: time from sample to sample, s, above 0. `limits`: the commands that there are, input unit; only a
-    /// compensated valve is held to them here.
+    /// compensated valve and creep of the pressure are held to them here.
     ///
     /// # Errors
     /// The first parameter that no inverse can be made of; a supply that is not above the lowest command.
@@ -75,7 +76,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
     ) -> Result<Self, ParameterError> {
         let period_s = Check::new("period_s", "s").above(period_s, T::ZERO)?;
         let model = Model::try_new(parameters)?;
-        let effects = Effects::try_new(&extensions.compensated())?;
+        let effects = Effects::try_new(&extensions.compensated(), model.output_range())?;
         let delay_s = each(&extensions.transport_delay, TransportDelayParameters::checked)?;
         let highest = effects.valve.as_ref().map_or(limits.1, |valve| valve.supplied(limits.1));
         let limits = Range::try_new(limits.0, highest, "command range", "bar")?;
@@ -157,28 +158,40 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
         let Compensation { effects, first, step, .. } = compensation;
         let step = if state.has_begun { step } else { first };
         state.has_begun = true;
-        let EffectsMemory { valve, balance, output, u: last_u, y0: last_y0 } = &mut state.effects;
+        let EffectsMemory { valve, creep, felt, balance, output, u: last_u, y0: last_y0 } =
+            &mut state.effects;
 
-        let mut y0 = wanted;
-        if let (Some(effects), Some(step), Some(memory)) = (&effects.output, &step.output, &mut *output) {
-            let zero = effects.zero(step, memory);
-            y0 = step.y0(memory, *last_y0, wanted - zero);
-        }
-        let u = self.operator.step(operator, y0)?;
-        if u <= self.input_range.min() || u >= self.input_range.max() {
-            y0 = self.operator.last_output(operator);
-        }
+        let mut operate = |y0: T| -> Result<(T, T), InputError> {
+            let u = self.operator.step(operator, y0)?;
+            let is_end = u <= self.input_range.min() || u >= self.input_range.max();
+            Ok((u, if is_end { self.operator.last_output(operator) } else { y0 }))
+        };
+        let (u, y0) = match (&effects.output, &step.output, output) {
+            (Some(effects), Some(step), Some(memory)) => {
+                let zero = effects.zero(step, memory);
+                let aim = effects.aim(step, memory, wanted - zero, surroundings);
+                let (u, y0) = operate(aim.y0)?;
+                let last = memory.balanced();
+                let (y1, balance) = aim.reached(last, y0);
+                step.keep(memory, y1, y1 - last, balance);
+                (u, y0)
+            }
+            _ => operate(wanted)?,
+        };
         let (pushed, moved) = (u - *last_u, y0 - *last_y0);
         (*last_u, *last_y0) = (u, y0);
-        if let (Some(step), Some(memory)) = (&step.output, output) {
-            step.keep(memory, moved);
-        }
 
         let mut pressure = u;
         if let (Some(effects), Some(step)) = (&effects.balance, &step.balance) {
             let present = effects.at(step, balance, surroundings);
             pressure += present.value((u, pushed), (y0, moved));
             *balance = present.remembered((u, pushed), moved);
+        }
+        if let Some(step) = &step.creep {
+            let wanted = *felt + step.moved(creep, *felt, pressure);
+            pressure = self.limits.limit(wanted);
+            step.keep(creep, pressure - *felt);
+            *felt = pressure;
         }
         Ok(match &effects.valve {
             Some(effects) => effects.command(&step.valve, valve, pressure, &self.limits),

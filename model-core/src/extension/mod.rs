@@ -2,20 +2,22 @@
 //!
 //! # The chain
 //! ```text
-//! command ─▶ dead band ─▶ supply ─▶ lag ─▶ pressure ─▶ delay ─▶ balance ─▶ u ─▶ operator ─▶ y₀ ─▶ creep, drift, tone ─▶ y
+//! command ─▶ dead band ─▶ supply ─▶ lag ─▶ pressure ─▶ delay ─▶ creep ─▶ balance ─▶ u ─▶ operator ─▶ y₀
+//!      y₀ ─▶ balance ─▶ creep ─▶ drift, tone ─▶ y
 //! ```
 //! All effects on the balance of forces are an equivalent input: pressure = u + what they take (`balance`).
-//! Then the inverse is explicit, u = operator⁻¹(y₀) and add, and the model is one root in u.
+//! Then the inverse is explicit, u = operator⁻¹(y₀) and add, and the model is one root in u. The same effects may act behind
+//! the operator, on the contraction: y₀ = contraction + what they take ([`site`]).
 //!
 //! | effect | where | file |
 //! |---|---|---|
 //! | dead band, supply, lag of the valve | before the pressure | [`valve_deadband`], [`supply_saturation`], [`valve_lag`] |
 //! | dead time | of the pressure | [`transport_delay`] |
-//! | load, temperature | balance | [`schedule`] |
-//! | warm-up | balance | [`warm_up`] |
-//! | viscosity, inertia | balance | `viscous_lag`, `inertia` |
-//! | width that depends on the rate | balance | [`rate_dependent_width`] |
-//! | creep | output | [`creep`] |
+//! | load, temperature | either balance | [`schedule`] |
+//! | warm-up | either balance | [`warm_up`] |
+//! | viscosity, inertia | either balance | `viscous_lag`, `inertia` |
+//! | width that depends on the rate | balance before the operator | [`rate_dependent_width`] |
+//! | creep | pressure or contraction | [`creep`] |
 //! | drift, tone | output | [`drift`], [`periodic_disturbance`] |
 //!
 //! # Contract
@@ -50,6 +52,7 @@ pub mod rate_dependent_width;
 mod relaxation;
 mod root;
 pub mod schedule;
+pub mod site;
 mod sum;
 pub mod supply_saturation;
 pub mod transport_delay;
@@ -67,6 +70,7 @@ pub use periodic_disturbance::PeriodicDisturbanceParameters;
 pub use profile::ProfileParameters;
 pub use rate_dependent_width::RateDependentWidthParameters;
 pub use schedule::ScheduleParameters;
+pub use site::{Site, Sites};
 pub use supply_saturation::SupplySaturationParameters;
 pub use transport_delay::TransportDelayParameters;
 pub use valve_deadband::{DeadbandForm, ValveDeadbandParameters};
@@ -89,14 +93,16 @@ pub struct ExtensionParameters<T> {
     pub load: Option<ScheduleParameters<T>>,
     pub temperature: Option<ScheduleParameters<T>>,
     pub warm_up: Option<WarmUpParameters<T>>,
-    /// Nowhere below 0. Unit: input unit s/output unit.
+    /// Nowhere below 0. Unit: input unit s/output unit; behind the hysteresis s.
     pub viscous_lag: Option<ProfileParameters<T>>,
-    /// Nowhere below 0. Unit: input unit s²/output unit.
+    /// Nowhere below 0. Unit: input unit s²/output unit; behind the hysteresis s².
     pub inertia: Option<ProfileParameters<T>>,
     pub rate_dependent_width: Option<RateDependentWidthParameters<T>>,
     pub creep: Option<CreepParameters<T>>,
     pub drift: Option<DriftParameters<T>>,
     pub periodic_disturbance: Option<PeriodicDisturbanceParameters<T>>,
+    /// Where they act.
+    pub sites: Sites,
 }
 
 impl<T> Default for ExtensionParameters<T> {
@@ -116,6 +122,7 @@ impl<T> Default for ExtensionParameters<T> {
             creep: None,
             drift: None,
             periodic_disturbance: None,
+            sites: Sites::default(),
         }
     }
 }
@@ -156,6 +163,7 @@ impl<T: Real> ExtensionParameters<T> {
             creep: each(&self.creep, CreepParameters::convert)?,
             drift: self.drift.map(|drift| drift.convert()),
             periodic_disturbance: self.periodic_disturbance.map(|tone| tone.convert()),
+            sites: self.sites,
         })
     }
 }

@@ -25,7 +25,7 @@ const FARTHEST: f64 = 1e6;
 pub struct ScheduleParameters<T> {
     /// The value at which the model needs no correction. Unit: N, or °C.
     pub reference: T,
-    /// What has to be added to the input. Unit: input unit/N, or input unit/K.
+    /// What has to be added to the input, or behind the hysteresis to the output. Unit: that of either per N, or per K.
     pub offset: ProfileParameters<T>,
 }
 

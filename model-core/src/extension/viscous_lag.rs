@@ -1,6 +1,7 @@
 //! Viscosity: h(y) y', the contraction follows its static curve late.
 //!
-//! As an equivalent input, not as a filter of the output: the lag is then the longer, the flatter the curve.
+//! As an equivalent input the lag is the longer, the flatter the curve; behind the hysteresis it is a first-order lag of the
+//! contraction.
 
 use crate::error::ParameterError;
 use crate::real::Real;

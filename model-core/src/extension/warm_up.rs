@@ -20,7 +20,8 @@ use super::profile::{Profile, ProfileParameters};
 pub struct WarmUpParameters<T> {
     /// λ: the travel after which 1/e is left. Output unit, above 0.
     pub travel: T,
-    /// What has to be added to the input of a muscle that has not moved yet. Input unit.
+    /// What has to be added to the input of a muscle that has not moved yet; behind the hysteresis to its output. Input
+    /// unit, or output unit.
     pub offset: ProfileParameters<T>,
 }
 

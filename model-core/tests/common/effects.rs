@@ -3,8 +3,8 @@
 
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentWidthParameters, ScheduleParameters, SupplySaturationParameters, TransportDelayParameters,
-    ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+    RateDependentWidthParameters, ScheduleParameters, Site, SupplySaturationParameters,
+    TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
 };
 use model_core::{ExtensionParameters, ModelParameters, paper};
 
@@ -76,6 +76,37 @@ pub const EXACT: [Effect; 11] = [
     }),
 ];
 
+/// Those that act behind the hysteresis instead of before it, and creep the other way round. Exact too.
+pub const ELSEWHERE: [Effect; 6] = [
+    ("load behind", |all| {
+        all.load = Some(ScheduleParameters { reference: 20.0, offset: profile([0.1, 0.2, 0.3]) });
+        all.sites.load = Site::Contraction;
+    }),
+    ("temperature behind", |all| {
+        all.temperature = Some(ScheduleParameters { reference: 25.0, offset: profile([-0.1, 0.1, 0.4]) });
+        all.sites.temperature = Site::Contraction;
+    }),
+    ("warm_up behind", |all| {
+        all.warm_up = Some(WarmUpParameters { travel: 300.0, offset: profile([0.5, 4.0, 8.0]) });
+        all.sites.warm_up = Site::Contraction;
+    }),
+    ("viscous_lag behind", |all| {
+        all.viscous_lag = Some(profile([0.03, 0.05, 0.06]));
+        all.sites.viscous_lag = Site::Contraction;
+    }),
+    ("inertia behind", |all| {
+        all.inertia = Some(profile([5e-4, 4e-4, 4e-4]));
+        all.sites.inertia = Site::Contraction;
+    }),
+    ("creep before", |all| {
+        all.creep = Some(CreepParameters {
+            time_constants_s: [0.1, 1.0, 10.0, 100.0].into_iter().collect(),
+            fractions: [0.02, 0.03, 0.03, 0.02].into_iter().collect(),
+        });
+        all.sites.creep = Site::Pressure;
+    }),
+];
+
 /// Those that lose something of the command: several commands have one answer.
 pub const LOSSY: [Effect; 3] = [
     ("backlash", |all| all.valve_deadband = deadband(DeadbandForm::Backlash)),
@@ -93,6 +124,17 @@ pub fn together<'a>(effects: impl IntoIterator<Item = &'a Effect>) -> Extensions
 /// Their names.
 pub fn names<'a>(effects: impl IntoIterator<Item = &'a Effect>) -> String {
     effects.into_iter().map(|(name, _)| *name).collect::<Vec<_>>().join(" + ")
+}
+
+/// The sets of either list, and those of [`ELSEWHERE`] with delay and drift. A kink (the tone's begin) or a root of the rate
+/// (the width's) is left out: behind an inertia the lead of a valve would follow it beyond all limits.
+pub fn exact_sets() -> Vec<Vec<Effect>> {
+    let sideless = ["transport_delay", "drift"];
+    let mixed = EXACT.into_iter().filter(|(name, _)| sideless.contains(name)).chain(ELSEWHERE);
+    let mut all = sets(&EXACT);
+    all.extend(sets(&ELSEWHERE));
+    all.push(mixed.collect());
+    all
 }
 
 /// Every single effect of a list, every pair, and all.

@@ -1,15 +1,16 @@
 //! The extensions of a model in its file: a table `[extensions.<cause>]` for each.
 //!
 //! Each cause's keys are written down once, for both directions: [`Fields`] either takes a value out of the file or puts it
-//! there. A profile is two lists, its knots and the values there.
+//! there. A profile is two lists, its knots and the values there; the unit of these tells, like `acts_on`, whether the effect
+//! acts before the hysteresis or behind it.
 
 use model_core::ExtensionParameters;
 use model_core::extension::creep::CREEP_ELEMENTS;
 use model_core::extension::profile::PROFILE_KNOTS;
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentWidthParameters, ScheduleParameters, SupplySaturationParameters, TransportDelayParameters,
-    ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+    RateDependentWidthParameters, ScheduleParameters, Site, SupplySaturationParameters,
+    TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
 };
 use toml::{Table, Value};
 
@@ -21,6 +22,10 @@ use super::write::list;
 const EXTENSIONS: &str = "extensions";
 /// The forms of a valve's dead band.
 const FORMS: [(DeadbandForm, &str); 2] = [(DeadbandForm::Hold, "hold"), (DeadbandForm::Backlash, "backlash")];
+
+/// Where an effect acts. A file that does not say so has it where most are.
+const ACTS_ON: &str = "acts_on";
+const SITES: [(Site, &str); 2] = [(Site::Pressure, "pressure"), (Site::Contraction, "contraction")];
 
 /// Takes the extensions out of the file's top level; a file without any has none.
 pub fn read(top: &mut Section, names: &Names) -> Result<ExtensionParameters<f64>, KeyError> {
@@ -53,6 +58,15 @@ fn causes(
 ) -> Result<(), KeyError> {
     let (input, output) = (names.input.suffix(), names.output.suffix());
     let knots = format!("knots_{output}");
+    let unit = |site| if site == Site::Pressure { input } else { output };
+    // Behind the hysteresis per unit of the contraction itself.
+    let per = |site| {
+        if site == Site::Pressure {
+            (format!("_{input}"), format!("_per_{output}"))
+        } else {
+            Default::default()
+        }
+    };
     let profile = || ProfileParameters { knots: empty(), values: empty() };
     let ExtensionParameters {
         valve_deadband,
@@ -68,6 +82,7 @@ fn causes(
         creep,
         drift,
         periodic_disturbance,
+        sites,
     } = extensions;
 
     let blank = ValveDeadbandParameters { band: 0.0, form: DeadbandForm::Hold };
@@ -87,25 +102,32 @@ fn causes(
     file.cause("transport_delay", transport_delay, blank, |fields, delay| {
         fields.number("delay_s", &mut delay.delay_s)
     })?;
-    for (cause, reference, per, schedule) in
-        [("load", "reference_n", "n", load), ("temperature", "reference_c", "k", temperature)]
-    {
+    for (cause, reference, per, schedule, site) in [
+        ("load", "reference_n", "n", load, &mut sites.load),
+        ("temperature", "reference_c", "k", temperature, &mut sites.temperature),
+    ] {
         let blank = ScheduleParameters { reference: 0.0, offset: profile() };
         file.cause(cause, schedule, blank, |fields, schedule| {
+            fields.optional_choice(ACTS_ON, site, &SITES, Site::Pressure)?;
             fields.number(reference, &mut schedule.reference)?;
-            fields.profile(&knots, &format!("offset_{input}_per_{per}"), &mut schedule.offset)
+            fields.profile(&knots, &format!("offset_{}_per_{per}", unit(*site)), &mut schedule.offset)
         })?;
     }
     let blank = WarmUpParameters { travel: 0.0, offset: profile() };
     file.cause("warm_up", warm_up, blank, |fields, warm_up| {
+        fields.optional_choice(ACTS_ON, &mut sites.warm_up, &SITES, Site::Pressure)?;
         fields.number(&format!("travel_{output}"), &mut warm_up.travel)?;
-        fields.profile(&knots, &format!("offset_{input}"), &mut warm_up.offset)
+        fields.profile(&knots, &format!("offset_{}", unit(sites.warm_up)), &mut warm_up.offset)
     })?;
     file.cause("viscous_lag", viscous_lag, profile(), |fields, viscosity| {
-        fields.profile(&knots, &format!("viscosity_{input}_s_per_{output}"), viscosity)
+        fields.optional_choice(ACTS_ON, &mut sites.viscous_lag, &SITES, Site::Pressure)?;
+        let (of, per) = per(sites.viscous_lag);
+        fields.profile(&knots, &format!("viscosity{of}_s{per}"), viscosity)
     })?;
     file.cause("inertia", inertia, profile(), |fields, inertia| {
-        fields.profile(&knots, &format!("inertia_{input}_s2_per_{output}"), inertia)
+        fields.optional_choice(ACTS_ON, &mut sites.inertia, &SITES, Site::Pressure)?;
+        let (of, per) = per(sites.inertia);
+        fields.profile(&knots, &format!("inertia{of}_s2{per}"), inertia)
     })?;
     let blank = RateDependentWidthParameters { radius: 0.0, exponent: 0.0, filter_s: 0.0, width: profile() };
     file.cause("rate_dependent_width", rate_dependent_width, blank, |fields, width| {
@@ -116,6 +138,7 @@ fn causes(
     })?;
     let blank = CreepParameters { time_constants_s: empty(), fractions: empty() };
     file.cause("creep", creep, blank, |fields, creep| {
+        fields.optional_choice(ACTS_ON, &mut sites.creep, &SITES, Site::Contraction)?;
         fields.numbers("time_constants_s", CREEP_ELEMENTS, &mut creep.time_constants_s)?;
         fields.numbers("fractions", CREEP_ELEMENTS, &mut creep.fractions)
     })?;
@@ -245,6 +268,22 @@ impl Fields {
                     .filter(|(known, _)| known == choice)
                     .for_each(|(_, name)| put(table, key, *name));
             }
+        }
+        Ok(())
+    }
+
+    /// As [`choice`](Self::choice); what is usual need not stand in the file.
+    fn optional_choice<C: Copy + PartialEq>(
+        &mut self,
+        key: &str,
+        choice: &mut C,
+        known: &[(C, &str)],
+        usual: C,
+    ) -> Result<(), KeyError> {
+        match self {
+            Self::Read(section) if !section.has(key) => *choice = usual,
+            Self::Write(_) if *choice == usual => {}
+            _ => return self.choice(key, choice, known),
         }
         Ok(())
     }

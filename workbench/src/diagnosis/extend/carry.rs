@@ -1,14 +1,14 @@
 //! From the effects of the search to the nearest extensions of the model.
 //!
-//! The search has forms that the model has not: what is added to the output, or filters it, becomes an equivalent input
-//! by the slope of the fitted loop; widths of whatever kind become the one that depends on the rate.
+//! What the search has on either side of the hysteresis the model has too. Widths of whatever kind become the one that
+//! depends on the rate of the operator's input.
 
 use model_core::ExtensionParameters;
-use model_core::extension::profile::PROFILE_KNOTS;
+use model_core::extension::profile::{PROFILE_KNOTS, Profile};
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentWidthParameters, ScheduleParameters, SupplySaturationParameters, TransportDelayParameters,
-    ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+    RateDependentWidthParameters, ScheduleParameters, Site, SupplySaturationParameters,
+    TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
 };
 
 use crate::diagnosis::Columns;
@@ -57,6 +57,11 @@ fn mean(column: &Option<Vec<f64>>) -> f64 {
     column.as_ref().map_or(0.0, |values| values.iter().sum::<f64>() / values.len().max(1) as f64)
 }
 
+/// The same at every contraction, and nowhere negative.
+fn constant(value: f64) -> ProfileParameters<f64> {
+    ProfileParameters::constant(value.max(0.0))
+}
+
 struct Carrier<'a> {
     columns: &'a Columns,
     signals: &'a Signals,
@@ -77,24 +82,27 @@ impl Carrier<'_> {
                 all.transport_delay = Some(TransportDelayParameters { delay_s: parameter(0).max(0.0) });
             }
             Form::Lag => all.valve_lag = Some(ValveLagParameters::new(parameter(0).exp())),
-            Form::Driven(Driver::Rate) => self.add_viscosity(all, through(0)),
-            Form::OutputLag => self.add_viscosity(all, self.profile(|y| weight(0) * self.per_slope(y))),
+            Form::Driven(Driver::Rate) => self.add_viscosity(all, Site::Pressure, through(0)),
+            Form::OutputLag => self.add_viscosity(all, Site::Contraction, constant(weight(0))),
             Form::Inertia => {
                 all.inertia = Some(through(0));
-                self.add_viscosity(all, through(TENTS));
+                self.add_viscosity(all, Site::Pressure, through(TENTS));
             }
             Form::OutputInertia => {
-                all.inertia = Some(self.profile(|y| weight(0) * self.per_slope(y)));
-                self.add_viscosity(all, self.profile(|y| weight(1) * self.per_slope(y)));
+                all.inertia = Some(constant(weight(0)));
+                all.sites.inertia = Site::Contraction;
+                self.add_viscosity(all, Site::Contraction, constant(weight(1)));
             }
             Form::Driven(driver) => {
                 let offset = through(effect.parameters.len() - TENTS);
-                self.add_driven(all, cause, driver, parameter(0), offset);
+                self.add_driven(all, cause, driver, parameter(0), (Site::Pressure, offset));
             }
             Form::Added(driver) => {
-                let added: [f64; TENTS] = std::array::from_fn(weight);
-                let offset = self.profile(|y| -self.between(added, y) * self.per_slope(y));
-                self.add_driven(all, cause, driver, parameter(0), offset);
+                let offset = ProfileParameters {
+                    knots: signals.knots.into_iter().collect(),
+                    values: (0..TENTS).map(|tent| -weight(tent)).collect(),
+                };
+                self.add_driven(all, cause, driver, parameter(0), (Site::Contraction, offset));
             }
             Form::Thresholds(rate) => {
                 let half =
@@ -117,6 +125,7 @@ impl Carrier<'_> {
             }
             Form::CreepOfInput => {
                 self.add_creep(all, effect.parameters.iter().map(|weight| (weight.value, 1.0)));
+                all.sites.creep = Site::Pressure;
             }
             Form::Drift => {
                 let rate_per_s = weight(0) / signals.duration_s().max(1e-9);
@@ -157,10 +166,26 @@ impl Carrier<'_> {
         1.0 / self.turn.slope(at).max(LEAST_SLOPE * mean)
     }
 
-    fn add_viscosity(&self, all: &mut ExtensionParameters<f64>, viscosity: ProfileParameters<f64>) {
-        match &mut all.viscous_lag {
-            Some(sum) => sum.values.iter_mut().zip(viscosity.values).for_each(|(sum, value)| *sum += value),
-            None => all.viscous_lag = Some(viscosity),
+    /// Viscosity; where there is one already, more of that.
+    fn add_viscosity(
+        &self,
+        all: &mut ExtensionParameters<f64>,
+        site: Site,
+        viscosity: ProfileParameters<f64>,
+    ) {
+        let Some(sum) = &mut all.viscous_lag else {
+            all.viscous_lag = Some(viscosity);
+            all.sites.viscous_lag = site;
+            return;
+        };
+        let Ok(more) = Profile::try_new(&viscosity, "viscous_lag", "") else { return };
+        for (&knot, value) in sum.knots.iter().zip(&mut sum.values) {
+            *value += more.value(knot)
+                * match (site, all.sites.viscous_lag) {
+                    (Site::Contraction, Site::Pressure) => self.per_slope(knot),
+                    (Site::Pressure, Site::Contraction) => 1.0 / self.per_slope(knot),
+                    _ => 1.0,
+                };
         }
     }
 
@@ -170,14 +195,19 @@ impl Carrier<'_> {
         cause: Cause,
         driver: Driver,
         lambda: f64,
-        offset: ProfileParameters<f64>,
+        (site, offset): (Site, ProfileParameters<f64>),
     ) {
         match (driver, cause) {
-            (Driver::WarmUp, _) => all.warm_up = Some(WarmUpParameters { travel: lambda.exp(), offset }),
+            (Driver::WarmUp, _) => {
+                all.warm_up = Some(WarmUpParameters { travel: lambda.exp(), offset });
+                all.sites.warm_up = site;
+            }
             (_, Cause::Load) => {
+                all.sites.load = site;
                 all.load = Some(ScheduleParameters { reference: mean(&self.columns.load_n), offset });
             }
             _ => {
+                all.sites.temperature = site;
                 let reference = mean(&self.columns.temperature_c);
                 all.temperature = Some(ScheduleParameters { reference, offset });
             }

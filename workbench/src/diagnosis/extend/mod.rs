@@ -17,9 +17,8 @@
 //!
 //! # Limits
 //! The causes, and where the fit begins, come from the whole recording; a gain that is free of that too takes another
-//! recording. A delay that was found between command and pressure has no place in the chain, and is left out. Extensions
-//! have one form each: creep acts on the contraction, all that resists motion on the balance of forces. What acts
-//! elsewhere (creep of the pressure, a filter of the contraction) is only approximated.
+//! recording. A delay that was found between command and pressure has no place in the chain, and is left out. Of a width
+//! that depends on the rate the model has one form, to which the others of the search are only near.
 
 mod carry;
 pub mod given;

@@ -3,8 +3,8 @@
 //! An equivalent input becomes a change of contraction by the slope of the operator's loop, where it slides.
 
 use model_core::ExtensionParameters;
-use model_core::extension::ProfileParameters;
 use model_core::extension::profile::Profile;
+use model_core::extension::{ProfileParameters, Site};
 
 use super::Extended;
 use crate::diagnosis::cause::Cause;
@@ -27,6 +27,7 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
         creep,
         drift,
         periodic_disturbance,
+        sites,
         ..
     } = &extended.model.extensions;
     let mut all = Vec::new();
@@ -35,18 +36,18 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
     }
     if let Some(warm_up) = warm_up {
         let ProfileParameters { knots, values } = &warm_up.offset;
-        let changes: Vec<f64> =
-            knots.iter().zip(values).map(|(&knot, value)| -value * turn.slope(knot)).collect();
+        let change = |(&knot, value): (&f64, &f64)| -value * per_input(&turn, sites.warm_up, knot);
+        let changes: Vec<f64> = knots.iter().zip(values).map(change).collect();
         let parameters = physical::moved(knots, Cause::WarmUp, Driver::WarmUp, warm_up.travel.ln(), &changes);
         all.push((Cause::WarmUp, parameters));
     }
-    // At mid stroke, times the slope there.
-    let late = |profile: &Option<ProfileParameters<f64>>| -> Option<f64> {
+    // At mid stroke.
+    let late = |profile: &Option<ProfileParameters<f64>>, site| -> Option<f64> {
         let profile = profile.as_ref()?;
         let middle = middle(profile);
-        Some(Profile::try_new(profile, "profile", "").ok()?.value(middle) * turn.slope(middle))
+        Some(Profile::try_new(profile, "profile", "").ok()?.value(middle) * per_input(&turn, site, middle))
     };
-    match (late(inertia), late(viscous_lag)) {
+    match (late(inertia, sites.inertia), late(viscous_lag, sites.viscous_lag)) {
         (Some(mass), damping) => {
             all.push((Cause::Inertia, physical::ringing(mass, damping.unwrap_or(0.0))));
         }
@@ -66,6 +67,14 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
         all.push((Cause::PeriodicDisturbance, parameters));
     }
     Some(all)
+}
+
+/// What of an effect's strength shows in the contraction.
+fn per_input(turn: &Loop, site: Site, at: f64) -> f64 {
+    match site {
+        Site::Pressure => turn.slope(at),
+        Site::Contraction => 1.0,
+    }
 }
 
 fn middle(profile: &ProfileParameters<f64>) -> f64 {

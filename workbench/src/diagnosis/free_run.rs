@@ -16,8 +16,16 @@ use super::signals::{Signals, TENTS};
 /// Evaluations of the balance a row, at most.
 const EVALUATIONS: usize = 40;
 
-/// The simulated contraction of the scored rows. Output unit.
-pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> Vec<f64> {
+/// A free run.
+pub struct FreeRun {
+    /// The simulated contraction of the scored rows. Output unit.
+    pub scored: Vec<f64>,
+    /// The same of all rows, without what is added to the output. Output unit.
+    pub all: Vec<f64>,
+}
+
+/// Runs a fit from the input and the recorded columns alone.
+pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
     let Arrived { input, speed } = Arrived::new(signals, &fit.effects);
     let (mut added, mut creep) = (vec![0.0; signals.rows.len()], Vec::new());
     // Weights of acceleration and rate on the output.
@@ -49,7 +57,8 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> Vec<f64> {
     let mut state = State::new(basis, &fit.effects, input.first().copied().unwrap_or(0.0), signals.output[0]);
     let mut behind = Motion { place: signals.output[0], rate: 0.0, acceleration: 0.0 };
     let mut slow = vec![signals.output[0]; creep.len()];
-    let mut simulated = Vec::with_capacity(signals.rows.len());
+    let mut run =
+        FreeRun { scored: Vec::with_capacity(signals.rows.len()), all: Vec::with_capacity(input.len()) };
     for (at, (&pressure, &speed)) in input.iter().zip(&speed).enumerate() {
         let step_s = if at == 0 { 0.0 } else { signals.time_s[at] - signals.time_s[at - 1] };
         let muscle = state.step(signals, basis, &fit.effects, &fit.weights, (at, pressure, speed, step_s));
@@ -65,11 +74,13 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> Vec<f64> {
         for (slow, share) in slow.iter_mut().zip(&shares) {
             *slow += (contraction - *slow) * share;
         }
-        if signals.rows.get(simulated.len()).is_some_and(|row| row.at == at) {
-            simulated.push(contraction + added[simulated.len()]);
+        run.all.push(contraction);
+        let next = run.scored.len();
+        if signals.rows.get(next).is_some_and(|row| row.at == at) {
+            run.scored.push(contraction + added[next]);
         }
     }
-    simulated
+    run
 }
 
 /// What a free run remembers.

@@ -45,6 +45,7 @@ pub mod reject;
 pub mod screen;
 pub mod search;
 pub mod signals;
+mod swing;
 pub mod valve;
 pub mod verdict;
 pub mod words;

@@ -19,6 +19,9 @@ const INPUT_WEIGHT: f64 = 8.0;
 const PAIRS: usize = 60;
 const MATCHED: f64 = 0.1;
 
+/// A loss of so small a share of the matched rows is by chance.
+const CHANCE: f64 = 0.05;
+
 /// What visits to the same state differ by.
 #[derive(Clone, Copy, Debug)]
 pub struct PureError {
@@ -29,10 +32,10 @@ pub struct PureError {
 }
 
 impl PureError {
-    /// The error, root mean square: what is matched less than by `other` counts with its whole residual. A set of causes
-    /// that spreads the states has explained nothing by that. Output unit.
+    /// The error, root mean square: what is matched less than by `other`, beyond chance, counts with its whole residual. A
+    /// set of causes that spreads the states has explained nothing by that. Output unit.
     pub fn beside(&self, other: &Self, residual: &[f64]) -> f64 {
-        let lost = (other.matched - self.matched).max(0.0);
+        let lost = ((1.0 - CHANCE) * other.matched - self.matched).max(0.0);
         let whole = root_mean_square(residual).powi(2);
         ((self.matched * self.square + lost * whole) / (self.matched + lost)).sqrt()
     }

@@ -12,13 +12,13 @@ use super::basis::Basis;
 use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
-use super::free_run::free_run;
 use super::gain::{Score, mask};
 use super::physical::swings;
 use super::pure_error::{PureError, pure_error};
 use super::race::Runner;
 use super::screen::Screen;
 use super::signals::Signals;
+use super::swing;
 use crate::numbers::range;
 
 /// Radii of the baseline's width that are started from, as shares of the input's span.
@@ -161,12 +161,13 @@ impl<'a> Search<'a> {
     /// residual: then it is judged as it runs free, and the fold's loss on unseen rows is added.
     pub fn candidate(&self, causes: Vec<Cause>, fit: Fit) -> Candidate {
         let is_fed_back = fit.effects.iter().any(|effect| effect.form.is_fed_back());
-        let free: Vec<f64> = if is_fed_back {
-            let simulated = free_run(self.signals, &self.basis, &fit);
-            let rows = self.signals.rows.iter().zip(&simulated);
-            rows.map(|(row, simulated)| self.signals.output[row.at] - simulated).collect()
+        let (fit, free) = if swing::has_mass(&fit) {
+            swing::tuned(self.signals, &self.basis, fit)
+        } else if is_fed_back {
+            swing::errors(self.signals, &self.basis, fit)
         } else {
-            fit.residual.clone()
+            let residual = fit.residual.clone();
+            (fit, residual)
         };
         let lost = fit.unseen.iter().zip(&fit.residual).map(|(unseen, residual)| unseen - residual);
         let unseen: Vec<f64> = lost.zip(&free).map(|(lost, free)| lost + free).collect();

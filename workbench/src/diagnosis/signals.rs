@@ -142,6 +142,12 @@ impl Signals {
         self.tents = simulated.iter().map(|&y| hats(&self.knots, y)).collect();
     }
 
+    /// The same, with rate and acceleration of a contraction that was simulated, a value a row. Output unit.
+    pub fn moving_as(&self, simulated: &[f64]) -> Self {
+        let (_, rate, acceleration) = local_cubic(&self.time_s, simulated, self.step_s, WINDOW);
+        Self { rate, acceleration, ..self.clone() }
+    }
+
     /// The speed that a width depends on.
     pub fn speed_of(&self, rate: Rate) -> &[f64] {
         &self.speeds[rate as usize]

@@ -107,6 +107,7 @@ macro_rules! table {
 
         impl Id {
             /// Its row.
+            #[allow(clippy::indexing_slicing, reason = "constants: the compiler has looked at each")]
             pub const fn register(self) -> &'static Register {
                 match self {
                     $(Self::$id => &TABLE[Id::$id as usize],)*

@@ -167,6 +167,7 @@ fn install(
     mut tracking: BoardParameters,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
+    server.message.clear();
     let state = node.control(|control| control.state());
     let done = if state.is_driven() {
         // Before the long work is done for nothing.

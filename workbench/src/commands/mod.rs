@@ -1,11 +1,13 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
 pub mod compare;
+pub mod completions;
 pub mod diagnose;
 mod diagnosed_json;
 pub mod emulate;
 mod identified_json;
 pub mod identify;
+pub mod man;
 pub mod pil;
 pub mod plan;
 pub mod report;
@@ -34,6 +36,8 @@ enum Command {
     Pil(Box<pil::Arguments>),
     Plan(plan::Arguments),
     Emulate(emulate::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
 }
 
 impl CommandLine {
@@ -51,6 +55,8 @@ impl CommandLine {
             Command::Pil(arguments) => pil::run(&arguments),
             Command::Plan(arguments) => plan::run(&arguments),
             Command::Emulate(arguments) => emulate::run(&arguments),
+            Command::Completions(arguments) => completions::run(&arguments),
+            Command::Man(arguments) => man::run(&arguments),
         }
     }
 }

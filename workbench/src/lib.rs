@@ -13,6 +13,7 @@ macro_rules! say {
     }};
 }
 
+pub mod bus;
 pub mod child;
 pub mod commands;
 pub mod comparison;

@@ -27,5 +27,9 @@ fn the_manual_page_has_a_section_each_command_with_its_options() {
     }
     assert!(page.contains("\\-\\-feedforward\\-log"), "{page}");
     let sections = page.matches("\n.SH ").count();
-    assert_eq!(page.matches("\n.SS SYNOPSIS").count(), sections - 2, "all but name and version have a synopsis");
+    assert_eq!(
+        page.matches("\n.SS SYNOPSIS").count(),
+        sections - 2,
+        "all but name and version have a synopsis"
+    );
 }

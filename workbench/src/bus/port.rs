@@ -14,9 +14,7 @@ use clap::ValueEnum;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{FlockOperation, Mode, OFlags, flock};
 use rustix::io::Errno;
-use rustix::termios::{
-    ControlModes, OptionalActions, QueueSelector, tcflush, tcgetattr, tcsetattr,
-};
+use rustix::termios::{ControlModes, OptionalActions, QueueSelector, tcflush, tcgetattr, tcsetattr};
 use thiserror::Error;
 
 /// Where an operating system lists its serial ports, the lasting names first.
@@ -63,7 +61,10 @@ pub enum PortError {
 fn known(present: &[PathBuf]) -> String {
     match present {
         [] => "is none on this machine".to_owned(),
-        some => format!("are {}", some.iter().map(|port| port.display().to_string()).collect::<Vec<_>>().join(", ")),
+        some => format!(
+            "are {}",
+            some.iter().map(|port| port.display().to_string()).collect::<Vec<_>>().join(", ")
+        ),
     }
 }
 
@@ -107,7 +108,8 @@ impl Port {
         };
         settings.control_modes -= ControlModes::PARENB | ControlModes::PARODD | ControlModes::CRTSCTS;
         settings.control_modes |= set | parity | ControlModes::CLOCAL | ControlModes::CREAD;
-        let set = settings.set_speed(line.baud).and_then(|()| tcsetattr(&file, OptionalActions::Now, &settings));
+        let set =
+            settings.set_speed(line.baud).and_then(|()| tcsetattr(&file, OptionalActions::Now, &settings));
         set.map_err(|error| refused(name, error))?;
         Ok(Self { name: name.to_owned(), file: file.into() })
     }

@@ -1,18 +1,24 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
+pub mod capture;
 pub mod compare;
 pub mod completions;
+pub mod deploy;
 pub mod diagnose;
 mod diagnosed_json;
 pub mod emulate;
+mod gains;
 mod identified_json;
 pub mod identify;
 pub mod man;
 pub mod pil;
 pub mod plan;
+mod port;
 pub mod report;
 mod search;
 pub mod simulate;
+pub mod status;
+pub mod track;
 
 use clap::{Parser, Subcommand};
 
@@ -36,6 +42,10 @@ enum Command {
     Pil(Box<pil::Arguments>),
     Plan(plan::Arguments),
     Emulate(emulate::Arguments),
+    Capture(capture::Arguments),
+    Deploy(deploy::Arguments),
+    Track(track::Arguments),
+    Status(status::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
 }
@@ -55,6 +65,10 @@ impl CommandLine {
             Command::Pil(arguments) => pil::run(&arguments),
             Command::Plan(arguments) => plan::run(&arguments),
             Command::Emulate(arguments) => emulate::run(&arguments),
+            Command::Capture(arguments) => capture::run(&arguments),
+            Command::Deploy(arguments) => deploy::run(&arguments),
+            Command::Track(arguments) => track::run(&arguments),
+            Command::Status(arguments) => status::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
             Command::Man(arguments) => man::run(&arguments),
         }

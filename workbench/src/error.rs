@@ -10,6 +10,7 @@ use crate::diagnosis::DiagnosisError;
 use crate::emulator::EmulatorError;
 use crate::emulator::image::ImageError;
 use crate::identification::IdentificationError;
+use crate::live::LiveError;
 use crate::model_file::ModelFileError;
 use crate::output::OutputError;
 use crate::pil::PilError;
@@ -43,6 +44,9 @@ pub enum Error {
     /// A board on the bus does not do what it is asked for.
     #[error(transparent)]
     Board(#[from] BoardError),
+    /// The live page cannot be served.
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// An excitation cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),

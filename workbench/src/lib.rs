@@ -23,6 +23,7 @@ pub mod error;
 pub mod figures;
 pub mod holdout;
 pub mod identification;
+pub mod live;
 pub mod model_file;
 pub mod numbers;
 pub mod output;

@@ -19,6 +19,7 @@ mod search;
 pub mod simulate;
 pub mod status;
 pub mod track;
+pub mod watch;
 
 use clap::{Parser, Subcommand};
 
@@ -46,6 +47,7 @@ enum Command {
     Deploy(deploy::Arguments),
     Track(track::Arguments),
     Status(status::Arguments),
+    Watch(watch::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
 }
@@ -69,6 +71,7 @@ impl CommandLine {
             Command::Deploy(arguments) => deploy::run(&arguments),
             Command::Track(arguments) => track::run(&arguments),
             Command::Status(arguments) => status::run(&arguments),
+            Command::Watch(arguments) => watch::run(&arguments),
             Command::Completions(arguments) => completions::run(&arguments),
             Command::Man(arguments) => man::run(&arguments),
         }

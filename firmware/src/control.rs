@@ -21,6 +21,7 @@ use wire::{
 };
 
 use crate::board::{AcquisitionError, Board, DacCode, Samples};
+use crate::bus::player::Player;
 use crate::capture::Capture;
 use crate::faults::black_box::BlackBox;
 use crate::faults::log::FaultLog;
@@ -34,6 +35,9 @@ use crate::timing::{TickEnd, Timing};
 
 /// How long a board has to run for the resets before to be forgotten. Unit: tick.
 const SETTLED_TICKS: u32 = 10_000;
+
+/// The period of ticks that neither a clock nor a configuration tells. Unit: s.
+const UNCLOCKED_PERIOD_S: f32 = 1e-3;
 
 /// The clock that raises the ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,23 +56,24 @@ pub struct Control {
     pub(crate) state: State,
     pub(crate) monitors: Monitors,
     limits: output::Limits,
-    output: Output,
+    pub(crate) output: Output,
     pub(crate) ticks: u32,
     /// Since the host was heard.
     silent_ticks: u32,
-    reference_mm: f32,
-    service_code: DacCode,
+    pub(crate) reference_mm: f32,
+    pub(crate) service_code: DacCode,
     overrun: bool,
     pub(crate) limited_ticks: u32,
     self_test_ticks: u32,
     pub(crate) timing: Timing,
     pub(crate) faults: FaultLog,
-    capture: &'static mut Capture,
+    pub(crate) capture: &'static mut Capture,
     /// None: ticks come when the host wants them, at whatever period the configuration says.
-    clock: Option<TickClock>,
-    protection: Protection,
+    pub(crate) clock: Option<TickClock>,
+    pub(crate) protection: Protection,
     running: Option<Running>,
     installed: Option<Installation>,
+    pub(crate) player: Player,
 }
 
 #[derive(Debug)]
@@ -86,7 +91,7 @@ impl Control {
         capture: &'static mut Capture,
     ) -> Self {
         let faults = FaultLog::new(black_box);
-        let period_s = clock.map_or(1e-3, |clock| clock.period_s);
+        let period_s = clock.map_or(UNCLOCKED_PERIOD_S, |clock| clock.period_s);
         Self {
             clock,
             state: if faults.latched().is_some() { State::Fault } else { State::Off },
@@ -106,6 +111,7 @@ impl Control {
             reference_mm: 0.0,
             service_code: VENT,
             overrun: false,
+            player: Player::new(),
         }
     }
 
@@ -127,6 +133,12 @@ impl Control {
     /// Ticks since the start.
     pub fn ticks(&self) -> u32 {
         self.ticks
+    }
+
+    /// Time from tick to tick, by the clock or, without one, by the configuration. Unit: s.
+    pub(crate) fn period_s(&self) -> f32 {
+        let of_installation = || self.installed.as_ref().map(|installed| installed.period_s);
+        self.clock.map(|clock| clock.period_s).or_else(of_installation).unwrap_or(UNCLOCKED_PERIOD_S)
     }
 
     /// The fault that is latched.
@@ -160,7 +172,18 @@ impl Control {
             .with(Flags::FAULT, self.faults.latched().is_some())
             .with(Flags::OVERRUN, core::mem::take(&mut self.overrun));
         self.record(&reply);
+        self.play();
         reply
+    }
+
+    /// Takes the next tick's set point from the player, if it plays.
+    #[inline(always)]
+    fn play(&mut self) {
+        match self.player.next(self.ticks.wrapping_add(1)) {
+            Some(bar) if self.state == State::Service => self.service_code = DacCode(COMMAND.code(bar)),
+            Some(mm) => self.reference_mm = mm,
+            None => {}
+        }
     }
 
     /// Looks at what takes several ticks to be seen. `before`: what was out until this tick.
@@ -200,6 +223,11 @@ impl Control {
         let _ = self.advance(Event::Trip);
     }
 
+    /// Takes a sign of life of the host.
+    pub fn hear(&mut self) {
+        self.silent_ticks = 0;
+    }
+
     /// Takes a fault that is only to be known of.
     pub fn note(&mut self, fault: Fault) {
         self.faults.count(fault);
@@ -216,6 +244,7 @@ impl Control {
         if !self.state.is_driven() {
             self.running = None;
             self.service_code = VENT;
+            self.player.clear();
         }
         if self.state == State::SelfTest {
             self.monitors.start_anew();

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::{CaptureOrder, Captured, Fault, FaultRecord, Protection, Telemetry};
 
 /// Version of the messages. Raised with every change that the other side would misread.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// The largest number of plays that a board takes.
 pub const PLAYS: usize = 32;
 /// The largest number of dead zones that a board takes.
@@ -182,8 +182,8 @@ pub enum Refusal {
 /// The samples of one tick: what the board's ADC would have read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TickRequest {
-    /// For a model with a delay, the one that is due after it. Unit: mm.
-    pub reference_mm: f32,
+    /// For a model with a delay, the one that is due after it; none leaves it to what the board has from elsewhere. Unit: mm.
+    pub reference_mm: Option<f32>,
     /// Pressure. Unit: ADC code.
     pub pressure_code: u16,
     /// Contraction. Unit: ADC code.

@@ -51,11 +51,11 @@ numbered! {
     Command {
         /// Nothing; for a PLC that writes its outputs all the time.
         None = 0,
-        /// Start tracking from rest, in the mode of the register `mode`.
+        /// Start tracking from rest, or go on from holding, in the mode of the register `mode`.
         Start = 1,
         /// Stop and vent.
         Stop = 2,
-        /// Hold the last command of the controller; writing `mode` goes on.
+        /// Hold the last command of the controller; a start goes on.
         Hold = 3,
         /// Release the latched fault, test the board anew.
         Acknowledge = 4,

@@ -34,7 +34,8 @@ pub const GROUPS: [Group; 9] = [
         title: "Control",
         doc: "Orders and set points. Written together they are taken in this order: mode, set points, command; they may be \
               written all the time with command 0. A command that the state does not take is refused with exception 6, as \
-              is `setpoint_bar` outside the service state, and a set point while the stream plays.",
+              is `setpoint_bar` outside the service state, and a set point while the stream plays; set points that are \
+              written together with command 2, to stop, are not taken.",
     },
     Group {
         address: 0x0200,
@@ -141,8 +142,8 @@ table! {
     0x0010 CommandZero "command_zero_code" F32 [1] "code" READ, "Code of 0 bar at the valve's output";
     0x0012 CommandGain "command_codes_per_bar" F32 [1] "code/bar" READ, "Scaling of the same";
 
-    0x0100 Command "command" U16 [1] "" write(0.0, 5.0), "0 nothing, 1 start, 2 stop and vent, 3 hold, 4 acknowledge, 5 service; reads as the last one taken";
-    0x0101 Mode "mode" U16 [1] "" write(0.0, 2.0), "0 feed-forward and feedback, 1 feed-forward alone, 2 feedback alone; at once while tracking, else with the next start";
+    0x0100 Command "command" U16 [1] "" write(0.0, 5.0), "0 nothing, 1 start, or go on from holding, 2 stop and vent, 3 hold, 4 acknowledge, 5 service; reads as the last one taken";
+    0x0101 Mode "mode" U16 [1] "" write(0.0, 2.0), "0 feed-forward and feedback, 1 feed-forward alone, 2 feedback alone; at once while tracking, else with the next command 1";
     0x0102 SetpointMm "setpoint_mm" F32 [1] "mm" MM, "The reference";
     0x0104 SetpointBar "setpoint_bar" F32 [1] "bar" BAR, "The command in the service state";
 
@@ -227,7 +228,7 @@ table! {
     0x0803 UploadLength "upload_length" U16 [1] "" write(0.0, UPLOAD_BYTES as f64), "Bytes that make up the configuration";
     0x0804 UploadChecksum "upload_checksum" U32 [1] "" DOUBLE_WORD, "CRC-32 (ISO-HDLC) over them";
     0x080F UploadOffset "upload_offset" U16 [1] "" write(0.0, UPLOAD_BYTES as f64 - 1.0), "Where the window stands in the buffer, in bytes; may be written together with it";
-    0x0810 UploadWindow "upload_window" U16 [UPLOAD_REGISTERS] "" WORD, "Two bytes in a register, the first in the high half; beyond the buffer's end nothing is written, and 0 is read";
+    0x0810 UploadWindow "upload_window" U16 [UPLOAD_REGISTERS] "" WORD, "Two bytes in a register, the first in the high half; beyond the buffer's end a write is refused, and 0 is read";
     0x0890 Message "message" U16 [MESSAGE_REGISTERS] "" READ, "Why the last commit or write of gains or protection was refused, two characters in a register";
 }
 

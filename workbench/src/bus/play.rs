@@ -16,6 +16,7 @@ use wire::{CaptureSample, State};
 
 use super::Board;
 use super::board::{Block, Identity};
+use super::client::BusError;
 use super::error::BoardError;
 use crate::child::Stop;
 
@@ -168,8 +169,7 @@ impl<'a> Player<'a> {
             thread::sleep(APPROACH);
         }
         board.write(Id::CaptureEvery, &[every])?;
-        // Played twice is played once: the queue goes on as it does.
-        board.write(Id::StreamOrder, &[StreamOrder::Play.number()])?;
+        order(board, StreamOrder::Play)?;
         player.is_playing = true;
         player.push(board, 0)?;
         Ok(player)
@@ -188,10 +188,14 @@ impl<'a> Player<'a> {
             let now = stream(board)?;
             match StreamState::of_number(now.whole(Id::StreamState) as u16) {
                 Some(StreamState::Playing | StreamState::Done) => {}
+                // Behind the last point it takes a tick to notice the end.
+                Some(StreamState::Underrun) if self.is_ended => {}
                 Some(StreamState::Underrun) => return Err(BoardError::Underrun),
                 _ => return Err(self.tripped(board)?),
             }
-            if self.start_tick.is_none() && now.whole(Id::StreamConsumed) > 0 {
+            // The first point is taken at the order to play, and played when the second is taken.
+            let is_done = now.whole(Id::StreamState) == u32::from(StreamState::Done.number());
+            if self.start_tick.is_none() && (now.whole(Id::StreamConsumed) > 1 || is_done) {
                 self.start_tick = Some(now.whole(Id::StreamStart));
             }
             self.push(board, now.whole(Id::StreamFree))?;
@@ -221,7 +225,7 @@ impl<'a> Player<'a> {
             free -= count as u32;
         }
         if self.is_playing && !self.is_ended {
-            board.write(Id::StreamOrder, &[StreamOrder::End.number()])?;
+            order(board, StreamOrder::End)?;
             self.is_ended = true;
         }
         Ok(())
@@ -285,6 +289,20 @@ impl<'a> Player<'a> {
     fn tripped(&self, board: &mut Board) -> Result<BoardError, BoardError> {
         let (state, fault) = board.state()?;
         Ok(if state == State::Fault { BoardError::Fault(fault) } else { BoardError::Vented(state) })
+    }
+}
+
+/// Gives the player an order, which it takes once. One whose answer was lost is looked up.
+fn order(board: &mut Board, order: StreamOrder) -> Result<(), BusError> {
+    match board.write_once(Id::StreamOrder, &[order.number()], 1) {
+        Err(error) if error.is_lost() => {
+            let taken = board.read(Id::StreamOrder, Id::StreamOrder)?.whole(Id::StreamOrder);
+            if taken == u32::from(order.number()) {
+                return Ok(());
+            }
+            board.write_once(Id::StreamOrder, &[order.number()], 1)
+        }
+        done => done,
     }
 }
 

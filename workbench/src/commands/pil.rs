@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use model_core::Mode;
-use model_core::pid::PidParameters;
 
+use super::gains::Gains;
 use crate::Error;
 use crate::child::Stop;
 use crate::emulator::image;
@@ -48,15 +48,8 @@ pub struct Arguments {
     /// Longest time for an answer of the plant in s
     #[arg(long, default_value_t = 5.0, value_name = "S", value_parser = positive)]
     plant_timeout_s: f64,
-    /// Proportional gain in bar/mm
-    #[arg(long, default_value_t = PidParameters::<f32>::paper().kp, value_name = "GAIN")]
-    kp: f32,
-    /// Integral gain in bar/(mm s)
-    #[arg(long, default_value_t = INTEGRAL_GAIN, value_name = "GAIN")]
-    ki: f32,
-    /// Derivative gain in bar s/mm
-    #[arg(long, default_value_t = PidParameters::<f32>::paper().kd, value_name = "GAIN")]
-    kd: f32,
+    #[command(flatten)]
+    gains: Gains,
     /// Ticks a second
     #[arg(long, default_value_t = 1000.0, value_name = "HZ", value_parser = positive)]
     rate_hz: f64,
@@ -86,11 +79,6 @@ pub struct Arguments {
     force: bool,
 }
 
-/// The integral gain by default. The paper's 0.01 takes tens of seconds to mend an offset; ten times that settles in
-/// seconds and still lies far below what a regulator's lag allows beside the paper's proportional gain. Unit:
-/// bar/(mm s).
-const INTEGRAL_GAIN: f32 = 0.1;
-
 /// The built-in plant.
 #[derive(Clone, Debug, Default)]
 struct Rig {
@@ -108,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let files = logs.into_iter().flatten().chain(json_file).chain(&arguments.report);
     let mut outputs = Outputs::claim(files, &[&arguments.model, &arguments.reference], arguments.force)?;
     let model = ModelFile::read(&arguments.model)?;
-    let configuration = configuration(&arguments.model, &model, arguments.pid(), *rate_hz)?;
+    let configuration = configuration(&arguments.model, &model, arguments.gains.pid(), *rate_hz)?;
     let reference = Reference::read(&arguments.reference, *rate_hz)?;
     let firmware = image::find(arguments.firmware.as_deref())?;
     let plant = arguments.plant();
@@ -156,10 +144,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
 }
 
 impl Arguments {
-    fn pid(&self) -> PidParameters<f32> {
-        PidParameters { kp: self.kp, ki: self.ki, kd: self.kd, ..PidParameters::paper() }
-    }
-
     fn plant(&self) -> Program {
         let limit = Duration::from_secs_f64(self.plant_timeout_s);
         match (&self.plant_command, &self.plant) {

@@ -21,6 +21,8 @@ pub struct Capture {
     wait: u16,
     /// The tick of the last sample.
     last_tick: u32,
+    /// Samples since the recording began.
+    taken: u32,
     is_stopped: bool,
 }
 
@@ -41,6 +43,7 @@ impl Capture {
             skip: 0,
             wait: 0,
             last_tick: 0,
+            taken: 0,
             is_stopped: false,
         }
     }
@@ -61,6 +64,22 @@ impl Capture {
         self.next = if self.next + 1 < CAPACITY { self.next + 1 } else { 0 };
         self.kept = (self.kept + 1).min(CAPACITY);
         self.last_tick = tick;
+        self.taken = self.taken.wrapping_add(1);
+    }
+
+    /// Samples since the recording began.
+    pub fn taken(&self) -> u32 {
+        self.taken
+    }
+
+    /// Samples that are kept.
+    pub fn kept(&self) -> u16 {
+        self.kept as u16
+    }
+
+    /// Ticks from sample to sample, 0 if it does not record.
+    pub fn every(&self) -> u16 {
+        if self.is_stopped { 0 } else { self.skip.saturating_add(1) }
     }
 
     /// Keeps what there is.
@@ -72,7 +91,7 @@ impl Capture {
     pub fn apply(&mut self, order: CaptureOrder) -> Option<Captured> {
         match order {
             CaptureOrder::Start(every) => {
-                (self.next, self.kept, self.wait) = (0, 0, 0);
+                (self.next, self.kept, self.wait, self.taken) = (0, 0, 0, 0);
                 (self.skip, self.is_stopped) = (every.saturating_sub(1), false);
                 None
             }
@@ -84,7 +103,8 @@ impl Capture {
         }
     }
 
-    fn read(&self, from: usize) -> Captured {
+    /// A part of what is kept, from this sample on, counted from the oldest.
+    pub fn read(&self, from: usize) -> Captured {
         let oldest = if self.kept < CAPACITY { 0 } else { self.next };
         let chunk = (from..self.kept).take(CAPTURE_CHUNK);
         let age = (self.kept.saturating_sub(1)).saturating_sub(from) as u32;
@@ -92,7 +112,7 @@ impl Capture {
         Captured {
             first_tick: self.last_tick.wrapping_sub(age * u32::from(every)),
             every,
-            kept: self.kept as u16,
+            kept: self.kept(),
             samples: chunk.filter_map(|i| self.samples.get((oldest + i) % CAPACITY).copied()).collect(),
         }
     }

@@ -25,6 +25,7 @@ use wire::{
 };
 
 use crate::board::{AcquisitionError, Board, DacCode, Samples};
+use crate::bus::player::Player;
 use crate::capture::Capture;
 use crate::faults::black_box::BlackBox;
 use crate::faults::log::FaultLog;
@@ -38,6 +39,9 @@ use crate::timing::{TickEnd, Timing};
 
 /// How long a board has to run for the resets before to be forgotten. Unit: tick.
 const SETTLED_TICKS: u32 = 10_000;
+
+/// The period of ticks that neither a clock nor a configuration tells. Unit: s.
+const UNCLOCKED_PERIOD_S: f32 = 1e-3;
 
 /// The clock that raises the ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,26 +60,27 @@ pub struct Control {
     pub(crate) state: State,
     pub(crate) monitors: Monitors,
     limits: output::Limits,
-    output: Output,
+    pub(crate) output: Output,
     pub(crate) ticks: u32,
     /// Since the host was heard.
     silent_ticks: u32,
     /// Of this tick.
-    reference_mm: f32,
+    pub(crate) reference_mm: f32,
     /// Of the ticks to come.
-    next_reference_mm: f32,
-    service_code: DacCode,
+    pub(crate) next_reference_mm: f32,
+    pub(crate) service_code: DacCode,
     overrun: bool,
     pub(crate) limited_ticks: u32,
     self_test_ticks: u32,
     pub(crate) timing: Timing,
     pub(crate) faults: FaultLog,
-    capture: &'static mut Capture,
+    pub(crate) capture: &'static mut Capture,
     /// None: ticks come when the host wants them, at whatever period the configuration says.
-    clock: Option<TickClock>,
-    protection: Protection,
+    pub(crate) clock: Option<TickClock>,
+    pub(crate) protection: Protection,
     running: Option<Running>,
     installed: Option<Installation>,
+    pub(crate) player: Player,
 }
 
 #[derive(Debug)]
@@ -95,7 +100,7 @@ impl Control {
         capture: &'static mut Capture,
     ) -> Self {
         let faults = FaultLog::new(black_box);
-        let period_s = clock.map_or(1e-3, |clock| clock.period_s);
+        let period_s = clock.map_or(UNCLOCKED_PERIOD_S, |clock| clock.period_s);
         Self {
             clock,
             state: if faults.latched().is_some() { State::Fault } else { State::Off },
@@ -116,6 +121,7 @@ impl Control {
             next_reference_mm: 0.0,
             service_code: VENT,
             overrun: false,
+            player: Player::new(),
         }
     }
 
@@ -137,6 +143,12 @@ impl Control {
     /// Ticks since the start.
     pub fn ticks(&self) -> u32 {
         self.ticks
+    }
+
+    /// Time from tick to tick, by the clock or, without one, by the configuration. Unit: s.
+    pub(crate) fn period_s(&self) -> f32 {
+        let of_installation = || self.installed.as_ref().map(|installed| installed.period_s);
+        self.clock.map(|clock| clock.period_s).or_else(of_installation).unwrap_or(UNCLOCKED_PERIOD_S)
     }
 
     /// The fault that is latched.
@@ -174,6 +186,16 @@ impl Control {
         reply
     }
 
+    /// Takes the next tick's set point from the player, if it plays.
+    #[inline(always)]
+    fn play(&mut self) {
+        match self.player.next(self.ticks.wrapping_add(1)) {
+            Some(bar) if self.state == State::Service => self.service_code = DacCode(COMMAND.code(bar)),
+            Some(mm) => self.next_reference_mm = mm,
+            None => {}
+        }
+    }
+
     /// Looks at what takes several ticks to be seen. `before`: what was out until this tick.
     fn watch(&mut self, before: DacCode, feedback_bar: f32) -> Result<(), Fault> {
         if matches!(self.state, State::Off | State::Fault) {
@@ -192,6 +214,7 @@ impl Control {
 
     /// Does what the next tick can do without its samples.
     fn prepare(&mut self) -> Result<(), Fault> {
+        self.play();
         self.reference_mm = self.next_reference_mm;
         let (Some(Installation { tracking, .. }), Some(running)) = (&self.installed, &mut self.running)
         else {
@@ -226,6 +249,11 @@ impl Control {
         let _ = self.advance(Event::Trip);
     }
 
+    /// Takes a sign of life of the host.
+    pub fn hear(&mut self) {
+        self.silent_ticks = 0;
+    }
+
     /// Takes a fault that is only to be known of.
     pub fn note(&mut self, fault: Fault) {
         self.faults.count(fault);
@@ -242,6 +270,7 @@ impl Control {
         if !self.state.is_driven() {
             self.running = None;
             self.service_code = VENT;
+            self.player.clear();
         }
         if self.state == State::SelfTest {
             self.monitors.start_anew();

@@ -20,6 +20,7 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
 
 pub mod board;
+pub mod bus;
 pub mod capture;
 pub mod control;
 pub mod faults;
@@ -27,6 +28,7 @@ pub mod law;
 pub mod led;
 pub mod lock_step;
 pub mod monitors;
+pub mod node;
 pub mod order;
 pub mod output;
 mod report;

@@ -37,7 +37,7 @@ impl LockStepBoard {
         self.output
     }
 
-    /// Lays the samples of the next tick in, and gives the control its reference.
+    /// Lays the samples of the next tick in, and gives the control its reference, if it comes with them.
     pub fn feed(&mut self, control: &mut Control, request: TickRequest) {
         self.samples = Samples {
             pressure: AdcCode(request.pressure_code),
@@ -45,7 +45,9 @@ impl LockStepBoard {
             surroundings: Surroundings { load: request.load_n, temperature: request.temperature_c },
             ..AROUND
         };
-        control.apply(Order::Reference(request.reference_mm));
+        if let Some(reference_mm) = request.reference_mm {
+            control.apply(Order::Reference(reference_mm));
+        }
     }
 
     /// A whole tick: [`feed`](Self::feed), then [`Control::tick`].

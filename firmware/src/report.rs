@@ -1,10 +1,25 @@
-//! What the control tells of itself: greeting and telemetry.
+//! What the control tells of itself: greeting, telemetry, what it puts out.
 
 use wire::{Hello, Signals, Telemetry, VERSION};
 
 use crate::board::Samples;
 use crate::control::Control;
 use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
+
+/// What the control is asked for and puts out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outputs {
+    /// Unit: mm.
+    pub reference_mm: f32,
+    /// Of the ticks to come. Unit: mm.
+    pub next_reference_mm: f32,
+    /// At the valve. Unit: bar.
+    pub command_bar: f32,
+    /// Asked for in the service state. Unit: bar.
+    pub service_bar: f32,
+    /// Of a tick, 0 if it has none. Unit: core clock cycle.
+    pub deadline_cycles: u32,
+}
 
 impl Control {
     /// Who the board is.
@@ -19,6 +34,17 @@ impl Control {
             command: COMMAND,
             ticks: self.ticks,
             overruns: self.timing.overruns,
+        }
+    }
+
+    /// What it is asked for and puts out.
+    pub(crate) fn outputs(&self) -> Outputs {
+        Outputs {
+            reference_mm: self.reference_mm,
+            next_reference_mm: self.next_reference_mm,
+            command_bar: COMMAND.value(self.output.code().0),
+            service_bar: COMMAND.value(self.service_code.0),
+            deadline_cycles: self.clock.map_or(0, |clock| clock.deadline_cycles),
         }
     }
 
@@ -48,7 +74,7 @@ impl Control {
 }
 
 /// Major, minor and patch of the package's version.
-const FIRMWARE_VERSION: [u16; 3] = [
+pub const FIRMWARE_VERSION: [u16; 3] = [
     number(env!("CARGO_PKG_VERSION_MAJOR")),
     number(env!("CARGO_PKG_VERSION_MINOR")),
     number(env!("CARGO_PKG_VERSION_PATCH")),

@@ -5,6 +5,7 @@
 //! on both sides, so that a drift to the better, which is as suspect as one to the worse, fails too.
 
 pub mod bench;
+pub mod bus;
 pub mod flash;
 pub mod game;
 pub mod store;

@@ -115,7 +115,7 @@ mod tests {
 
     fn tick() -> Request {
         Request::Tick(TickRequest {
-            reference_mm: 12.5,
+            reference_mm: Some(12.5),
             pressure_code: 0,
             contraction_code: 4095,
             load_n: Some(NUMBER),

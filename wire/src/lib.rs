@@ -9,6 +9,9 @@
 //! [`VERSION`] is that of the messages below. It is part of [`Response::Hello`] and of every
 //! [`Configuration`]; a board refuses a configuration of another version.
 //!
+//! # Registers
+//! [`registers`] is the other language that the board speaks, Modbus, for everybody else.
+//!
 //! # Limits
 //! A frame takes at most [`FRAME_BYTES`] bytes, stuffing and the zero included: the largest message, a
 //! configuration of [`PLAYS`] plays and [`DEAD_ZONES`] dead zones with every extension, fits (a test says so).
@@ -23,6 +26,7 @@ mod fault;
 mod frame;
 mod message;
 mod protection;
+pub mod registers;
 mod status;
 
 pub use fault::{FAULTS, Fault};

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use model_core::ParameterError;
 use thiserror::Error;
 
+use crate::bus::BoardError;
 use crate::diagnosis::DiagnosisError;
 use crate::emulator::EmulatorError;
 use crate::emulator::image::ImageError;
 use crate::identification::IdentificationError;
+use crate::live::LiveError;
 use crate::model_file::ModelFileError;
 use crate::output::OutputError;
 use crate::pil::PilError;
@@ -39,6 +41,12 @@ pub enum Error {
     /// A run of the firmware does not come to its end.
     #[error(transparent)]
     Pil(#[from] PilError),
+    /// A board on the bus does not do what it is asked for.
+    #[error(transparent)]
+    Board(#[from] BoardError),
+    /// The live page cannot be served.
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// An excitation cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -71,6 +79,6 @@ pub enum Error {
 impl Error {
     /// The exit status that tells a caller: 130 when the user has interrupted (128 and the signal's number), else 2.
     pub fn exit_status(&self) -> u8 {
-        if matches!(self, Self::Pil(PilError::Stopped)) { 130 } else { 2 }
+        if matches!(self, Self::Pil(PilError::Stopped) | Self::Board(BoardError::Stopped)) { 130 } else { 2 }
     }
 }

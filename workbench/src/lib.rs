@@ -13,6 +13,7 @@ macro_rules! say {
     }};
 }
 
+pub mod bus;
 pub mod child;
 pub mod commands;
 pub mod comparison;
@@ -22,6 +23,7 @@ pub mod error;
 pub mod figures;
 pub mod holdout;
 pub mod identification;
+pub mod live;
 pub mod model_file;
 pub mod numbers;
 pub mod output;

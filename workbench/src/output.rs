@@ -24,6 +24,14 @@ pub enum OutputError {
     Unwritable { path: PathBuf, source: io::Error },
 }
 
+/// Prints what another program is to read, whole.
+///
+/// # Errors
+/// Standard output takes it not, or is closed.
+pub fn print(content: &[u8]) -> Result<(), OutputError> {
+    io::stdout().write_all(content).map_err(unwritable(Path::new("standard output")))
+}
+
 /// The outputs of a command.
 #[derive(Debug)]
 pub struct Outputs {

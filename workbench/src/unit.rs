@@ -45,6 +45,9 @@ const fn unit(suffix: &'static str, symbol: &'static str) -> Unit {
 }
 
 impl Unit {
+    /// Millimetres: what a board tracks.
+    pub const MM: Self = unit("mm", "mm");
+
     /// The unit of a column's name, `None` if the name does not end in one.
     pub fn of_column(name: &str) -> Option<Self> {
         let (_, suffix) = name.rsplit_once('_')?;

@@ -64,8 +64,8 @@ pub fn test() -> Result<()> {
 ///
 /// # Errors
 /// When it cannot be built or started.
-pub fn emulate() -> Result<()> {
+pub fn emulate(arguments: &[String]) -> Result<()> {
     build()?;
     // In place of this program, so that Ctrl-C has one addressee.
-    Err(mgpi().arg("emulate").exec()).context("cannot run mgpi")
+    Err(mgpi().arg("emulate").args(arguments).exec()).context("cannot run mgpi")
 }

@@ -16,7 +16,7 @@ impl Control {
     // Not inlined: what it needs of the stack is then not needed while an order is prepared.
     #[inline(never)]
     pub fn apply(&mut self, order: Order) -> Response {
-        self.silent_ticks = 0;
+        self.hear();
         let done = match order {
             Order::Identify => return Response::Hello(self.hello()),
             Order::Telemetry => return Response::Telemetry(self.telemetry()),
@@ -50,8 +50,7 @@ impl Control {
 
     /// Turns the protection's limits into those of a tick.
     fn scale(&mut self) {
-        let of_installation = || self.installed.as_ref().map(|installed| installed.period_s);
-        let period_s = self.clock.map(|clock| clock.period_s).or_else(of_installation).unwrap_or(1e-3);
+        let period_s = self.period_s();
         self.monitors = Monitors::new(&self.protection, period_s);
         self.limits = output::Limits::new(&self.protection, period_s);
     }

@@ -1,16 +1,26 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
+pub mod capture;
 pub mod compare;
+pub mod completions;
+pub mod deploy;
 pub mod diagnose;
 mod diagnosed_json;
 pub mod emulate;
+mod gains;
 mod identified_json;
 pub mod identify;
+pub mod man;
 pub mod pil;
 pub mod plan;
+mod plant;
+mod port;
 pub mod report;
 mod search;
 pub mod simulate;
+pub mod status;
+pub mod track;
+pub mod watch;
 
 use clap::{Parser, Subcommand};
 
@@ -34,6 +44,13 @@ enum Command {
     Pil(Box<pil::Arguments>),
     Plan(plan::Arguments),
     Emulate(emulate::Arguments),
+    Capture(capture::Arguments),
+    Deploy(deploy::Arguments),
+    Track(track::Arguments),
+    Status(status::Arguments),
+    Watch(watch::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
 }
 
 impl CommandLine {
@@ -51,6 +68,13 @@ impl CommandLine {
             Command::Pil(arguments) => pil::run(&arguments),
             Command::Plan(arguments) => plan::run(&arguments),
             Command::Emulate(arguments) => emulate::run(&arguments),
+            Command::Capture(arguments) => capture::run(&arguments),
+            Command::Deploy(arguments) => deploy::run(&arguments),
+            Command::Track(arguments) => track::run(&arguments),
+            Command::Status(arguments) => status::run(&arguments),
+            Command::Watch(arguments) => watch::run(&arguments),
+            Command::Completions(arguments) => completions::run(&arguments),
+            Command::Man(arguments) => man::run(&arguments),
         }
     }
 }

@@ -145,7 +145,7 @@ fn tick_request(
         }
     };
     Ok(TickRequest {
-        reference_mm: ahead_mm as f32,
+        reference_mm: Some(ahead_mm as f32),
         pressure_code: code(&hello.pressure, "the pressure", pressure_bar, "bar")?,
         contraction_code: code(&hello.contraction, "the contraction", contraction_mm, "mm")?,
         load_n: surroundings.load.map(|load_n| load_n as f32),

@@ -133,7 +133,7 @@ pub fn configuration(
 }
 
 /// How far ahead of time a board of this configuration has to be given its reference. Unit: s.
-fn preview_s(configuration: &Configuration) -> f64 {
+pub fn preview_s(configuration: &Configuration) -> f64 {
     let delay = &configuration.tracking.extensions.transport_delay;
     delay.map_or(0.0, |delay| f64::from(delay.delay_s))
 }

@@ -1,4 +1,5 @@
-//! What is to be tracked: `time_s, reference_mm` from a file, linearly interpolated at the instants of the ticks.
+//! What is to be tracked or played: `time_s, reference_mm` (or another column) from a file, linearly interpolated at the
+//! instants of the ticks.
 
 use std::path::Path;
 
@@ -17,8 +18,8 @@ pub const MOST_TICKS: usize = 10_000_000;
 pub struct Reference {
     /// Strictly increasing. Unit: s.
     time_s: Vec<f64>,
-    /// One a time. Unit: mm.
-    reference_mm: Vec<f64>,
+    /// One a time. Unit: that of the column.
+    values: Vec<f64>,
     rate_hz: f64,
     ticks: usize,
 }
@@ -29,15 +30,15 @@ impl Reference {
     /// # Errors
     /// The file is no table, lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
     pub fn read(file: &Path, rate_hz: f64) -> Result<Self, PilError> {
-        Self::of(&Table::read(file)?, rate_hz)
+        Self::of(&Table::read(file)?, COLUMN, rate_hz)
     }
 
-    /// Takes a reference from a table.
+    /// Takes a column of a table.
     ///
     /// # Errors
     /// The table lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
-    pub fn of(table: &Table, rate_hz: f64) -> Result<Self, PilError> {
-        let choice = Choice { input: Some(COLUMN.to_owned()), ..Choice::default() };
+    pub fn of(table: &Table, column: &str, rate_hz: f64) -> Result<Self, PilError> {
+        let choice = Choice { input: Some(column.to_owned()), ..Choice::default() };
         let Drive { file, time_s, input, .. } = Drive::of(table, &choice)?;
         // A table has at least one row. The margin is for a last tick that rounding puts behind the last row.
         let duration_s = time_s[time_s.len() - 1] - time_s[0];
@@ -45,12 +46,29 @@ impl Reference {
         if ticks > MOST_TICKS as f64 {
             return Err(PilError::TooLong { file, ticks });
         }
-        Ok(Self { time_s, reference_mm: input.values, rate_hz, ticks: ticks as usize })
+        Ok(Self { time_s, values: input.values, rate_hz, ticks: ticks as usize })
     }
 
     /// Number of ticks, at least 1.
     pub fn ticks(&self) -> usize {
         self.ticks
+    }
+
+    /// Lowest and highest value.
+    pub fn range(&self) -> (f64, f64) {
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        self.values.iter().fold(ends, |(lowest, highest), &value| (lowest.min(value), highest.max(value)))
+    }
+
+    /// The values from the first time on, so long after it (s, not falling); the last row lasts.
+    pub fn values(&self, after_s: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
+        let mut cursor = Cursor::new(self);
+        after_s.map(move |after_s| cursor.at(self.time_s[0] + after_s))
+    }
+
+    /// The values at every tick, or `ahead_s` (0 or more) later; the last row lasts.
+    pub fn points(&self, ahead_s: f64) -> impl Iterator<Item = f64> {
+        self.values((0..self.ticks).map(move |tick| tick as f64 / self.rate_hz + ahead_s))
     }
 
     /// What is wanted at every tick, and `ahead_s` (0 or more) later; the last row lasts.
@@ -77,14 +95,14 @@ impl<'a> Cursor<'a> {
 
     /// On the line from the row to the next, not beyond its end; the row itself if it is the last.
     fn at(&mut self, time_s: f64) -> f64 {
-        let Reference { time_s: times_s, reference_mm, .. } = self.reference;
+        let Reference { time_s: times_s, values, .. } = self.reference;
         while self.row + 2 < times_s.len() && times_s[self.row + 1] <= time_s {
             self.row += 1;
         }
-        let (from_s, from_mm) = (times_s[self.row], reference_mm[self.row]);
-        let Some(to_mm) = reference_mm.get(self.row + 1) else { return from_mm };
+        let (from_s, from) = (times_s[self.row], values[self.row]);
+        let Some(to) = values.get(self.row + 1) else { return from };
         let share = (time_s - from_s) / (times_s[self.row + 1] - from_s);
-        from_mm + share.min(1.0) * (to_mm - from_mm)
+        from + share.min(1.0) * (to - from)
     }
 }
 

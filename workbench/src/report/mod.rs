@@ -25,7 +25,7 @@ pub mod diagnosed;
 mod direction;
 pub mod identified;
 mod model_run;
-mod page;
+pub mod page;
 pub mod paper_figures;
 mod parameters;
 mod parts;

@@ -6,7 +6,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::plot::{Plot, colour_style};
 
 /// Readable on a phone and in print, light and dark.
-const STYLE: &str = "
+pub const STYLE: &str = "
 :root { color-scheme: light dark; --ink: #222; --paper: #fff; --faint: #666; --rule: #ccc }
 @media screen and (prefers-color-scheme: dark) {
   :root { --ink: #ddd; --paper: #161616; --faint: #999; --rule: #444 }

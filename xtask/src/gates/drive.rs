@@ -61,7 +61,7 @@ pub fn emulated(link: &UnixStream, parameters: &Parameters, samples: &[Sample]) 
 
 fn tick(sample: &Sample) -> TickRequest {
     TickRequest {
-        reference_mm: sample.reference_mm,
+        reference_mm: Some(sample.reference_mm),
         // Looked at for plausibility only.
         pressure_code: scaling::PRESSURE.code(0.0),
         contraction_code: scaling::CONTRACTION.code(sample.contraction_mm),

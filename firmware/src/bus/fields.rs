@@ -1,0 +1,104 @@
+//! Gains and limits as registers: which field stands behind which.
+
+use model_core::TrackingParameters;
+use wire::registers::{Id, Value};
+use wire::{DEAD_ZONES, OnModelFault, PLAYS, Protection};
+
+/// The raw parameters of the board's controller.
+pub type BoardParameters = TrackingParameters<f32, PLAYS, DEAD_ZONES>;
+
+/// A field that a register reads and writes.
+#[derive(Debug)]
+pub enum Field<'a> {
+    /// A quantity.
+    Quantity(&'a mut f32),
+    /// A number of ticks.
+    Ticks(&'a mut u32),
+    /// What follows when the model does not stand its test.
+    OnModelFault(&'a mut OnModelFault),
+}
+
+impl Field<'_> {
+    /// What it holds.
+    pub fn get(&self) -> Value {
+        match self {
+            Self::Quantity(quantity) => Value::F32(**quantity),
+            Self::Ticks(ticks) => Value::U32(**ticks),
+            Self::OnModelFault(OnModelFault::Vent) => Value::U16(0),
+            Self::OnModelFault(OnModelFault::FeedbackOnly) => Value::U16(1),
+        }
+    }
+
+    /// Sets it. A value of another kind, which the table does not let through, changes nothing.
+    pub fn set(self, value: Value) {
+        match (self, value) {
+            (Self::Quantity(quantity), Value::F32(value)) => *quantity = value,
+            (Self::Ticks(ticks), Value::U32(value)) => *ticks = value,
+            (Self::OnModelFault(reaction), Value::U16(0)) => *reaction = OnModelFault::Vent,
+            (Self::OnModelFault(reaction), Value::U16(_)) => *reaction = OnModelFault::FeedbackOnly,
+            _ => {}
+        }
+    }
+}
+
+/// The registers of the group "Controller".
+pub const CONTROLLER: [Id; 8] = [
+    Id::Kp,
+    Id::Ki,
+    Id::Kd,
+    Id::DerivativeFilter,
+    Id::TrackingTime,
+    Id::CommandMin,
+    Id::CommandMax,
+    Id::CommandSlew,
+];
+
+/// The field of one of [`CONTROLLER`].
+pub fn of_controller(tracking: &mut BoardParameters, id: Id) -> Option<Field<'_>> {
+    let TrackingParameters { pid, command_min, command_max, slew_bar_per_s, .. } = tracking;
+    Some(Field::Quantity(match id {
+        Id::Kp => &mut pid.kp,
+        Id::Ki => &mut pid.ki,
+        Id::Kd => &mut pid.kd,
+        Id::DerivativeFilter => &mut pid.derivative_filter_s,
+        Id::TrackingTime => &mut pid.tracking_time_s,
+        Id::CommandMin => command_min,
+        Id::CommandMax => command_max,
+        Id::CommandSlew => slew_bar_per_s,
+        _ => return None,
+    }))
+}
+
+/// The first register of [`CONTROLLER`] whose field exceeds what is compiled into the board, and what it holds.
+pub fn excess(tracking: &mut BoardParameters) -> Option<(Id, Value)> {
+    CONTROLLER
+        .into_iter()
+        .filter_map(|id| Some((id, of_controller(tracking, id)?.get())))
+        .find(|(id, value)| !id.register().takes(*value))
+}
+
+/// The field of a register of the group "Protection".
+pub fn of_protection(protection: &mut Protection, id: Id) -> Option<Field<'_>> {
+    Some(match id {
+        Id::SelfTestTicks => Field::Ticks(&mut protection.self_test_ticks),
+        Id::BusSilent => Field::Ticks(&mut protection.bus_silent_ticks),
+        Id::OnModelFault => Field::OnModelFault(&mut protection.on_model_fault),
+        _ => Field::Quantity(match id {
+            Id::VentedBar => &mut protection.vented_bar,
+            Id::OverpressureHard => &mut protection.overpressure_hard_bar,
+            Id::OverpressureSoft => &mut protection.overpressure_soft_bar,
+            Id::SupplyMin => &mut protection.supply_min_bar,
+            Id::PressureJump => &mut protection.pressure_jump_bar,
+            Id::ContractionJump => &mut protection.contraction_jump_mm,
+            Id::StuckCommand => &mut protection.stuck_command_bar,
+            Id::ImplausibleShare => &mut protection.implausible_share,
+            Id::FollowingBand => &mut protection.following_band_bar,
+            Id::FollowingLimit => &mut protection.following_limit_bar_s,
+            Id::Authority => &mut protection.authority_bar,
+            Id::SoftStart => &mut protection.soft_start_bar_per_s,
+            Id::Slew => &mut protection.slew_bar_per_s,
+            Id::TemperatureMax => &mut protection.temperature_max_c,
+            _ => return None,
+        }),
+    })
+}

@@ -1,0 +1,59 @@
+//! The users' bus: Modbus RTU over the registers of [`wire::registers`].
+//!
+//! # Design
+//! ```text
+//! bytes ─▶ receiver ─▶ frame ─▶ server ─┬─▶ read  ◀── view of the control
+//!                                       └─▶ write ──▶ orders to the control, upload, player
+//! ```
+//! The player belongs to the control, since it is the tick that plays; all else runs below the tick and holds the control's
+//! lock only to copy from it or to carry out an order.
+//!
+//! # Contract
+//! * What is no whole frame, or one for somebody else, is met with silence; address 0 is carried out and not answered.
+//! * A request is carried out as a whole, or refused as a whole with an exception.
+//! * Every frame for this board counts as a sign of life of the host.
+//!
+//! # Limits
+//! Whoever sends while the board answers is not heard. A moment is a number of ticks: without ticks, as in an emulator that
+//! nobody drives, a broken-off frame waits.
+
+mod fields;
+pub mod player;
+mod read;
+mod receiver;
+mod server;
+mod upload;
+mod write;
+
+use heapless::Vec;
+use wire::registers::FRAME_BYTES;
+
+use crate::node::Node;
+use receiver::Receiver;
+use server::Server;
+
+/// The bus of a board.
+#[derive(Debug)]
+pub struct Bus {
+    receiver: Receiver,
+    server: Server,
+    response: Vec<u8, FRAME_BYTES>,
+}
+
+impl Bus {
+    /// A bus on which a frame begins after a silence of so many ticks: at least 3.5 characters, rounded up.
+    pub const fn new(silence_ticks: u32) -> Self {
+        Self { receiver: Receiver::new(silence_ticks), server: Server::new(), response: Vec::new() }
+    }
+
+    /// Takes a byte, or the news that there is none; to be called at least every few ticks. Answers what is to be sent.
+    pub fn take(&mut self, byte: Option<u8>, node: &mut impl Node) -> &[u8] {
+        self.response.clear();
+        let tick = node.control(|control| control.ticks());
+        if let Some(frame) = self.receiver.take(byte, tick) {
+            self.server.answer(frame, node, &mut self.response);
+        }
+        self.server.damaged = self.receiver.damaged();
+        &self.response
+    }
+}

@@ -1,0 +1,302 @@
+//! What a write does: looked at as a whole, then carried out as a whole.
+//!
+//! A write stays within a group (the table leaves free addresses between them), and each group turns what is written into
+//! one change that is taken or refused. So a write that is refused changes nothing.
+
+use heapless::Vec;
+use model_core::Mode;
+use wire::registers::{
+    Access, Command, Exception, Id, MOST_WRITTEN, Register, STREAM_POINTS, StreamOrder, UploadOrder,
+    UploadResult, Value, mode,
+};
+use wire::{CaptureOrder, Configuration, Refusal, Request, Response, State, VERSION};
+
+use super::fields::{self, BoardParameters};
+use super::server::Server;
+use crate::node::{Node, carry_out};
+use crate::order::{Order, text};
+use crate::scaling::{COMMAND, VENT};
+
+/// What is written: words from an address on.
+pub struct Words {
+    address: u16,
+    words: Vec<u16, { MOST_WRITTEN as usize }>,
+}
+
+/// A value for a register; in a run, for the one of this number.
+#[derive(Clone, Copy, Debug)]
+struct Assignment {
+    id: Id,
+    index: u16,
+    value: Value,
+}
+
+impl Words {
+    /// Of big-endian bytes.
+    ///
+    /// # Errors
+    /// They are none, more than a write may have, or half of one is missing.
+    pub fn of_bytes(address: u16, bytes: &[u8]) -> Result<Self, Exception> {
+        let (pairs, rest) = bytes.as_chunks();
+        let words: Vec<_, _> =
+            pairs.iter().take(MOST_WRITTEN.into()).map(|pair| u16::from_be_bytes(*pair)).collect();
+        if words.is_empty() || words.len() < pairs.len() || !rest.is_empty() {
+            return Err(Exception::IllegalValue);
+        }
+        Ok(Self { address, words })
+    }
+
+    /// The values, each within the limits of its register.
+    fn assignments(&self) -> impl Iterator<Item = Result<Assignment, Exception>> {
+        let mut place = 0;
+        core::iter::from_fn(move || {
+            let words = self.words.get(place..).filter(|words| !words.is_empty())?;
+            let assignment = self.assignment(place, words);
+            // Behind one that is wrong nothing is looked at.
+            place += assignment.map_or(words.len(), |assignment| assignment.value.kind().words().into());
+            Some(assignment)
+        })
+    }
+
+    fn assignment(&self, place: usize, words: &[u16]) -> Result<Assignment, Exception> {
+        let address = self.address.checked_add(place as u16).ok_or(Exception::IllegalAddress)?;
+        let register = Register::at(address).ok_or(Exception::IllegalAddress)?;
+        if register.access == Access::Read {
+            return Err(Exception::IllegalAddress);
+        }
+        let (offset, width) = (address - register.address, register.kind.words());
+        let value = Value::of_words(register.kind, words).ok_or(Exception::IllegalValue)?;
+        if offset % width != 0 || !register.takes(value) {
+            return Err(Exception::IllegalValue);
+        }
+        Ok(Assignment { id: register.id, index: offset / width, value })
+    }
+}
+
+/// Carries a write out.
+///
+/// # Errors
+/// It is refused; nothing has changed.
+pub fn write(server: &mut Server, words: &Words, node: &mut impl Node) -> Result<(), Exception> {
+    if let Some(error) = words.assignments().find_map(Result::err) {
+        return Err(error);
+    }
+    let values = words.assignments().filter_map(Result::ok);
+    match words.address >> 8 {
+        1 => control(server, values, node),
+        3 => gains(server, values, node),
+        4 => protection(server, values, node),
+        6 => stream(values, node),
+        7 => capture(server, values, node),
+        8 => upload(server, values, node),
+        _ => Err(Exception::IllegalAddress),
+    }
+}
+
+fn control(
+    server: &mut Server,
+    values: impl Iterator<Item = Assignment>,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    let (mut command, mut wanted, mut mm, mut bar) = (Command::None, None, None, None);
+    for Assignment { id, value, .. } in values {
+        match (id, value) {
+            (Id::Command, Value::U16(number)) => command = Command::of_number(number).unwrap_or(command),
+            (Id::Mode, Value::U16(number)) => wanted = mode(number),
+            (Id::SetpointMm, Value::F32(value)) => mm = Some(value),
+            (Id::SetpointBar, Value::F32(value)) => bar = Some(value),
+            _ => {}
+        }
+    }
+    if command == Command::Stop {
+        // Whatever else is written with it cannot keep the valve from being vented.
+        (mm, bar) = (None, None);
+    }
+    let new_mode = wanted.unwrap_or(server.mode);
+    let done = node.control(|control| {
+        let state = control.state();
+        let is_set = mm.is_some() || bar.is_some();
+        if is_set && control.player.is_playing() || bar.is_some() && state != State::Service {
+            return Err(Refusal::WrongState(state));
+        }
+        let order = match command {
+            Command::None if state == State::Tracking => wanted.map(Order::SetMode),
+            Command::None => None,
+            Command::Start if state == State::Holding => Some(Order::SetMode(new_mode)),
+            Command::Start => Some(Order::Start(new_mode)),
+            Command::Stop => Some(Order::Stop),
+            Command::Hold => Some(Order::SetMode(Mode::Hold)),
+            Command::Acknowledge => Some(Order::Acknowledge),
+            Command::Service => Some(Order::Service(VENT.0)),
+        };
+        // A start begins with the reference that comes with it.
+        let before_mm = control.next_reference_mm;
+        control.next_reference_mm = mm.unwrap_or(before_mm);
+        let done = order.map_or(Ok(()), |order| accepted(control.apply(order)));
+        match (&done, bar) {
+            (Ok(()), Some(bar)) => drop(control.apply(Order::Service(COMMAND.code(bar)))),
+            (Ok(()), None) => {}
+            (Err(_), _) => control.next_reference_mm = before_mm,
+        }
+        done
+    });
+    done.map_err(|refusal| server.refuse(refusal))?;
+    server.mode = new_mode;
+    if command != Command::None {
+        server.command = command;
+    }
+    Ok(())
+}
+
+fn accepted(response: Response) -> Result<(), Refusal> {
+    if let Response::Refused(refusal) = response { Err(refusal) } else { Ok(()) }
+}
+
+fn gains(
+    server: &mut Server,
+    values: impl Iterator<Item = Assignment>,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    let mut tracking = node.parameters().tracking.clone().ok_or(Exception::DeviceBusy)?;
+    for Assignment { id, value, .. } in values {
+        fields::of_controller(&mut tracking, id).into_iter().for_each(|field| field.set(value));
+    }
+    install(server, tracking, node)
+}
+
+/// Installs a configuration and keeps it.
+// Not inlined, like what it calls: what they need of the stack is then not needed at once.
+#[inline(never)]
+fn install(
+    server: &mut Server,
+    mut tracking: BoardParameters,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    server.message.clear();
+    let state = node.control(|control| control.state());
+    let done = if state.is_driven() {
+        // Before the long work is done for nothing.
+        Err(Refusal::WrongState(state))
+    } else if let Some((id, value)) = fields::excess(&mut tracking) {
+        let (register, value) = (id.register(), value.number());
+        Err(Refusal::Parameter(match register.access {
+            Access::Write(min, max) => {
+                text(format_args!("{} is {value}, must be {min} to {max}", register.name))
+            }
+            Access::Read => text(format_args!("{} is {value}", register.name)),
+        }))
+    } else {
+        accepted(carry_out(node, Request::Configure(Configuration { version: VERSION, tracking })))
+    };
+    server.result = match &done {
+        Ok(()) => UploadResult::Installed,
+        Err(Refusal::WrongState(_)) => UploadResult::WrongState,
+        Err(Refusal::Version(_)) => UploadResult::Version,
+        Err(_) => UploadResult::Parameter,
+    };
+    done.map_err(|refusal| server.refuse(refusal))
+}
+
+fn protection(
+    server: &mut Server,
+    values: impl Iterator<Item = Assignment>,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    let mut protection = node.control(|control| control.protection);
+    for Assignment { id, value, .. } in values {
+        fields::of_protection(&mut protection, id).into_iter().for_each(|field| field.set(value));
+    }
+    accepted(carry_out(node, Request::Protect(protection))).map_err(|refusal| server.refuse(refusal))
+}
+
+fn stream(values: impl Iterator<Item = Assignment>, node: &mut impl Node) -> Result<(), Exception> {
+    let (mut order, mut interval, mut number) = (None, None, None);
+    let mut points = Vec::<f32, { STREAM_POINTS as usize }>::new();
+    for Assignment { id, value, .. } in values {
+        match (id, value) {
+            (Id::StreamOrder, Value::U16(value)) => order = StreamOrder::of_number(value),
+            (Id::StreamInterval, Value::U16(value)) => interval = Some(value),
+            (Id::PushNumber, Value::U32(value)) => number = Some(value),
+            // The window has as many.
+            (_, Value::F32(point)) => drop(points.push(point)),
+            _ => {}
+        }
+    }
+    if number.is_none() && !points.is_empty() {
+        return Err(Exception::IllegalValue);
+    }
+    node.control(|control| {
+        let state = control.state();
+        let takes = |point: &f32| Id::SetpointBar.register().takes(Value::F32(*point));
+        if !state.is_driven() && order != Some(StreamOrder::Clear) && (number.is_some() || order.is_some()) {
+            Err(Exception::DeviceBusy)
+        } else if state == State::Service && !points.iter().all(takes) {
+            Err(Exception::IllegalValue)
+        } else if let Some(number) = number {
+            control.player.push(number, &points)
+        } else {
+            control.player.order(order, interval)
+        }
+    })
+}
+
+fn capture(
+    server: &mut Server,
+    values: impl Iterator<Item = Assignment>,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    for Assignment { id, value, .. } in values {
+        match (id, value) {
+            (Id::CaptureEvery, Value::U16(every)) => {
+                let order = if every == 0 { CaptureOrder::Stop } else { CaptureOrder::Start(every) };
+                node.control(|control| drop(control.apply(Order::Capture(order))));
+            }
+            (_, Value::U32(from)) => server.capture_from = from,
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn upload(
+    server: &mut Server,
+    values: impl Iterator<Item = Assignment>,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    let (mut order, mut offset, mut first) = (UploadOrder::None, server.upload.offset, None);
+    let mut words = Vec::<u16, { MOST_WRITTEN as usize }>::new();
+    for Assignment { id, index, value } in values {
+        match (id, value) {
+            (Id::UploadOrder, Value::U16(number)) => order = UploadOrder::of_number(number).unwrap_or(order),
+            (Id::UploadLength, Value::U16(length)) => server.upload.length = length,
+            (Id::UploadOffset, Value::U16(value)) => offset = value,
+            (Id::UploadWindow, Value::U16(word)) => {
+                first.get_or_insert(index);
+                // A write has no more.
+                let _ = words.push(word);
+            }
+            (_, Value::U32(checksum)) => server.upload.checksum = checksum,
+            _ => {}
+        }
+    }
+    server.upload.write(offset, first.unwrap_or(0), &words)?;
+    match order {
+        UploadOrder::None => Ok(()),
+        UploadOrder::Commit => commit(server, node),
+        UploadOrder::Fetch => {
+            let tracking = node.parameters().tracking.as_ref().ok_or(Exception::DeviceBusy)?;
+            server.upload.fill(tracking)
+        }
+    }
+}
+
+fn commit(server: &mut Server, node: &mut impl Node) -> Result<(), Exception> {
+    match server.upload.content() {
+        Ok(tracking) => install(server, tracking, node),
+        Err(result) => {
+            server.result = result;
+            server.message.clear();
+            Err(Exception::IllegalValue)
+        }
+    }
+}

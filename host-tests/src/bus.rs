@@ -1,0 +1,185 @@
+//! A board with its bus on the host, and the frames of a Modbus client.
+
+use firmware::bus::Bus;
+use firmware::node::{Node, carry_out};
+use firmware::store::Parameters;
+use firmware::{BlackBox, Capture, Control, LockStepBoard};
+use wire::registers::{Id, UNIT, Value};
+use wire::{Protection, Request, Response, TickReply, TickRequest};
+
+/// Ticks of silence before a frame.
+const SILENCE_TICKS: u32 = 2;
+/// Codes of a vented muscle at rest.
+const AT_REST: (u16, u16) = (410, 205);
+/// The CRC-16 of Modbus.
+const CRC: crc::Crc<u16> = crc::Crc::<u16>::new(&crc::CRC_16_MODBUS);
+
+/// The board.
+pub struct BusBoard {
+    node: HostNode,
+    board: LockStepBoard,
+    bus: Bus,
+}
+
+/// What bus and link work on.
+struct HostNode {
+    control: Control,
+    parameters: Parameters,
+}
+
+impl Node for HostNode {
+    fn control<R>(&mut self, work: impl FnOnce(&mut Control) -> R) -> R {
+        work(&mut self.control)
+    }
+
+    fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    fn keep(&mut self, parameters: Parameters) {
+        self.parameters = parameters;
+    }
+}
+
+impl BusBoard {
+    /// A board whose muscle is a simulation.
+    pub fn new() -> Self {
+        // The control keeps both for as long as the board runs.
+        let control =
+            Control::simulated(Box::leak(Box::<BlackBox>::default()), Box::leak(Box::<Capture>::default()));
+        let parameters = Parameters { protection: Protection::SIMULATED, tracking: None };
+        let node = HostNode { control, parameters };
+        Self { node, board: LockStepBoard::new(), bus: Bus::new(SILENCE_TICKS) }
+    }
+
+    /// Sends a request over the link.
+    pub fn request(&mut self, request: &Request) -> Response {
+        carry_out(&mut self.node, request.clone())
+    }
+
+    /// The control under test.
+    pub fn control(&mut self) -> &mut Control {
+        &mut self.node.control
+    }
+
+    /// The set that the board would keep.
+    pub fn parameters(&self) -> &Parameters {
+        &self.node.parameters
+    }
+
+    /// A tick with a vented muscle at rest; the reference stays that of the bus.
+    pub fn tick(&mut self) -> TickReply {
+        let (pressure_code, contraction_code) = AT_REST;
+        let request = TickRequest {
+            reference_mm: None,
+            pressure_code,
+            contraction_code,
+            load_n: None,
+            temperature_c: None,
+        };
+        self.board.tick(&mut self.node.control, request)
+    }
+
+    /// Ticks in which nothing is on the bus, enough for a frame to begin; answers what the board sends meanwhile.
+    pub fn be_silent(&mut self) -> Vec<u8> {
+        (0..SILENCE_TICKS)
+            .flat_map(|_| {
+                self.tick();
+                self.bus.take(None, &mut self.node).to_vec()
+            })
+            .collect()
+    }
+
+    /// Puts bytes on the bus at once; answers what the board sends.
+    pub fn send(&mut self, bytes: &[u8]) -> Vec<u8> {
+        bytes.iter().flat_map(|&byte| self.bus.take(Some(byte), &mut self.node).to_vec()).collect()
+    }
+
+    /// Sends a request (function and data) to the board, and answers function and data of its response; an empty one is
+    /// none. The first byte of an exception is its function with the highest bit.
+    ///
+    /// # Panics
+    /// The response is no frame of the board.
+    pub fn ask(&mut self, pdu: &[u8]) -> Vec<u8> {
+        let response = self.send(&frame(UNIT, pdu));
+        match &*response {
+            [] => Vec::new(),
+            [UNIT, pdu @ .., _, _] => {
+                assert_eq!(frame(UNIT, pdu), response);
+                pdu.to_vec()
+            }
+            _ => panic!("no frame: {response:02x?}"),
+        }
+    }
+
+    /// Reads registers from an address on.
+    ///
+    /// # Errors
+    /// The number of the exception.
+    ///
+    /// # Panics
+    /// There is no response, or one of another length.
+    pub fn read(&mut self, address: u16, count: u16) -> Result<Vec<u16>, u8> {
+        match &*self.ask(&[&[3], &address.to_be_bytes()[..], &count.to_be_bytes()].concat()) {
+            [0x83, exception] => Err(*exception),
+            [3, length, bytes @ ..]
+                if bytes.len() == 2 * usize::from(count) && usize::from(*length) == bytes.len() =>
+            {
+                Ok(bytes.chunks(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect())
+            }
+            other => panic!("no answer to a reading: {other:02x?}"),
+        }
+    }
+
+    /// Writes registers from an address on.
+    ///
+    /// # Errors
+    /// The number of the exception.
+    ///
+    /// # Panics
+    /// There is no response, or another one.
+    pub fn write(&mut self, address: u16, words: &[u16]) -> Result<(), u8> {
+        let head = [&address.to_be_bytes()[..], &(words.len() as u16).to_be_bytes()].concat();
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()).collect();
+        match &*self.ask(&[&[16], &head[..], &[bytes.len() as u8], &bytes].concat()) {
+            [0x90, exception] => Err(*exception),
+            [16, echo @ ..] if echo == head => Ok(()),
+            other => panic!("no answer to a write: {other:02x?}"),
+        }
+    }
+
+    /// Reads a register that exists, the first of a run.
+    pub fn get(&mut self, id: Id) -> Value {
+        let register = id.register();
+        let words = self.read(register.address, register.kind.words()).expect(register.name);
+        Value::of_words(register.kind, &words).expect(register.name)
+    }
+
+    /// Reads a register of whole numbers.
+    pub fn number(&mut self, id: Id) -> u32 {
+        self.get(id).number() as u32
+    }
+
+    /// Writes a number to a register.
+    ///
+    /// # Errors
+    /// The number of the exception.
+    pub fn set(&mut self, id: Id, number: f64) -> Result<(), u8> {
+        let register = id.register();
+        let words: Vec<u16> = Value::of_number(register.kind, number).words().collect();
+        self.write(register.address, &words)
+    }
+}
+
+impl Default for BusBoard {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The frame of a request.
+pub fn frame(unit: u8, pdu: &[u8]) -> Vec<u8> {
+    let content = [&[unit], pdu].concat();
+    let crc = CRC.checksum(&content).to_le_bytes();
+    [content, crc.to_vec()].concat()
+}

@@ -1,0 +1,399 @@
+//! The bus against the control it speaks for: every register, every exception, and frames that are none.
+
+use std::collections::HashSet;
+
+use firmware::law::{extended_parameters, paper_parameters};
+use host_tests::bus::{BusBoard, frame};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use wire::registers::{
+    Access, Command, Exception, GROUPS, Id, Kind, MOST_READ, MOST_WRITTEN, Register, TABLE, UNIT, Value,
+};
+use wire::{Configuration, Protection, Request, Response, VERSION};
+
+/// A board with the paper's model, ready.
+fn configured() -> BusBoard {
+    let mut board = BusBoard::new();
+    let tracking = paper_parameters().expect("valid");
+    assert_eq!(
+        board.request(&Request::Configure(Configuration { version: VERSION, tracking })),
+        Response::Accepted
+    );
+    board
+}
+
+/// Counters of the requests, and why the last one was refused.
+const OF_REQUESTS: [Id; 5] = [Id::BusFrames, Id::BusDamaged, Id::BusRefused, Id::UploadResult, Id::Message];
+
+/// No answer.
+const SILENCE: [u8; 0] = [];
+
+fn order(board: &mut BusBoard, command: Command) -> Result<(), u8> {
+    board.set(Id::Command, command.number().into())
+}
+
+fn refused<T>(exception: Exception) -> Result<T, u8> {
+    Err(exception.number() as u8)
+}
+
+/// Everything that the registers say, but for what tells of the bus's requests themselves.
+fn contents(board: &mut BusBoard) -> Vec<(&'static str, Vec<u16>)> {
+    let registers = TABLE.iter().filter(|register| !OF_REQUESTS.contains(&register.id));
+    registers
+        .map(|register| (register.name, board.read(register.address, register.words()).expect(register.name)))
+        .collect()
+}
+
+#[test]
+fn every_register_is_read_by_either_function_and_in_any_company() {
+    let mut board = configured();
+    for register in TABLE.iter().filter(|register| !OF_REQUESTS.contains(&register.id)) {
+        let by_3 = board.read(register.address, register.words()).expect(register.name);
+        let address = register.address.to_be_bytes();
+        let by_4 = board.ask(&[&[4], &address[..], &register.words().to_be_bytes()].concat());
+        let bytes: Vec<u8> = by_3.iter().flat_map(|word| word.to_be_bytes()).collect();
+        assert_eq!(by_4[2..], bytes, "{}", register.name);
+        // A word alone, and with its neighbour.
+        for offset in 0..register.words() {
+            assert_eq!(
+                board.read(register.address + offset, 1).map(|words| words[0]),
+                Ok(by_3[usize::from(offset)])
+            );
+        }
+    }
+}
+
+#[test]
+fn every_written_register_reads_as_it_was_written_at_both_limits_and_refuses_what_is_beyond() {
+    // What has an effect of its own, or takes no value alone.
+    let special =
+        [Id::Command, Id::SetpointBar, Id::StreamOrder, Id::PushNumber, Id::PushPoints, Id::UploadOrder];
+    for register in &TABLE {
+        let Access::Write(min, max) = register.access else { continue };
+        if special.contains(&register.id) {
+            continue;
+        }
+        for number in [min, max] {
+            let mut board = configured();
+            // Gains are checked together; the lowest command is below the highest.
+            let wanted = match register.id {
+                Id::CommandMin => 0.5 * number.min(1.0),
+                Id::CommandMax => number.max(2.0),
+                _ => number,
+            };
+            assert_eq!(board.set(register.id, wanted), Ok(()), "{} = {wanted}", register.name);
+            assert_eq!(board.get(register.id), Value::of_number(register.kind, wanted), "{}", register.name);
+        }
+        let mut board = configured();
+        let before = contents(&mut board);
+        for number in beyond(register.kind, min, max) {
+            assert_eq!(
+                board.set(register.id, number),
+                refused(Exception::IllegalValue),
+                "{} = {number}",
+                register.name
+            );
+        }
+        assert_eq!(contents(&mut board), before, "{}", register.name);
+    }
+}
+
+/// Numbers of a kind outside these limits, and for quantities what is no number.
+fn beyond(kind: Kind, min: f64, max: f64) -> Vec<f64> {
+    let numbers = match kind {
+        Kind::U16 => vec![min - 1.0, max + 1.0, f64::from(u16::MAX)],
+        Kind::I16 => vec![min - 1.0, max + 1.0],
+        Kind::U32 | Kind::I32 => vec![min - 1.0, max + 1.0, f64::from(u32::MAX)],
+        Kind::F32 => {
+            let [below, above] = [min, max].map(|limit| f64::from((limit as f32).abs().max(1e-3) * 1e-6));
+            vec![min - below, max + above, f64::NAN, f64::INFINITY, f64::NEG_INFINITY]
+        }
+    };
+    let is_one = |number: &f64| Value::of_number(kind, *number).number() == *number || kind == Kind::F32;
+    numbers.into_iter().filter(|number| is_one(number) && !(min..=max).contains(number)).collect()
+}
+
+#[test]
+fn addresses_without_a_register_and_what_is_only_read_are_refused() {
+    let mut board = configured();
+    let before = contents(&mut board);
+    for address in 0..=u16::MAX {
+        let register = Register::at(address);
+        let read = board.read(address, 1);
+        assert_eq!(read.is_ok(), register.is_some(), "{address:#06x}");
+        if register.is_none() {
+            assert_eq!(read, refused(Exception::IllegalAddress));
+        }
+        if register.is_none_or(|register| register.access == Access::Read) {
+            assert_eq!(board.write(address, &[0]), refused(Exception::IllegalAddress), "{address:#06x}");
+        }
+    }
+    assert_eq!(contents(&mut board), before);
+}
+
+#[test]
+fn half_of_a_pair_is_not_written() {
+    let mut board = configured();
+    for register in &TABLE {
+        if matches!(register.access, Access::Write(..)) && register.kind.words() == 2 {
+            for offset in 0..2 {
+                let written = board.write(register.address + offset, &[0]);
+                assert_eq!(written, refused(Exception::IllegalValue), "{}", register.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn lengths_that_do_not_fit_are_refused() {
+    let mut board = configured();
+    let [high, low] = Id::UploadWindow.register().address.to_be_bytes();
+    let refusal = |function: u8| vec![function | 0x80, Exception::IllegalValue.number() as u8];
+    for function in [3, 4] {
+        for count in [0, MOST_READ + 1, u16::MAX] {
+            let [count_high, count_low] = count.to_be_bytes();
+            assert_eq!(
+                board.ask(&[function, high, low, count_high, count_low]),
+                refusal(function),
+                "{count}"
+            );
+        }
+    }
+    // No registers; bytes that are not two a register; more registers than a write has.
+    assert_eq!(board.ask(&[16, high, low, 0, 0, 0]), refusal(16));
+    assert_eq!(board.ask(&[16, high, low, 0, 2, 2, 0, 0]), refusal(16));
+    assert_eq!(board.ask(&[16, high, low, 0, 1, 3, 0, 0, 0]), refusal(16));
+    let most = usize::from(MOST_WRITTEN);
+    assert_eq!(board.ask(&[&[16, high, low, 0, 124, 246][..], &vec![0; 2 * most]].concat()), refusal(16));
+}
+
+#[test]
+fn functions_that_the_board_does_not_have_are_refused() {
+    let mut board = configured();
+    for function in 1..=127 {
+        if [3, 4, 6, 16].contains(&function) {
+            continue;
+        }
+        let pdu = match function {
+            15 => vec![15, 0, 0, 0, 1, 1, 0],
+            _ => vec![function, 0, 0, 0, 1],
+        };
+        board.be_silent();
+        let request = frame(UNIT, &pdu);
+        let response = [board.send(&request), board.be_silent()].concat();
+        assert_eq!(
+            response,
+            frame(UNIT, &[function | 0x80, Exception::IllegalFunction.number() as u8]),
+            "{function}"
+        );
+    }
+}
+
+#[test]
+fn function_6_writes_a_register() {
+    let mut board = configured();
+    let address = Id::Mode.register().address.to_be_bytes();
+    let pdu = [&[6], &address[..], &[0, 2]].concat();
+    assert_eq!(board.ask(&pdu), pdu);
+    assert_eq!(board.number(Id::Mode), 2);
+}
+
+#[test]
+fn orders_that_the_state_does_not_take_are_busy_and_change_nothing() {
+    let busy = || refused(Exception::DeviceBusy);
+    let mut board = BusBoard::new();
+    let before = contents(&mut board);
+    for command in [Command::Start, Command::Hold] {
+        assert_eq!(order(&mut board, command), busy(), "{command:?}, off");
+    }
+    assert_eq!(board.set(Id::SetpointBar, 1.0), busy());
+    assert_eq!(board.set(Id::Kp, 0.1), busy());
+    assert_eq!(board.set(Id::StreamOrder, 1.0), busy());
+    assert_eq!(board.set(Id::UploadOrder, 2.0), busy());
+    assert_eq!(contents(&mut board), before);
+
+    let mut board = configured();
+    order(&mut board, Command::Start).expect("ready");
+    let before = contents(&mut board);
+    for id in [Id::Kp, Id::VentedBar, Id::SetpointBar] {
+        assert_eq!(board.set(id, 0.5), busy(), "{}, tracking", id.register().name);
+    }
+    for command in [Command::Start, Command::Service] {
+        assert_eq!(order(&mut board, command), busy(), "{command:?}, tracking");
+    }
+    assert_eq!(contents(&mut board), before);
+}
+
+#[test]
+fn a_write_of_many_registers_is_refused_as_a_whole() {
+    let mut board = configured();
+    order(&mut board, Command::Start).expect("ready");
+    let before = contents(&mut board);
+    // Mode and set point would do, the second start does not.
+    let mut words = vec![Command::Start.number(), 2];
+    words.extend(Value::F32(10.0).words());
+    let address = Id::Command.register().address;
+    assert_eq!(board.write(address, &words), refused(Exception::DeviceBusy));
+    // The command would do, the set point is beyond its limits.
+    words[0] = Command::Stop.number();
+    words[2..].copy_from_slice(&Value::F32(1e6).words().collect::<Vec<_>>());
+    assert_eq!(board.write(address, &words), refused(Exception::IllegalValue));
+    assert_eq!(contents(&mut board), before);
+}
+
+#[test]
+fn commands_lead_through_the_states() {
+    let mut board = configured();
+    let mut step = |command, state| {
+        order(&mut board, command).expect("taken");
+        assert_eq!(board.number(Id::State), state, "{command:?}");
+        assert_eq!(board.number(Id::Command), u32::from(command.number()));
+        order(&mut board, Command::None).expect("taken");
+    };
+    step(Command::Start, 3);
+    step(Command::Hold, 4);
+    step(Command::Start, 3);
+    step(Command::Stop, 2);
+    step(Command::Service, 6);
+    step(Command::Stop, 2);
+    board.control().report(wire::Fault::Leak);
+    assert_eq!((board.number(Id::State), board.number(Id::Fault)), (5, u32::from(wire::Fault::Leak.code())));
+    assert_eq!(board.number(Id::RecordFault), u32::from(wire::Fault::Leak.code()));
+    order(&mut board, Command::Acknowledge).expect("taken");
+    assert_eq!((board.number(Id::State), board.number(Id::Fault)), (2, 0));
+}
+
+#[test]
+fn a_set_point_drives_and_a_stop_vents_whatever_comes_with_it() {
+    let mut board = configured();
+    order(&mut board, Command::Service).expect("ready");
+    board.set(Id::SetpointBar, 2.0).expect("in service");
+    (0..100).for_each(|_| _ = board.tick());
+    assert!((board.get(Id::CommandBar).number() - 2.0).abs() < 0.01);
+    let words: Vec<u16> = [Command::Stop.number(), 0]
+        .into_iter()
+        .chain(Value::F32(5.0).words())
+        .chain(Value::F32(5.0).words())
+        .collect();
+    board.write(Id::Command.register().address, &words).expect("a stop is taken");
+    board.tick();
+    assert_eq!((board.number(Id::State), board.get(Id::CommandBar).number()), (2, 0.0));
+}
+
+#[test]
+fn gains_that_are_written_are_installed_and_kept() {
+    let mut board = configured();
+    board.set(Id::Kp, 0.125).expect("taken");
+    assert_eq!(board.parameters().tracking.as_ref().map(|tracking| tracking.pid.kp), Some(0.125));
+    board.set(Id::VentedBar, 0.25).expect("taken");
+    assert_eq!(board.parameters().protection.vented_bar, 0.25);
+    // Lowest above highest: the model's own check, in words.
+    assert_eq!(board.set(Id::CommandMax, 0.0), refused(Exception::IllegalValue));
+    let message: Vec<u8> = board
+        .read(Id::Message.register().address, 50)
+        .expect("read")
+        .into_iter()
+        .flat_map(u16::to_be_bytes)
+        .collect();
+    assert!(
+        String::from_utf8_lossy(&message).contains("command range is 0 bar"),
+        "{}",
+        String::from_utf8_lossy(&message)
+    );
+}
+
+#[test]
+fn a_broadcast_is_carried_out_and_not_answered() {
+    let mut board = configured();
+    let [high, low] = Id::Mode.register().address.to_be_bytes();
+    assert_eq!(board.send(&frame(0, &[6, high, low, 0, 1])), SILENCE);
+    assert_eq!(board.number(Id::Mode), 1);
+    // Reading for all is not answered either.
+    assert_eq!(board.send(&frame(0, &[3, high, low, 0, 1])), SILENCE);
+}
+
+#[test]
+fn frames_for_others_are_met_with_silence() {
+    let mut board = configured();
+    let before = contents(&mut board);
+    let [high, low] = Id::Mode.register().address.to_be_bytes();
+    for unit in 2..=255 {
+        assert_eq!(board.send(&frame(unit, &[6, high, low, 0, 1])), SILENCE);
+    }
+    assert_eq!(contents(&mut board), before);
+}
+
+#[test]
+fn damaged_truncated_and_overlong_frames_are_met_with_silence_and_the_next_one_is_heard() {
+    let [high, low] = Id::Mode.register().address.to_be_bytes();
+    let good = frame(UNIT, &[16, high, low, 0, 1, 2, 0, 1]);
+    let mut board = configured();
+    let damaged = (0..8 * good.len()).map(|bit| {
+        let mut bytes = good.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        bytes
+    });
+    let truncated = (1..good.len()).map(|length| good[..length].to_vec());
+    let filled =
+        |length: usize| frame(UNIT, &[&[16, high, low, 0, 1, 2, 0, 1][..], &vec![0; length]].concat());
+    let overlong = [1, 2, 100, 243, 244, 1000].map(filled);
+    for bytes in damaged.chain(truncated).chain(overlong) {
+        assert_eq!([board.send(&bytes), board.be_silent()].concat(), SILENCE, "{bytes:02x?}");
+        assert_eq!(board.number(Id::Mode), 0, "{bytes:02x?}");
+    }
+    assert_eq!(board.send(&good), frame(UNIT, &[16, high, low, 0, 1]));
+    assert_eq!(board.number(Id::Mode), 1);
+}
+
+#[test]
+fn random_frames_change_no_state_and_the_loop_goes_on() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut board = configured();
+    order(&mut board, Command::Start).expect("ready");
+    let before = (board.number(Id::State), contents(&mut board).len(), board.parameters().clone());
+    let mut answered = HashSet::new();
+    for number in 0..1000 {
+        // Three in four are bytes; the rest are whole frames to the board that ask for something that it does not have.
+        let mut bytes = vec![0; random.random_range(1..=300)];
+        random.fill_bytes(&mut bytes);
+        if number % 4 == 0 {
+            bytes.truncate(200);
+            bytes = frame(UNIT, &[&[random.random_range(17..=127)][..], &bytes].concat());
+        }
+        answered.extend([board.send(&bytes), board.be_silent()].concat().get(1).copied());
+    }
+    assert!(answered.iter().all(|function| function & 0x80 != 0), "{answered:?}");
+    assert_eq!((board.number(Id::State), contents(&mut board).len(), board.parameters().clone()), before);
+    assert_eq!(board.number(Id::Overruns), 0);
+    assert!(board.number(Id::BusDamaged) > 700);
+}
+
+#[test]
+fn a_silent_bus_acts_as_configured_and_any_frame_is_a_sign_of_life() {
+    let mut board = configured();
+    board.set(Id::BusSilent, 50.0).expect("vented");
+    order(&mut board, Command::Start).expect("ready");
+    for _ in 0..10 {
+        (0..40).for_each(|_| _ = board.tick());
+        assert_eq!(board.number(Id::State), 3);
+    }
+    (0..51).for_each(|_| _ = board.tick());
+    assert_eq!(board.number(Id::Fault), u32::from(wire::Fault::BusSilent.code()));
+}
+
+#[test]
+fn what_a_board_starts_with_is_within_what_is_compiled_in() {
+    let mut board = BusBoard::new();
+    let protection = Protection::STANDARD;
+    assert_eq!(board.request(&Request::Protect(protection)), Response::Accepted);
+    let tracking = extended_parameters().expect("valid");
+    let configure = Request::Configure(Configuration { version: VERSION, tracking });
+    assert_eq!(board.request(&configure), Response::Accepted);
+    for group in ["Controller", "Protection"].map(|title| GROUPS.iter().find(|group| group.title == title)) {
+        let page = group.expect("a group").address >> 8;
+        for register in TABLE.iter().filter(|register| register.address >> 8 == page) {
+            let value = board.get(register.id);
+            assert!(register.takes(value), "{} = {value:?}", register.name);
+        }
+    }
+}

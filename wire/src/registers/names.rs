@@ -1,0 +1,143 @@
+//! What the numbers in registers of orders and answers stand for.
+
+use model_core::Mode;
+
+/// Gives each variant of an enumeration its number, and finds it by that.
+macro_rules! numbered {
+    ($(#[$doc:meta])* $name:ident { $($(#[$of:meta])* $variant:ident = $number:literal,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(u16)]
+        pub enum $name { $($(#[$of])* $variant = $number,)* }
+
+        impl $name {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$variant),*];
+
+            /// The one with a number.
+            pub const fn of_number(number: u16) -> Option<Self> {
+                match number {
+                    $($number => Some(Self::$variant),)*
+                    _ => None,
+                }
+            }
+
+            /// Its number.
+            pub const fn number(self) -> u16 {
+                self as u16
+            }
+        }
+    };
+}
+
+numbered! {
+    /// Why a request is refused: the exception codes of Modbus that the board uses.
+    Exception {
+        /// There is no such function here.
+        IllegalFunction = 1,
+        /// A register does not exist, or is only read.
+        IllegalAddress = 2,
+        /// A value is out of its limits, not finite, or half of a pair; a length does not fit.
+        IllegalValue = 3,
+        /// The board cannot carry it out.
+        DeviceFailure = 4,
+        /// The board's state does not allow it now.
+        DeviceBusy = 6,
+    }
+}
+
+numbered! {
+    /// The orders of the command word.
+    Command {
+        /// Nothing; for a PLC that writes its outputs all the time.
+        None = 0,
+        /// Start tracking from rest, or go on from holding, in the mode of the register `mode`.
+        Start = 1,
+        /// Stop and vent.
+        Stop = 2,
+        /// Hold the last command of the controller; a start goes on.
+        Hold = 3,
+        /// Release the latched fault, test the board anew.
+        Acknowledge = 4,
+        /// Enter the service state, valve vented: `setpoint_bar` and the stream then drive it without a controller.
+        Service = 5,
+    }
+}
+
+numbered! {
+    /// What to do with the stream of set points.
+    StreamOrder {
+        /// Forget all points, and play nothing.
+        Clear = 0,
+        /// Play from the next tick on.
+        Play = 1,
+        /// No more points will come: the end is no underrun.
+        End = 2,
+    }
+}
+
+numbered! {
+    /// What the stream of set points does.
+    StreamState {
+        /// Waits for points and the order to play.
+        Idle = 0,
+        /// Plays.
+        Playing = 1,
+        /// Has run out of points, and holds the last one.
+        Underrun = 2,
+        /// Has played the last point, and holds it.
+        Done = 3,
+    }
+}
+
+numbered! {
+    /// What to do with the upload's buffer.
+    UploadOrder {
+        /// Nothing.
+        None = 0,
+        /// Check the first `upload_length` bytes, install the configuration that they are, and store it.
+        Commit = 1,
+        /// Fill the buffer with the installed configuration; sets length and checksum.
+        Fetch = 2,
+    }
+}
+
+numbered! {
+    /// What has become of the last commit.
+    UploadResult {
+        /// There was none since the start.
+        None = 0,
+        /// Installed, and stored where the board has a store.
+        Installed = 1,
+        /// Length or checksum do not fit what has arrived.
+        Checksum = 2,
+        /// The bytes are no configuration.
+        Unreadable = 3,
+        /// It is one of another version of the messages.
+        Version = 4,
+        /// A parameter is not valid, or exceeds what is compiled into the board; `message` says which.
+        Parameter = 5,
+        /// Refused in this state.
+        WrongState = 6,
+    }
+}
+
+/// The mode with a number: 0 both, 1 feed-forward, 2 feedback.
+pub const fn mode(number: u16) -> Option<Mode> {
+    match number {
+        0 => Some(Mode::Both),
+        1 => Some(Mode::FeedforwardOnly),
+        2 => Some(Mode::FeedbackOnly),
+        _ => None,
+    }
+}
+
+/// The number of a mode; 3 for the held command.
+pub const fn mode_number(mode: Mode) -> u16 {
+    match mode {
+        Mode::Both => 0,
+        Mode::FeedforwardOnly => 1,
+        Mode::FeedbackOnly => 2,
+        Mode::Hold => 3,
+    }
+}

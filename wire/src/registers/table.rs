@@ -1,0 +1,236 @@
+//! The table.
+
+use super::windows::{
+    CAPTURE_SAMPLES, MESSAGE_REGISTERS, QUEUE_POINTS, SAMPLE_REGISTERS, STREAM_POINTS, TRACE_ENTRY_REGISTERS,
+    UPLOAD_BYTES, UPLOAD_REGISTERS,
+};
+use super::{Access, Kind, Register};
+use crate::{FAULTS, TRACE};
+
+/// The highest command, pressure of the strongest muscles that the board is made for. Unit: bar.
+const HIGHEST_BAR: f64 = 8.0;
+
+/// Registers that belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Group {
+    /// Of its first register.
+    pub address: u16,
+    /// A heading.
+    pub title: &'static str,
+    /// How its registers go together.
+    pub doc: &'static str,
+}
+
+/// The groups, by their addresses.
+pub const GROUPS: [Group; 9] = [
+    Group {
+        address: 0x0000,
+        title: "Identification",
+        doc: "Who the board is, the versions of everything that has one, and how its codes are scaled: \
+              code = zero code + codes per unit times quantity.",
+    },
+    Group {
+        address: 0x0100,
+        title: "Control",
+        doc: "Orders and set points. Written together they are taken in this order: mode, set points, command; they may be \
+              written all the time with command 0. A command that the state does not take is refused with exception 6, as \
+              is `setpoint_bar` outside the service state, and a set point while the stream plays; set points that are \
+              written together with command 2, to stop, are not taken.",
+    },
+    Group {
+        address: 0x0200,
+        title: "Status",
+        doc: "What the board does and measures. Cycles are those of the processor's clock; in the emulator they say nothing.",
+    },
+    Group {
+        address: 0x0300,
+        title: "Controller",
+        doc: "Gains and limits of the installed configuration. A write installs the configuration anew and stores it, as an \
+              upload does: refused with exception 6 while the valve is driven, and on a board without a configuration.",
+    },
+    Group {
+        address: 0x0400,
+        title: "Protection",
+        doc: "Limits of the plant, refused with exception 6 while the valve is driven; kept without power. What is written \
+              here cannot be switched off; a board in the emulator starts with most of it off (infinite).",
+    },
+    Group {
+        address: 0x0500,
+        title: "Faults",
+        doc: "Numbers and cures are in faults.md. The record is that of the first fault since the last acknowledgement, \
+              with the ticks before it; it outlives a reset.",
+    },
+    Group {
+        address: 0x0600,
+        title: "Stream",
+        doc: "Set points at equal intervals, in mm while tracking and in bar in the service state, interpolated by the \
+              board, so that the bus's timing does not matter. Points are pushed with the number of the first: what the \
+              board has already is passed over (a push may be repeated), a gap is refused with exception 3, more than is \
+              free with exception 6. A change to a state without a drive, or to another one, clears the stream.",
+    },
+    Group {
+        address: 0x0700,
+        title: "Capture",
+        doc: "The loop, recorded in a ring at the tick's rate. Samples are numbered from the start of the recording: write \
+              the number wanted, then read the window. If its first sample has a higher number, those between are lost.",
+    },
+    Group {
+        address: 0x0800,
+        title: "Upload",
+        doc: "A configuration in blocks: write blocks at their offsets, then length and checksum, then commit. Until the \
+              commit succeeds the old configuration stays; a commit while the valve is driven is refused with exception 6, \
+              one of a content that is not valid with exception 3. Fetch, and the same window reads the installed one.",
+    },
+];
+
+macro_rules! table {
+    ($($address:literal $id:ident $name:literal $kind:ident [$length:expr] $unit:literal $access:expr, $doc:literal;)*) => {
+        /// A register's name in programs.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(u8)]
+        pub enum Id {
+            $(#[doc = $doc] $id,)*
+        }
+
+        /// All registers, by their addresses.
+        pub static TABLE: [Register; [$(Id::$id),*].len()] = [
+            $(Register {
+                id: Id::$id,
+                name: $name,
+                address: $address,
+                kind: Kind::$kind,
+                length: $length,
+                unit: $unit,
+                access: $access,
+                doc: $doc,
+            },)*
+        ];
+
+        impl Id {
+            /// Its row.
+            #[allow(clippy::indexing_slicing, reason = "constants: the compiler has looked at each")]
+            pub const fn register(self) -> &'static Register {
+                match self {
+                    $(Self::$id => &TABLE[Id::$id as usize],)*
+                }
+            }
+        }
+    };
+}
+
+/// The ends of the range in which a set point may be.
+const MM: Access = Access::Write(-20.0, 200.0);
+const BAR: Access = Access::Write(0.0, HIGHEST_BAR);
+const WORD: Access = Access::Write(0.0, u16::MAX as f64);
+const DOUBLE_WORD: Access = Access::Write(0.0, u32::MAX as f64);
+const READ: Access = Access::Read;
+
+const fn write(min: f64, max: f64) -> Access {
+    Access::Write(min, max)
+}
+
+table! {
+    0x0000 RegistersVersion "registers_version" U16 [1] "" READ, "Version of this map";
+    0x0001 WireVersion "wire_version" U16 [1] "" READ, "Version of the messages, that of an uploaded configuration";
+    0x0002 StorageVersion "storage_version" U16 [1] "" READ, "Layout of what is kept without power";
+    0x0003 Release "release" U16 [3] "" READ, "Version of the firmware: major, minor, patch";
+    0x0006 TickPeriod "tick_period_us" U32 [1] "us" READ, "Time from tick to tick";
+    0x0008 PressureZero "pressure_zero_code" F32 [1] "code" READ, "Code of 0 bar at the pressure's input";
+    0x000A PressureGain "pressure_codes_per_bar" F32 [1] "code/bar" READ, "Scaling of the same";
+    0x000C ContractionZero "contraction_zero_code" F32 [1] "code" READ, "Code of 0 mm at the contraction's input";
+    0x000E ContractionGain "contraction_codes_per_mm" F32 [1] "code/mm" READ, "Scaling of the same";
+    0x0010 CommandZero "command_zero_code" F32 [1] "code" READ, "Code of 0 bar at the valve's output";
+    0x0012 CommandGain "command_codes_per_bar" F32 [1] "code/bar" READ, "Scaling of the same";
+
+    0x0100 Command "command" U16 [1] "" write(0.0, 5.0), "0 nothing, 1 start, or go on from holding, 2 stop and vent, 3 hold, 4 acknowledge, 5 service; reads as the last one taken";
+    0x0101 Mode "mode" U16 [1] "" write(0.0, 2.0), "0 feed-forward and feedback, 1 feed-forward alone, 2 feedback alone; at once while tracking, else with the next command 1";
+    0x0102 SetpointMm "setpoint_mm" F32 [1] "mm" MM, "The reference";
+    0x0104 SetpointBar "setpoint_bar" F32 [1] "bar" BAR, "The command in the service state";
+
+    0x0200 State "state" U16 [1] "" READ, "0 off, 1 self-test, 2 ready, 3 tracking, 4 holding, 5 fault, 6 service";
+    0x0201 Fault "fault" U16 [1] "" READ, "Number of the latched fault, 0 for none";
+    0x0202 Ticks "ticks" U32 [1] "tick" READ, "Ticks since the start";
+    0x0204 PressureBar "pressure_bar" F32 [1] "bar" READ, "Measured in the muscle";
+    0x0206 ContractionMm "contraction_mm" F32 [1] "mm" READ, "Measured";
+    0x0208 ReferenceMm "reference_mm" F32 [1] "mm" READ, "What the controller was asked for";
+    0x020A CommandBar "command_bar" F32 [1] "bar" READ, "What was put out to the valve";
+    0x020C SupplyBar "supply_bar" F32 [1] "bar" READ, "Measured before the valve";
+    0x020E TemperatureC "temperature_c" F32 [1] "°C" READ, "Measured in the processor";
+    0x0210 WorstTick "worst_tick_cycles" U32 [1] "cycle" READ, "Longest time from a tick's due moment to its end";
+    0x0212 MeanTick "mean_tick_cycles" U32 [1] "cycle" READ, "Mean of the same";
+    0x0214 Deadline "deadline_cycles" U32 [1] "cycle" READ, "When a tick has to have ended; 0 on a board whose ticks come by the link";
+    0x0216 Overruns "overruns" U32 [1] "" READ, "Ticks that found the one before unfinished";
+    0x0218 LateTicks "late_ticks" U32 [1] "" READ, "Ticks that ended after their deadline";
+    0x021A LimitedTicks "limited_ticks" U32 [1] "" READ, "Ticks in which a limit changed the command";
+    0x021C BridgedSamples "bridged_samples" U32 [1] "" READ, "Samples that were replaced by the one before";
+    0x021E Resets "resets" U32 [1] "" READ, "Resets in a row that no power-on explains";
+    0x0220 BusFrames "bus_frames" U32 [1] "" READ, "Frames for this board that were whole";
+    0x0222 BusDamaged "bus_damaged" U32 [1] "" READ, "Runs of bytes that were no whole frame";
+    0x0224 BusRefused "bus_refused" U32 [1] "" READ, "Requests that an exception has answered";
+
+    0x0300 Kp "kp_bar_per_mm" F32 [1] "bar/mm" write(0.0, 10.0), "Proportional gain";
+    0x0302 Ki "ki_bar_per_mm_s" F32 [1] "bar/mm s" write(0.0, 100.0), "Integral gain, bar/(mm s)";
+    0x0304 Kd "kd_bar_s_per_mm" F32 [1] "bar s/mm" write(0.0, 10.0), "Derivative gain";
+    0x0306 DerivativeFilter "derivative_filter_s" F32 [1] "s" write(0.0, 10.0), "Time constant of the derivative's filter";
+    0x0308 TrackingTime "tracking_time_s" F32 [1] "s" write(0.001, 1000.0), "Time constant of the anti-windup";
+    0x030A CommandMin "command_min_bar" F32 [1] "bar" BAR, "Lowest command";
+    0x030C CommandMax "command_max_bar" F32 [1] "bar" BAR, "Highest command";
+    0x030E CommandSlew "command_slew_bar_per_s" F32 [1] "bar/s" write(0.1, 200.0), "Largest rate of change of the controller's command";
+
+    0x0400 SelfTestTicks "self_test_ticks" U32 [1] "tick" write(0.0, 10_000.0), "Length of the self-test";
+    0x0402 VentedBar "vented_bar" F32 [1] "bar" write(0.0, 1.0), "Highest pressure at the end of the self-test";
+    0x0404 OverpressureHard "overpressure_hard_bar" F32 [1] "bar" write(0.0, 8.5), "Pressure that vents in the sample that shows it";
+    0x0406 OverpressureSoft "overpressure_soft_bar" F32 [1] "bar" BAR, "Pressure that vents as an average of some 16 samples";
+    0x0408 SupplyMin "supply_min_bar" F32 [1] "bar" write(0.0, 10.0), "Lowest pressure of the supply";
+    0x040A PressureJump "pressure_jump_bar" F32 [1] "bar" write(0.01, 10.0), "Largest credible change in a tick";
+    0x040C ContractionJump "contraction_jump_mm" F32 [1] "mm" write(0.1, 200.0), "Largest credible change in a tick";
+    0x040E StuckCommand "stuck_command_bar" F32 [1] "bar" write(0.1, 10.0), "Move of the command that a stuck sensor does not follow";
+    0x0410 ImplausibleShare "implausible_share" F32 [1] "" write(0.0, 10.0), "How far outside the model's loop a contraction may be, as a share of the stroke";
+    0x0412 FollowingBand "following_band_bar" F32 [1] "bar" write(0.0, 10.0), "How far pressure and command may differ for good";
+    0x0414 FollowingLimit "following_limit_bar_s" F32 [1] "bar s" write(0.0, 100.0), "Integral of what they differ beyond that";
+    0x0416 Authority "authority_bar" F32 [1] "bar" write(0.0, 10.0), "How much the feedback may add for good";
+    0x0418 BusSilent "bus_silent_ticks" U32 [1] "tick" write(10.0, 60_000.0), "How long the host may be silent while the valve is driven";
+    0x041A SoftStart "soft_start_bar_per_s" F32 [1] "bar/s" write(0.1, 200.0), "Rise of the highest command after a start";
+    0x041C Slew "slew_bar_per_s" F32 [1] "bar/s" write(0.1, 200.0), "Largest rate of change of the valve's command, service included";
+    0x041E TemperatureMax "temperature_max_c" F32 [1] "°C" write(0.0, 105.0), "Highest temperature of the board";
+    0x0420 OnModelFault "on_model_fault" U16 [1] "" write(0.0, 1.0), "When the model does not stand its test: 0 the valve stays vented, 1 feedback alone may track";
+
+    0x0500 RecordFault "record_fault" U16 [1] "" READ, "Number of the recorded fault, 0 for none";
+    0x0501 RecordEntries "record_entries" U16 [1] "" READ, "Entries of the trace";
+    0x0502 RecordTick "record_tick" U32 [1] "tick" READ, "When it happened, in ticks since the start";
+    0x0504 RecordDetail "record_detail" U32 [1] "" READ, "Of a fault of the processor, its fault status";
+    0x0506 FaultCounts "fault_counts" U16 [FAULTS as u16] "" READ, "How often each fault has occurred since the start, by its number less one";
+    0x0540 Trace "trace" U16 [TRACE as u16 * TRACE_ENTRY_REGISTERS] "" READ, "Entries, oldest first, 7 registers each: tick (u32), codes of pressure, contraction, supply, valve, reference (i16, 1/64 mm)";
+
+    0x0600 StreamOrder "stream_order" U16 [1] "" write(0.0, 2.0), "0 clear, 1 play, 2 no more points come; reads as the last one taken";
+    0x0601 StreamInterval "stream_interval_ticks" U16 [1] "tick" write(1.0, 1000.0), "From point to point; not changed while playing";
+    0x0602 StreamState "stream_state" U16 [1] "" READ, "0 idle, 1 playing, 2 out of points, 3 done";
+    0x0603 StreamFree "stream_free" U16 [1] "" READ, "Free places of the queue";
+    0x0604 StreamPushed "stream_pushed" U32 [1] "" READ, "Points pushed since the last clear: the number of the next";
+    0x0606 StreamConsumed "stream_consumed" U32 [1] "" READ, "Points taken out of the queue since the last clear";
+    0x0608 StreamUnderrun "stream_underrun_ticks" U32 [1] "tick" READ, "Ticks without a point to go to since the last clear";
+    0x060A StreamStart "stream_start_tick" U32 [1] "tick" READ, "The tick in which point 0 was the set point";
+    0x0610 PushNumber "push_number" U32 [1] "" DOUBLE_WORD, "Number of the first of the points behind it; written together with them";
+    0x0612 PushPoints "push_points" F32 [STREAM_POINTS] "" MM, "Points, mm or bar; as many as are written. Reads as the next ones to be played, 0 behind the last";
+
+    0x0700 CaptureEvery "capture_every_ticks" U16 [1] "tick" write(0.0, 1000.0), "Begins a new recording of every so-manieth tick; 0 stops it. A fault stops it too";
+    0x0701 CaptureKept "capture_kept" U16 [1] "" READ, "Samples in the ring";
+    0x0702 CaptureTaken "capture_taken" U32 [1] "" READ, "Samples since the recording began: the number of the next";
+    0x0704 CaptureFrom "capture_from" U32 [1] "" DOUBLE_WORD, "Number of the sample that the window begins with";
+    0x0710 CaptureFirst "capture_first" U32 [1] "" READ, "Number of the first sample of the window";
+    0x0712 CaptureFirstTick "capture_first_tick" U32 [1] "tick" READ, "Its tick";
+    0x0714 CaptureCount "capture_count" U16 [1] "" READ, "Samples in the window";
+    0x0715 CaptureWindow "capture_window" U16 [CAPTURE_SAMPLES * SAMPLE_REGISTERS] "" READ, "5 registers each: reference (i16, 1/128 mm), codes of pressure, contraction, valve, feedback (i16, 1/4096 bar)";
+
+    0x0800 UploadOrder "upload_order" U16 [1] "" write(0.0, 2.0), "0 nothing, 1 commit, 2 fetch; reads as 0";
+    0x0801 UploadResult "upload_result" U16 [1] "" READ, "Of the last commit or write of gains: 0 none, 1 installed, 2 length or checksum, 3 unreadable, 4 version, 5 parameter, 6 state";
+    0x0802 UploadCapacity "upload_capacity" U16 [1] "" READ, "Size of the buffer in bytes";
+    0x0803 UploadLength "upload_length" U16 [1] "" write(0.0, UPLOAD_BYTES as f64), "Bytes that make up the configuration";
+    0x0804 UploadChecksum "upload_checksum" U32 [1] "" DOUBLE_WORD, "CRC-32 (ISO-HDLC) over them";
+    0x080F UploadOffset "upload_offset" U16 [1] "" write(0.0, UPLOAD_BYTES as f64 - 1.0), "Where the window stands in the buffer, in bytes; may be written together with it";
+    0x0810 UploadWindow "upload_window" U16 [UPLOAD_REGISTERS] "" WORD, "Two bytes in a register, the first in the high half; beyond the buffer's end a write is refused, and 0 is read";
+    0x0890 Message "message" U16 [MESSAGE_REGISTERS] "" READ, "Why the last commit or write of gains or protection was refused, two characters in a register";
+}
+
+/// Places of the queue are told in a register.
+const _: () = assert!(QUEUE_POINTS >= 2 * STREAM_POINTS);

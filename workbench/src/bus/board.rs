@@ -1,0 +1,202 @@
+//! A board that is the right one: its identity, its registers by their names, its orders.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use wire::registers::{Command, Id, VERSION, Value};
+use wire::{Fault, Scaling, State};
+
+use super::client::{Address, BusError, Client};
+use super::error::BoardError;
+
+/// How often a state is looked at that is waited for.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Registers next to each other, as they were read at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    address: u16,
+    words: Vec<u16>,
+}
+
+impl Block {
+    /// The words from a register on that is in the block; none if it is not.
+    pub fn words(&self, id: Id) -> &[u16] {
+        let place = id.register().address.checked_sub(self.address);
+        place.and_then(|place| self.words.get(usize::from(place)..)).unwrap_or_default()
+    }
+
+    /// The value of a register; 0 if it is not in the block.
+    pub fn number(&self, id: Id) -> f64 {
+        Value::of_words(id.register().kind, self.words(id)).map_or(0.0, Value::number)
+    }
+
+    /// The value of a register of whole numbers.
+    pub fn whole(&self, id: Id) -> u32 {
+        self.number(id) as u32
+    }
+}
+
+/// Who the board is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identity {
+    /// Version of the messages, that of a configuration.
+    pub wire_version: u16,
+    /// Layout of what is kept without power.
+    pub storage_version: u16,
+    /// Version of the firmware.
+    pub release: [u16; 3],
+    /// Time from tick to tick. Unit: s, above 0.
+    pub period_s: f64,
+    /// ADC code of the pressure in bar.
+    pub pressure: Scaling,
+    /// ADC code of the contraction in mm.
+    pub contraction: Scaling,
+    /// DAC code of the command in bar.
+    pub command: Scaling,
+}
+
+/// A board on the bus.
+#[derive(Debug)]
+pub struct Board {
+    client: Client,
+    identity: Identity,
+}
+
+impl Board {
+    /// Opens the port and asks who is there.
+    ///
+    /// # Errors
+    /// The port cannot be used, nobody answers, or not a board with registers of this version.
+    pub fn open(address: Address) -> Result<Self, BoardError> {
+        let port = address.port.clone();
+        let mut client = Client::open(address)?;
+        let is_other = |error: &BusError| error.exception().is_some();
+        let version = match client.read(Id::RegistersVersion.register().address, 1) {
+            Ok(words) => words.first().copied().unwrap_or_default(),
+            Err(error) if is_other(&error) => return Err(BoardError::NotTheBoard(port)),
+            Err(error) => return Err(error.into()),
+        };
+        if version != VERSION {
+            return Err(BoardError::MapVersion { board: version });
+        }
+        let block = span(&mut client, Id::RegistersVersion, Id::CommandGain)?;
+        Ok(Self { client, identity: identity(&block).ok_or(BoardError::NotTheBoard(port))? })
+    }
+
+    /// Who the board is.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Reads all registers from the first to the last, between which there must be no free address.
+    ///
+    /// # Errors
+    /// No answer, or a refusal.
+    pub fn read(&mut self, first: Id, last: Id) -> Result<Block, BusError> {
+        span(&mut self.client, first, last)
+    }
+
+    /// Writes words from a register on, which may be written twice.
+    ///
+    /// # Errors
+    /// No answer, or a refusal: then nothing was written.
+    pub fn write(&mut self, first: Id, words: &[u16]) -> Result<(), BusError> {
+        self.client.write(first.register().address, words)
+    }
+
+    /// Writes a value.
+    ///
+    /// # Errors
+    /// No answer, or a refusal: then nothing was written.
+    pub fn set(&mut self, id: Id, number: f64) -> Result<(), BusError> {
+        let words: Vec<u16> = Value::of_number(id.register().kind, number).words().collect();
+        self.write(id, &words)
+    }
+
+    /// Writes words that must not be written twice; waits `patience` times as long as usual.
+    ///
+    /// # Errors
+    /// A refusal: then nothing was written; or no answer: then perhaps.
+    pub fn write_once(&mut self, first: Id, words: &[u16], patience: u32) -> Result<(), BusError> {
+        self.client.write_once(first.register().address, words, patience)
+    }
+
+    /// The board's state, and the fault that is latched.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn state(&mut self) -> Result<(State, Option<Fault>), BusError> {
+        let block = self.read(Id::State, Id::Fault)?;
+        Ok((state(block.whole(Id::State)), Fault::of_code(block.whole(Id::Fault) as u8)))
+    }
+
+    /// Gives an order whose effect is the state `then`. An order whose answer was lost is looked up.
+    ///
+    /// # Errors
+    /// A refusal, or no answer.
+    pub fn order(&mut self, command: Command, then: &[State]) -> Result<(), BoardError> {
+        match self.write_once(Id::Command, &[command.number()], 1) {
+            Err(error) if error.is_lost() && then.contains(&self.state()?.0) => Ok(()),
+            Err(error) if error.is_lost() => Ok(self.write_once(Id::Command, &[command.number()], 1)?),
+            done => Ok(done?),
+        }
+    }
+
+    /// Stops and vents. What may be done in every state is simply done again.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn stop(&mut self) -> Result<(), BusError> {
+        self.write(Id::Command, &[Command::Stop.number()])
+    }
+
+    /// The state as soon as the self-test is over, or at last as it is.
+    ///
+    /// # Errors
+    /// No answer; a fault that is latched.
+    pub fn settled(&mut self, limit: Duration) -> Result<State, BoardError> {
+        let deadline = Instant::now() + limit;
+        loop {
+            let (state, fault) = self.state()?;
+            if state == State::Fault {
+                return Err(BoardError::Fault(fault));
+            }
+            if state != State::SelfTest || Instant::now() > deadline {
+                return Ok(state);
+            }
+            thread::sleep(LOOK);
+        }
+    }
+}
+
+fn span(client: &mut Client, first: Id, last: Id) -> Result<Block, BusError> {
+    let (address, end) = (first.register().address, last.register().end());
+    Ok(Block { address, words: client.read(address, end.saturating_sub(address))? })
+}
+
+/// What a board says of itself; `None` if that cannot be.
+fn identity(block: &Block) -> Option<Identity> {
+    let scaling = |zero: Id, gain: Id| {
+        let (zero_code, codes_per_unit) = (block.number(zero) as f32, block.number(gain) as f32);
+        let is_sane = zero_code.is_finite() && codes_per_unit.is_finite() && codes_per_unit > 0.0;
+        is_sane.then_some(Scaling { zero_code, codes_per_unit, code_min: 0, code_max: u16::MAX })
+    };
+    let mut release = [0; 3];
+    release.iter_mut().zip(block.words(Id::Release)).for_each(|(number, word)| *number = *word);
+    let period_us = block.whole(Id::TickPeriod);
+    Some(Identity {
+        wire_version: block.whole(Id::WireVersion) as u16,
+        storage_version: block.whole(Id::StorageVersion) as u16,
+        release,
+        period_s: (period_us > 0).then_some(f64::from(period_us) * 1e-6)?,
+        pressure: scaling(Id::PressureZero, Id::PressureGain)?,
+        contraction: scaling(Id::ContractionZero, Id::ContractionGain)?,
+        command: scaling(Id::CommandZero, Id::CommandGain)?,
+    })
+}
+
+/// The state with a number; one that is not known is no state to drive in.
+pub fn state(number: u32) -> State {
+    State::ALL.get(number as usize).copied().unwrap_or(State::Off)
+}

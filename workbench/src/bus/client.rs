@@ -1,0 +1,216 @@
+//! Registers read and written: a Modbus RTU client.
+//!
+//! # Lost answers
+//! A question whose answer does not come, or comes damaged, is asked again, [`TRIES`] times in all. That does no harm where
+//! a question leads to the same state however often it is heard: readings, and writings of values. What counts what it
+//! hears (a command, a push into a queue) is written by [`Client::write_once`], and whoever asks finds out by a reading
+//! whether it was heard ([`BusError::is_lost`]).
+//!
+//! # Limits
+//! The answer to an earlier question that comes late is taken for noise as long as it differs in unit, function or length;
+//! the port is emptied before each question.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use rmodbus::client::ModbusRequest;
+use rmodbus::{ErrorKind, ModbusProto};
+use thiserror::Error;
+
+use super::port::{Line, Port, PortError};
+
+/// How often a question is asked.
+const TRIES: usize = 3;
+/// The most registers of a reading.
+pub const MOST_READ: u16 = 125;
+/// The most registers of a writing.
+pub const MOST_WRITTEN: usize = 123;
+/// An answer without its content: unit, function, length or exception, CRC. Unit: byte.
+const SHORTEST: usize = 5;
+/// Answer to a writing: unit, function, address, value or count, CRC. Unit: byte.
+const WRITTEN: usize = 8;
+/// The bit that marks the function of an exception.
+const EXCEPTION: u8 = 0x80;
+
+/// Why registers were not read or written.
+#[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
+pub enum BusError {
+    #[error(transparent)]
+    Port(#[from] PortError),
+    #[error(
+        "{}: no answer from unit {unit} within {limit_s} s, asked {tries} times: is the board powered, its unit {unit} \
+         and its rate {baud} bit/s, are A and B swapped?", port.display()
+    )]
+    Silent { port: PathBuf, unit: u8, limit_s: f64, tries: usize, baud: u32 },
+    #[error("{}: damaged answers only ({problem}): is the rate {baud} bit/s?", port.display())]
+    Damaged { port: PathBuf, problem: ErrorKind, baud: u32 },
+    #[error("the board refuses to {question}: {}", in_words(*.exception))]
+    Refused { question: String, exception: ErrorKind },
+}
+
+impl BusError {
+    /// Whether the board may have heard the question, only its answer is missing.
+    pub fn is_lost(&self) -> bool {
+        matches!(self, Self::Silent { .. } | Self::Damaged { .. })
+    }
+
+    /// What the board says against it, if that is the reason.
+    pub fn exception(&self) -> Option<ErrorKind> {
+        match self {
+            Self::Refused { exception, .. } => Some(*exception),
+            _ => None,
+        }
+    }
+}
+
+fn in_words(exception: ErrorKind) -> String {
+    match exception {
+        ErrorKind::IllegalFunction => "it does not know the function".to_owned(),
+        ErrorKind::IllegalDataAddress => "it has no such register".to_owned(),
+        ErrorKind::IllegalDataValue => "the value is outside its limits".to_owned(),
+        ErrorKind::SlaveDeviceFailure => "it could not carry it out".to_owned(),
+        ErrorKind::SlaveDeviceBusy => "not in its present state".to_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// Where a board is, and how patient to be.
+#[derive(Clone, Debug)]
+pub struct Address {
+    /// The port's path or name.
+    pub port: PathBuf,
+    /// How the bytes go over it.
+    pub line: Line,
+    /// The board's number on the bus, 1 to 247.
+    pub unit: u8,
+    /// Longest time for an answer.
+    pub limit: Duration,
+}
+
+/// A client of one board.
+#[derive(Debug)]
+pub struct Client {
+    port: Port,
+    address: Address,
+}
+
+impl Client {
+    /// Opens the port.
+    ///
+    /// # Errors
+    /// It cannot be used.
+    pub fn open(address: Address) -> Result<Self, PortError> {
+        Ok(Self { port: Port::open(&address.port, address.line)?, address })
+    }
+
+    /// Reads `count` registers, at most [`MOST_READ`].
+    ///
+    /// # Errors
+    /// No answer, or a refusal.
+    pub fn read(&mut self, address: u16, count: u16) -> Result<Vec<u16>, BusError> {
+        let mut request = self.request();
+        let mut frame = Vec::new();
+        let made = request.generate_get_holdings(address, count, &mut frame);
+        let question = || format!("read {count} registers at {address}");
+        made.map_err(|exception| BusError::Refused { question: question(), exception })?;
+        let expected = SHORTEST + 2 * usize::from(count);
+        let answer = self.ask(&request, &frame, expected, TRIES, self.address.limit, &question)?;
+        let mut values = Vec::with_capacity(count.into());
+        let damaged = |problem| self.damaged(problem);
+        request.parse_u16(&answer, &mut values).map_err(damaged)?;
+        Ok(values)
+    }
+
+    /// Writes values, at most [`MOST_WRITTEN`], that may be written twice.
+    ///
+    /// # Errors
+    /// No answer, or a refusal: then nothing was written.
+    pub fn write(&mut self, address: u16, values: &[u16]) -> Result<(), BusError> {
+        self.put(address, values, TRIES, self.address.limit)
+    }
+
+    /// Writes values that must not be written twice; waits `patience` times as long for the answer as usual.
+    ///
+    /// # Errors
+    /// A refusal: then nothing was written; or no answer: then perhaps.
+    pub fn write_once(&mut self, address: u16, values: &[u16], patience: u32) -> Result<(), BusError> {
+        self.put(address, values, 1, patience * self.address.limit)
+    }
+
+    fn put(&mut self, address: u16, values: &[u16], tries: usize, limit: Duration) -> Result<(), BusError> {
+        let mut request = self.request();
+        let mut frame = Vec::new();
+        let made = request.generate_set_holdings_bulk(address, values, &mut frame);
+        let question = || format!("write {} registers at {address}", values.len());
+        made.map_err(|exception| BusError::Refused { question: question(), exception })?;
+        self.ask(&request, &frame, WRITTEN, tries, limit, &question).map(drop)
+    }
+
+    fn request(&self) -> ModbusRequest {
+        ModbusRequest::new(self.address.unit, ModbusProto::Rtu)
+    }
+
+    /// Asks until there is an answer of the expected length, or an exception.
+    fn ask(
+        &mut self,
+        request: &ModbusRequest,
+        frame: &[u8],
+        expected: usize,
+        tries: usize,
+        limit: Duration,
+        question: &dyn Fn() -> String,
+    ) -> Result<Vec<u8>, BusError> {
+        let mut damage = None;
+        for _ in 0..tries {
+            self.port.discard()?;
+            let deadline = Instant::now() + limit;
+            self.port.send(frame, deadline)?;
+            let answer = self.answer(expected, deadline)?;
+            if answer.is_empty() {
+                continue;
+            }
+            match request.parse_ok(&answer) {
+                Ok(()) if answer.len() == expected => return Ok(answer),
+                Err(exception) if exception.is_modbus_error() => {
+                    return Err(BusError::Refused { question: question(), exception });
+                }
+                Ok(()) => damage = Some(ErrorKind::FrameBroken),
+                Err(problem) => damage = Some(problem),
+            }
+        }
+        let Address { port, line, unit, .. } = &self.address;
+        Err(match damage {
+            Some(problem) => self.damaged(problem),
+            None => BusError::Silent {
+                port: port.clone(),
+                unit: *unit,
+                limit_s: limit.as_secs_f64(),
+                tries,
+                baud: line.baud,
+            },
+        })
+    }
+
+    /// What comes until an answer is whole: as long as expected, or an exception. What came until the deadline, if that
+    /// is first.
+    fn answer(&mut self, expected: usize, deadline: Instant) -> Result<Vec<u8>, PortError> {
+        let mut answer = Vec::with_capacity(expected);
+        let mut buffer = [0; 256];
+        loop {
+            let is_exception = answer.get(1).is_some_and(|function| function & EXCEPTION != 0);
+            let missing = if is_exception { SHORTEST } else { expected }.saturating_sub(answer.len());
+            if missing == 0 {
+                return Ok(answer);
+            }
+            match self.port.receive(&mut buffer[..missing.min(256)], deadline)? {
+                0 => return Ok(answer),
+                count => answer.extend_from_slice(&buffer[..count]),
+            }
+        }
+    }
+
+    fn damaged(&self, problem: ErrorKind) -> BusError {
+        BusError::Damaged { port: self.address.port.clone(), problem, baud: self.address.line.baud }
+    }
+}

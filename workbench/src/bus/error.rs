@@ -1,0 +1,99 @@
+//! Why a board on the bus does not do what it is asked for.
+
+use std::io;
+use std::path::PathBuf;
+
+use firmware::faults::table::TABLE;
+use thiserror::Error;
+use wire::registers::{UploadResult, VERSION};
+use wire::{Fault, State};
+
+use super::client::BusError;
+use super::port::PortError;
+
+/// Why a board does not do what it is asked for.
+#[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
+pub enum BoardError {
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    #[error("{}: no valve board answers, but something else on the bus", .0.display())]
+    NotTheBoard(PathBuf),
+    #[error(
+        "the board's register map is version {board}, this program speaks version {VERSION}: {}",
+        other(*.board, VERSION)
+    )]
+    MapVersion { board: u16 },
+    #[error(
+        "the board takes configurations of version {board}, this program writes version {}: {}",
+        wire::VERSION, other(*.board, wire::VERSION)
+    )]
+    WireVersion { board: u16 },
+    #[error("the board is in the state {state:?}, {needed}")]
+    State { state: State, needed: &'static str },
+    #[error("{}", in_words(*.0))]
+    Fault(Option<Fault>),
+    #[error("the board has vented by itself, in the state {0:?}: see mgpi status")]
+    Vented(State),
+    #[error("the board has run out of set points, this program or its bus was too slow; the valve is vented")]
+    Underrun,
+    #[error("the configuration of {bytes} bytes does not fit into the board's {capacity}")]
+    TooLarge { bytes: usize, capacity: usize },
+    #[error(
+        "what the board has of the configuration differs from what was sent; the old one is still installed"
+    )]
+    ReadBack,
+    #[error("the board refuses the configuration ({result:?}): {message}; the old one is still installed")]
+    Refused { result: UploadResult, message: String },
+    #[error("the board has another configuration installed than the one that was sent: deploy it again")]
+    NotInstalled,
+    #[error("the board holds no configuration that this program can read: deploy a model first")]
+    NoConfiguration,
+    #[error("{}: {problem}", file.display())]
+    Part { file: PathBuf, problem: PartProblem },
+    #[error("interrupted; the valve is vented")]
+    Stopped,
+}
+
+/// What is wrong with the part of a recording that is to be gone on with.
+#[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants are")]
+pub enum PartProblem {
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    #[error("there is a part of a recording already; --resume goes on with it, --force begins anew")]
+    Exists,
+    #[error("no part of a recording to go on with")]
+    Missing,
+    #[error("is a part of the recording of another excitation")]
+    OtherExcitation,
+}
+
+impl From<PortError> for BoardError {
+    fn from(error: PortError) -> Self {
+        Self::Bus(error.into())
+    }
+}
+
+fn other(board: u16, own: u16) -> &'static str {
+    if board > own { "use a newer mgpi" } else { "flash the firmware of this release" }
+}
+
+/// A fault with cause and cure.
+fn in_words(fault: Option<Fault>) -> String {
+    let row = fault.and_then(|fault| TABLE.iter().find(|row| row.fault == fault));
+    row.map_or_else(
+        || "the board is at fault: see mgpi status".to_owned(),
+        |row| {
+            format!(
+                "the board is at fault, and vented: {} ({}, {:?})\n  cause: {}\n  cure: {}\n  \
+                 then: mgpi status --acknowledge",
+                row.title,
+                row.fault.code(),
+                row.fault,
+                row.cause,
+                row.cure
+            )
+        },
+    )
+}

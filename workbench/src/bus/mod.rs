@@ -1,0 +1,28 @@
+//! A board on the bus: its registers over a serial port, and what they are for.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`port`] | the serial port by its name |
+//! | [`client`] | registers read and written, lost answers asked for again |
+//! | [`board`] | a board that is the right one, its state and orders |
+//! | [`status`] | all that it says of itself |
+//! | [`upload`] | a configuration to the board, and back |
+//! | [`play`] | set points streamed ahead, ticks recorded, to the end or a stop |
+//! | [`recording`] | a recording that grows, and goes on after an interruption |
+//! | [`excitation`] | what is played where nobody says what |
+//! | [`error`] | why not |
+//!
+//! The registers themselves are those of [`wire::registers`].
+
+pub mod board;
+pub mod client;
+pub mod error;
+pub mod excitation;
+pub mod play;
+pub mod port;
+pub mod recording;
+pub mod status;
+pub mod upload;
+
+pub use board::Board;
+pub use error::BoardError;

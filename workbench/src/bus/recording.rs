@@ -1,0 +1,155 @@
+//! A recording that grows in a file beside its place, so that an interruption costs nothing but the way back.
+//!
+//! # Going on
+//! An interruption vents the muscle, and what it did before matters for what it does after. So a recording goes on from the
+//! last moment at which the excitation was at its lowest command, where a vented muscle is anyway; what was recorded after
+//! that is played again.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use super::error::{BoardError, PartProblem};
+use super::play::{POINTS_PER_S, Tick};
+
+/// The columns of a recording.
+const COLUMNS: &str = "time_s,command_bar,pressure_bar,contraction_mm";
+/// How far from the lowest point of an excitation is still lowest. Unit: bar.
+const LOWEST_BAR: f32 = 1e-3;
+
+/// A recording that grows.
+#[derive(Debug)]
+pub struct Growing {
+    file: PathBuf,
+    writer: BufWriter<File>,
+    /// Where in the excitation it goes on. Unit: s.
+    from_s: f64,
+}
+
+impl Growing {
+    /// Where a recording grows.
+    pub fn part(recording: &Path) -> PathBuf {
+        let mut name = recording.as_os_str().to_owned();
+        name.push(".part");
+        name.into()
+    }
+
+    /// Begins a recording; `head` are its first lines, comments.
+    ///
+    /// # Errors
+    /// There is a part already, or it cannot be written.
+    pub fn begin(recording: &Path, head: &[String], force: bool) -> Result<Self, BoardError> {
+        let file = Self::part(recording);
+        if file.exists() && !force {
+            return Err(problem(&file)(PartProblem::Exists));
+        }
+        let lines: String = head.iter().map(|line| format!("# {line}\n")).collect();
+        Self::write(file, &format!("{lines}{COLUMNS}\n"), 0.0)
+    }
+
+    /// Goes on with a part that begins with the same comments, of the excitation with these points (bar).
+    ///
+    /// # Errors
+    /// There is no part, it is another excitation's, or cannot be written.
+    pub fn resume(recording: &Path, head: &[String], points: &[f32]) -> Result<Self, BoardError> {
+        let file = Self::part(recording);
+        if !file.exists() {
+            return Err(problem(&file)(PartProblem::Missing));
+        }
+        let text = fs::read_to_string(&file).map_err(|error| problem(&file)(error.into()))?;
+        let is_same = head.iter().zip(text.lines()).all(|(line, found)| found == format!("# {line}"));
+        if !is_same {
+            return Err(problem(&file)(PartProblem::OtherExcitation));
+        }
+        let reached_s = text.lines().filter_map(time_s).fold(0.0, f64::max);
+        let from_s = rest_before(points, reached_s);
+        let keep = |line: &&str| time_s(line).is_none_or(|time_s| time_s < from_s) && !line.is_empty();
+        // A row that the interruption has cut short has a later time or none, and is no comment.
+        let kept: String = text
+            .lines()
+            .filter(keep)
+            .filter(|line| line.starts_with('#') || line.split(',').count() == COLUMNS.split(',').count())
+            .map(|line| format!("{line}\n"))
+            .collect();
+        let seam =
+            if from_s > 0.0 { format!("# interrupted, and gone on at {from_s} s\n") } else { String::new() };
+        Self::write(file, &(kept + &seam), from_s)
+    }
+
+    fn write(file: PathBuf, text: &str, from_s: f64) -> Result<Self, BoardError> {
+        let begun = File::create(&file).map(BufWriter::new).and_then(|mut writer| {
+            writer.write_all(text.as_bytes())?;
+            Ok(writer)
+        });
+        let writer = begun.map_err(|error| problem(&file)(error.into()))?;
+        Ok(Self { file, writer, from_s })
+    }
+
+    /// Where in the excitation it goes on. Unit: s.
+    pub fn from_s(&self) -> f64 {
+        self.from_s
+    }
+
+    /// Number of the point at which it goes on.
+    pub fn from_point(&self) -> usize {
+        (self.from_s * POINTS_PER_S).round() as usize
+    }
+
+    /// Adds ticks, and gives them to the file.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    pub fn add(&mut self, ticks: &[Tick]) -> Result<(), BoardError> {
+        let mut rows = String::new();
+        for Tick { time_s, pressure_bar, contraction_mm, command_bar, .. } in ticks {
+            // Six digits of a second, as the ticks have.
+            let time_s = ((time_s + self.from_s) * 1e6).round() / 1e6;
+            rows += &format!("{time_s},{command_bar},{pressure_bar},{contraction_mm}\n");
+        }
+        let written = self.writer.write_all(rows.as_bytes()).and_then(|()| self.writer.flush());
+        written.map_err(|error| problem(&self.file)(error.into()))
+    }
+
+    /// The whole recording, to be put in its place; the part goes when the answer is dropped by [`Finished::remove`].
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn finish(mut self) -> Result<Finished, BoardError> {
+        let read = self.writer.flush().and_then(|()| fs::read(&self.file));
+        let content = read.map_err(|error| problem(&self.file)(error.into()))?;
+        Ok(Finished { file: self.file, content })
+    }
+}
+
+/// A recording that is whole.
+#[derive(Debug)]
+pub struct Finished {
+    file: PathBuf,
+    /// The recording.
+    pub content: Vec<u8>,
+}
+
+impl Finished {
+    /// Removes the part, when its content is elsewhere.
+    pub fn remove(self) {
+        // One that stays is no harm: the next recording asks what to do with it.
+        let _ = fs::remove_file(self.file);
+    }
+}
+
+fn problem(file: &Path) -> impl Fn(PartProblem) -> BoardError {
+    let file = file.to_owned();
+    move |problem| BoardError::Part { file: file.clone(), problem }
+}
+
+/// The time of a row; none of a comment or the header.
+fn time_s(line: &str) -> Option<f64> {
+    line.split(',').next()?.parse().ok()
+}
+
+/// The last time up to which an excitation has been played and at which it was lowest. Unit: s.
+fn rest_before(points: &[f32], reached_s: f64) -> f64 {
+    let lowest = points.iter().copied().fold(f32::INFINITY, f32::min) + LOWEST_BAR;
+    let reached = points.iter().take((reached_s * POINTS_PER_S) as usize + 1);
+    reached.into_iter().rposition(|&point| point <= lowest).map_or(0.0, |place| place as f64 / POINTS_PER_S)
+}

@@ -1,0 +1,169 @@
+//! All that a board says of itself: state, faults, measurements, what its ticks take.
+
+use firmware::faults::table::{Row, TABLE};
+use serde_json::{Value, json};
+use wire::registers::Id;
+use wire::{FAULTS, Fault, State};
+
+use super::board::{Block, Board, Identity, state};
+use super::client::BusError;
+
+/// A board at a moment.
+#[derive(Clone, Debug)]
+pub struct Status {
+    identity: Identity,
+    now: Block,
+    /// How often each fault has occurred since the start, by its number less one.
+    counts: Vec<u16>,
+    record: Option<Recorded>,
+}
+
+/// The first fault since the last acknowledgement.
+#[derive(Clone, Copy, Debug)]
+struct Recorded {
+    fault: Fault,
+    tick: u32,
+}
+
+/// What is measured, with its unit in its name.
+const SIGNALS: [Id; 6] =
+    [Id::ReferenceMm, Id::ContractionMm, Id::PressureBar, Id::CommandBar, Id::SupplyBar, Id::TemperatureC];
+/// What is counted about the ticks and the bus.
+const COUNTERS: [Id; 12] = [
+    Id::Ticks,
+    Id::WorstTick,
+    Id::MeanTick,
+    Id::Deadline,
+    Id::Overruns,
+    Id::LateTicks,
+    Id::LimitedTicks,
+    Id::BridgedSamples,
+    Id::Resets,
+    Id::BusFrames,
+    Id::BusDamaged,
+    Id::BusRefused,
+];
+
+impl Status {
+    /// Asks the board.
+    ///
+    /// # Errors
+    /// No answer.
+    pub fn read(board: &mut Board) -> Result<Self, BusError> {
+        let now = board.read(Id::State, Id::BusRefused)?;
+        let record = board.read(Id::RecordFault, Id::RecordTick)?;
+        let counts = board.read(Id::FaultCounts, Id::FaultCounts)?;
+        Ok(Self {
+            identity: board.identity().clone(),
+            now,
+            counts: counts.words(Id::FaultCounts).iter().copied().take(FAULTS).collect(),
+            record: Fault::of_code(record.whole(Id::RecordFault) as u8)
+                .map(|fault| Recorded { fault, tick: record.whole(Id::RecordTick) }),
+        })
+    }
+
+    /// The board's state.
+    pub fn state(&self) -> State {
+        state(self.now.whole(Id::State))
+    }
+
+    /// The fault that is latched.
+    pub fn fault(&self) -> Option<Fault> {
+        Fault::of_code(self.now.whole(Id::Fault) as u8)
+    }
+
+    /// What a register of the status says.
+    pub fn number(&self, id: Id) -> f64 {
+        self.now.number(id)
+    }
+
+    /// The faults that have occurred since the start, with how often.
+    fn occurred(&self) -> impl Iterator<Item = (&'static Row, u16)> {
+        TABLE.iter().zip(self.counts.iter().copied()).filter(|(_, count)| *count > 0)
+    }
+
+    /// For people: a screen.
+    pub fn in_words(&self) -> String {
+        let Identity { release: [major, minor, patch], wire_version, storage_version, period_s, .. } =
+            self.identity;
+        let mut lines = vec![
+            format!("state       {:?}", self.state()),
+            format!(
+                "board       firmware {major}.{minor}.{patch}, registers {}, messages {wire_version}, \
+                 storage {storage_version}, a tick each {} us",
+                wire::registers::VERSION,
+                (period_s * 1e6).round()
+            ),
+        ];
+        match self.fault().and_then(row) {
+            None => lines.push("fault       none".to_owned()),
+            Some(row) => lines.extend(with_cure("fault", row)),
+        }
+        if let Some(Recorded { fault, tick }) = self.record {
+            let after_s = f64::from(tick) * period_s;
+            lines.push(format!("first       {fault:?}, {after_s:.3} s after the start (tick {tick})"));
+        }
+        for (row, count) in self.occurred() {
+            lines.push(format!("            {count} x {} ({:?})", row.title, row.fault));
+        }
+        let values = |ids: &[Id]| ids.iter().map(|&id| self.with_unit(id)).collect::<Vec<_>>().join(", ");
+        lines.push(format!("measured    {}", values(&SIGNALS)));
+        let counters = COUNTERS
+            .iter()
+            .map(|&id| format!("{} {}", id.register().name.replace('_', " "), self.number(id)));
+        let counters: Vec<String> = counters.collect();
+        lines.extend(
+            counters
+                .chunks(4)
+                .zip(["counted     "].into_iter().chain(std::iter::repeat("            ")))
+                .map(|(counters, head)| format!("{head}{}", counters.join(", "))),
+        );
+        lines.join("\n")
+    }
+
+    fn with_unit(&self, id: Id) -> String {
+        let register = id.register();
+        let name = register.name.rsplit_once('_').map_or(register.name, |(name, _)| name);
+        format!("{name} {:.2} {}", self.number(id), register.unit)
+    }
+
+    /// For programs.
+    pub fn to_json(&self) -> Value {
+        let Identity { release: [major, minor, patch], wire_version, storage_version, .. } = self.identity;
+        let mut json = json!({
+            "state": format!("{:?}", self.state()),
+            "versions": {
+                "registers": wire::registers::VERSION, "wire": wire_version, "storage": storage_version,
+                "release": format!("{major}.{minor}.{patch}"),
+            },
+            "fault": self.fault().and_then(row).map(told),
+            "record": self.record.map(|Recorded { fault, tick }| json!({"fault": format!("{fault:?}"), "tick": tick})),
+            "occurred": self.occurred().map(|(row, count)| {
+                let mut fault = told(row);
+                fault["count"] = count.into();
+                fault
+            }).collect::<Vec<_>>(),
+        });
+        for id in SIGNALS.into_iter().chain(COUNTERS) {
+            json[id.register().name] = self.number(id).into();
+        }
+        json
+    }
+}
+
+fn row(fault: Fault) -> Option<&'static Row> {
+    TABLE.iter().find(|row| row.fault == fault)
+}
+
+fn told(row: &Row) -> Value {
+    let Row { fault, title, cause, cure, .. } = row;
+    json!({"number": fault.code(), "name": format!("{fault:?}"), "title": title, "cause": cause, "cure": cure})
+}
+
+fn with_cure(head: &str, row: &Row) -> [String; 3] {
+    [
+        format!("{head:<12}{} {:?}: {}", row.fault.code(), row.fault, row.title),
+        format!("  cause     {}", row.cause),
+        format!("  cure      {}", row.cure),
+    ]
+}

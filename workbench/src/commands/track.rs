@@ -1,0 +1,143 @@
+//! `mgpi track`: a board tracks a reference.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use model_core::{Mode, Surroundings};
+
+use super::capture::{bar, in_words};
+use super::port::PortArguments;
+use crate::Error;
+use crate::bus::play::{Drive, POINTS_PER_S, Piece, Played, Tick, play};
+use crate::bus::upload;
+use crate::child::Stop;
+use crate::output::Outputs;
+use crate::pil::lock_step::{Measurement, Run, Sample};
+use crate::pil::reference::Reference;
+use crate::pil::{preview_s, results};
+use crate::unit::Unit;
+
+/// Columns of the live view's track.
+const TRACK: usize = 30;
+
+/// Tracks a reference with a board, and logs. Ctrl-C stops and vents.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    #[command(flatten)]
+    port: PortArguments,
+    /// What to track: time_s, reference_mm
+    #[arg(long, value_name = "REF.csv")]
+    reference: PathBuf,
+    /// What drives the valve
+    #[arg(long, default_value = "both")]
+    mode: ModeName,
+    /// Where the log goes
+    #[arg(short = 'o', value_name = "LOG.csv")]
+    log: Option<PathBuf>,
+    /// Also write the figures as JSON
+    #[arg(long, value_name = "FIGURES.json")]
+    json: Option<PathBuf>,
+    /// Log every so-manieth tick [default: as many as the bus carries]
+    #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    every: Option<u16>,
+    /// Overwrite existing outputs
+    #[arg(long)]
+    force: bool,
+}
+
+/// What drives the valve.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ModeName {
+    /// Feed-forward and feedback
+    Both,
+    /// The model's inverse alone
+    Feedforward,
+    /// The feedback alone
+    Feedback,
+}
+
+impl ModeName {
+    /// The mode, and what its run is called in the results.
+    fn mode(self) -> (Mode, &'static str) {
+        match self {
+            Self::Both => (Mode::Both, "tracking"),
+            Self::Feedforward => (Mode::FeedforwardOnly, "feedforward_only"),
+            Self::Feedback => (Mode::FeedbackOnly, "feedback_only"),
+        }
+    }
+}
+
+/// Tracks.
+///
+/// # Errors
+/// The reference is none, the board does not track, an output cannot be written, or the user interrupts.
+pub fn run(arguments: &Arguments) -> Result<(), Error> {
+    let Arguments { port, reference: file, mode, log, json, every, force } = arguments;
+    let mut outputs = Outputs::claim(log.iter().chain(json), &[file], *force)?;
+    let reference = Reference::read(file, POINTS_PER_S)?;
+    let mut board = port.open()?;
+    let ahead_s = preview_s(&upload::fetch(&mut board)?);
+    let (mode, name) = mode.mode();
+    let points = reference.points(ahead_s).map(|mm| mm as f32).collect();
+    let piece = Piece { drive: Drive::Controller(mode), points, every: *every };
+    let duration_s = reference.ticks() as f64 / POINTS_PER_S;
+    let (lowest, highest) = reference.range();
+    let bar = bar(duration_s);
+    let mut ticks: Vec<Tick> = Vec::new();
+    let played = play(&mut board, &piece, &Stop::on_signals(), &mut |heard: &[Tick]| {
+        ticks.extend_from_slice(heard);
+        if let Some(last) = heard.last() {
+            let wanted_mm = reference.values([last.time_s].into_iter()).next().unwrap_or_default();
+            bar.set_position((1e3 * last.time_s) as u64);
+            bar.set_message(live(last, wanted_mm, lowest, highest));
+        }
+        Ok(())
+    });
+    bar.finish_and_clear();
+    let played = played?;
+    let run = logged(&reference, &ticks, &played);
+    if let Some(file) = log {
+        outputs.stage(file, results::log(&run).as_bytes())?;
+    }
+    let unit = Unit::MM;
+    if let Some(file) = json {
+        outputs.stage(file, format!("{:#}\n", results::json([(name, &run)], unit)).as_bytes())?;
+    }
+    outputs.commit()?;
+    say!("{name:<17} {}", results::figures(&run).in_words(highest - lowest, unit));
+    say!("{}", in_words(&played, board.identity().period_s));
+    Ok(())
+}
+
+/// The log of a run: what was wanted is the reference at the tick's time, not what was handed to the board ahead of it.
+fn logged(reference: &Reference, ticks: &[Tick], played: &Played) -> Run {
+    let wanted = reference.values(ticks.iter().map(|tick| tick.time_s));
+    let sample = |(tick, reference_mm): (&Tick, f64)| Sample {
+        time_s: tick.time_s,
+        reference_mm,
+        measured: Measurement {
+            pressure_bar: tick.pressure_bar,
+            contraction_mm: tick.contraction_mm,
+            surroundings: Surroundings::default(),
+        },
+        command_bar: tick.command_bar as f32,
+        feedforward_bar: (tick.command_bar - tick.feedback_bar) as f32,
+        feedback_bar: tick.feedback_bar as f32,
+    };
+    Run { samples: ticks.iter().zip(wanted).map(sample).collect(), overruns: played.overruns }
+}
+
+/// A moment in a line: where it should be (`|`), and where it is (`#`), over the reference's range.
+fn live(tick: &Tick, wanted_mm: f64, lowest: f64, highest: f64) -> String {
+    let place = |mm: f64| {
+        let share = (mm - lowest) / (highest - lowest).max(f64::MIN_POSITIVE);
+        (share.clamp(0.0, 1.0) * (TRACK - 1) as f64) as usize
+    };
+    let mut track = ['.'; TRACK];
+    track[place(wanted_mm)] = '|';
+    track[place(tick.contraction_mm)] = '#';
+    let track: String = track.into_iter().collect();
+    let Tick { time_s, contraction_mm, pressure_bar, .. } = tick;
+    let error_mm = contraction_mm - wanted_mm;
+    format!("{time_s:.1} s [{track}] {contraction_mm:.1} mm, error {error_mm:+.2}, {pressure_bar:.2} bar")
+}

@@ -89,6 +89,9 @@ fn unexplained(seen: &Unexplained) -> Value {
         Unexplained::Outliers { rows, largest } => {
             json!({"seen": "outliers", "rows": rows, "largest": largest})
         }
+        Unexplained::NoGain { before, after } => {
+            json!({"seen": "no_gain", "before_rmse": before, "after_rmse": after})
+        }
         Unexplained::NotRepeatable { pure_error, tones_hz } => {
             json!({"seen": "not_repeatable", "pure_error": pure_error, "tones_hz": tones_hz})
         }

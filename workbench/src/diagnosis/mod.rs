@@ -62,7 +62,7 @@ use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use cause::Cause;
 use extend::{Extended, Given, Operator, extend};
-use reject::{Unexplained, unexplained};
+use reject::{Unexplained, no_gain, unexplained};
 use search::{Candidate, Search};
 use signals::Signals;
 use valve::{ValveFit, examine};
@@ -184,6 +184,12 @@ pub fn diagnose_and_extend(
             named.parameters = parameters;
         }
     }
+    if matches!(diagnosis.verdict, Verdict::Explained | Verdict::Confounded)
+        && let Some(no_gain) = extended.as_ref().filter(|extended| !extended.valve_is_named).and_then(no_gain)
+    {
+        diagnosis.verdict = Verdict::Unexplained;
+        diagnosis.unexplained = Some(no_gain);
+    }
     if let Some(given) = extended.as_ref().and_then(|extended| extended.given).filter(Given::is_too_poor) {
         diagnosis.causes.push(Named::shape(&given));
         if diagnosis.verdict == Verdict::Adequate {
@@ -239,7 +245,7 @@ fn conclude(
     examinable: Vec<Examinable>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let baseline = &search.baseline;
-    let alternatives = verdict::alternatives(&best, sizes);
+    let alternatives = verdict::alternatives(baseline, &best, sizes);
     let causes = verdict::named(search, &best, valve.as_ref());
     let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
     let rows: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();

@@ -5,6 +5,7 @@
 //! - A pure error that stays large: visits to the same state still differ by much of the residual, and naming the causes
 //!   has removed less than half of that.
 //! - Single rows far off their neighbours.
+//! - Causes that gain next to nothing where a model with them runs free.
 //!
 //! They do not take part in the search: a free curve also beats each single cause of a true pair.
 
@@ -12,6 +13,7 @@ use rayon::prelude::*;
 
 use super::anatomy::spectrum::tones;
 use super::effect::Effect;
+use super::extend::{Extended, HeldOutGain};
 use super::fit::fit;
 use super::screen::Screen;
 use super::search::{Candidate, EVIDENCE, Search};
@@ -30,6 +32,9 @@ const SEEN: f64 = 4.0;
 const FAR: f64 = 10.0;
 const MOVES: f64 = 4.0;
 const TOO_MANY: usize = 4;
+
+/// A free run has to be better by this share, over all rows or over those that were held out.
+const GAIN: f64 = 0.05;
 
 /// Something that is seen and not explained.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,11 +60,27 @@ pub enum Unexplained {
         /// The largest distance. Output unit.
         largest: f64,
     },
+    /// The causes that fit best gain nothing where a model with them runs free. Root mean square errors, output unit.
+    NoGain {
+        /// Of the model without them, over the scored rows.
+        before: f64,
+        /// Of the model with them.
+        after: f64,
+    },
 }
 
 /// What a set of causes leaves unexplained, if that is too much.
 pub fn unexplained(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     outliers(search.signals).or_else(|| zero_step(search, set)).or_else(|| not_repeatable(search, set))
+}
+
+/// That a model with the named causes runs no better than one without.
+pub fn no_gain(extended: &Extended) -> Option<Unexplained> {
+    let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
+    let HeldOutGain { before: held_before, after: held_after, .. } = &extended.heldout;
+    let gains = |before: f64, after: f64| after < (1.0 - GAIN) * before;
+    let none = !gains(before, after) && !gains(held_before.rmse, held_after.rmse);
+    none.then_some(Unexplained::NoGain { before, after })
 }
 
 fn outliers(signals: &Signals) -> Option<Unexplained> {

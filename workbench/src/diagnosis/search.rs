@@ -36,6 +36,8 @@ const STARTS: usize = 2;
 const PURE: f64 = 0.3;
 /// The evidence that an effect has to have for it.
 pub const EVIDENCE: f64 = 0.12;
+/// The same of a delay, a lag, a mass: where there is none they gain nothing, since no misfit of shape looks like them.
+const EVIDENCE_OF_FAST: f64 = 0.08;
 /// What the held-out error alone has to gain.
 const GAIN: f64 = 0.05;
 /// How much more evidence one needs beside others, as a share of theirs: what little is left of a large effect that is
@@ -47,6 +49,9 @@ const BETTER: f64 = 0.05;
 const ALIKE: f64 = 0.08;
 /// What an inertia that does not swing has to be better by: it may be two other causes that lag.
 const STILL: f64 = 0.3;
+/// What a set with a lag has to be better by where its small delay, which belongs to the baseline, is as long as it may be:
+/// it is then a lag and a delay.
+const LEANING: f64 = 0.1;
 /// The least share of the square of the first error that a cause beside others explains.
 const SHARE: f64 = 0.03;
 /// A set that gains less than this over its parent is not built upon.
@@ -69,6 +74,8 @@ pub struct Candidate {
     pub spread: Option<f64>,
     /// Whether an inertia among its causes swings.
     pub swings: bool,
+    /// Whether a cause that resists motion has the help of a small delay that is as long as it may be.
+    pub leans: bool,
 }
 
 /// What is searched.
@@ -117,6 +124,7 @@ impl<'a> Search<'a> {
             pure_error,
             spread: pure_error,
             swings: true,
+            leans: false,
         };
         Some(Self { signals, basis, examinable, mask, baseline, pure })
     }
@@ -177,7 +185,8 @@ impl<'a> Search<'a> {
         let pure_error = pure.map(|error| error.square.sqrt().max(least));
         let spread = self.pure.zip(pure).map(|(before, after)| after.beside(&before, &free).max(least));
         let swings = swings(self, &causes, &fit);
-        Candidate { causes, fit, score, pure_error, spread, residual: free, swings }
+        let leans = causes.iter().any(|cause| cause.resists_motion()) && has_whole_small_delay(&fit);
+        Candidate { causes, fit, score, pure_error, spread, residual: free, swings, leans }
     }
 
     /// A set without one of its causes, the rest fitted from where it stands.
@@ -225,7 +234,10 @@ impl<'a> Search<'a> {
     fn is_worth(&self, without: &Candidate, set: &Candidate) -> bool {
         let square = |set: &Candidate| set.score.mean().powi(2);
         let share = (square(without) - square(set)) / square(&self.baseline);
-        let needed = EVIDENCE + MORE * self.baseline.evidence(without).max(0.0);
+        let last = set.causes.iter().find(|cause| !without.causes.contains(cause));
+        let is_sharp = last.is_some_and(|cause| cause.is_fast() && *cause != Cause::RateDependentWidth);
+        let least = if is_sharp { EVIDENCE_OF_FAST } else { EVIDENCE };
+        let needed = least + MORE * self.baseline.evidence(without).max(0.0);
         let gain = without.score.gain(&set.score);
         without.evidence(set) >= needed && gain >= GAIN && (without.causes.is_empty() || share >= SHARE)
     }
@@ -293,6 +305,13 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Whether the delay that no recording is free of is as long as it may be.
+fn has_whole_small_delay(fit: &Fit) -> bool {
+    let small = fit.effects.iter().filter(|effect| effect.form == Form::Delay);
+    let delay = small.flat_map(|effect| &effect.parameters).find(|delay| delay.low < 0.0);
+    delay.is_some_and(|delay| delay.value >= 0.98 * delay.high)
+}
+
 /// Square sum of what a fit has not seen.
 fn unseen(fit: &Fit) -> f64 {
     fit.unseen.iter().map(|e| e * e).sum()
@@ -306,12 +325,14 @@ impl Candidate {
         let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(1);
         let complexity: f64 =
             self.causes.iter().map(|cause| cause.complexity()).sum::<f64>() + ALIKE * dynamic as f64;
-        let doubt = if self.swings { 0.0 } else { STILL };
-        self.score.mean().max(1e-12).ln() + pure + complexity + doubt
+        let still = if self.swings { 0.0 } else { STILL };
+        let leaning = if self.leans { LEANING } else { 0.0 };
+        self.score.mean().max(1e-12).ln() + pure + complexity + still + leaning
     }
 
-    /// How much less a later set costs.
+    /// How much less a later set costs; not counted is what only decides between causes that contain each other.
     pub fn evidence(&self, later: &Self) -> f64 {
-        self.cost() - later.cost()
+        let preference = |set: &Self| set.causes.iter().map(|cause| cause.containment()).sum::<f64>();
+        (self.cost() - preference(self)) - (later.cost() - preference(later))
     }
 }

@@ -10,6 +10,8 @@ use super::valve::ValveFit;
 
 /// Sets whose costs differ by less than this cannot be told apart.
 const APART: f64 = 0.04;
+/// A rival has at least this share of the evidence of the best set.
+const SAYS: f64 = 0.7;
 
 /// What a diagnosis comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,15 +101,16 @@ pub fn tried(search: &Search<'_>, sizes: &[Vec<Candidate>]) -> Vec<Tried> {
     sizes.iter().flatten().map(|set| Tried::of(search, set)).collect()
 }
 
-/// Sets that do as well as the best and are no part of it, nor contain it.
-pub fn alternatives(best: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Vec<Cause>> {
+/// Sets that do as well as the best, have something to say themselves, and are no part of it, nor contain it.
+pub fn alternatives(baseline: &Candidate, best: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Vec<Cause>> {
     let is_rival = |set: &&Candidate| {
         let within =
             |one: &Candidate, other: &Candidate| one.causes.iter().all(|cause| other.causes.contains(cause));
         set.causes.len() <= best.causes.len()
             && !within(set, best)
             && !within(best, set)
-            && set.cost() - best.cost() < APART
+            && (set.cost() - best.cost()).max(set.evidence(best)) < APART
+            && baseline.evidence(set) > SAYS * baseline.evidence(best)
     };
     sizes.iter().flatten().filter(is_rival).map(|set| set.causes.clone()).collect()
 }

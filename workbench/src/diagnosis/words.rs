@@ -23,6 +23,10 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
             Some(Unexplained::Outliers { rows, largest }) => format!(
                 "None of the causes: {rows} single rows are off their neighbours, by up to {largest:.2} {unit}."
             ),
+            Some(Unexplained::NoGain { before, after }) => format!(
+                "None of the causes: with those that fit best a model errs by {after:.3} {unit} where it runs free, \
+                 without them by {before:.3}."
+            ),
             Some(Unexplained::NotRepeatable { pure_error, tones_hz }) => {
                 let tones: Vec<String> = tones_hz.iter().map(|hz| format!("{hz:.3} Hz")).collect();
                 let tones = if tones.is_empty() {

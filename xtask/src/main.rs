@@ -94,6 +94,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
     match task {
         Task::Setup => {
             setup::ensure()?;
+            setup::offer_bus_clients();
             println!("setup: nothing is missing");
         }
         Task::Firmware => firmware::build(&setup::ensure()?)?,
@@ -103,6 +104,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
         }
         Task::Test => {
             firmware::build(&setup::ensure()?)?;
+            setup::offer_bus_clients();
             host::test()?;
         }
         Task::Emulate { arguments } => {

@@ -9,13 +9,17 @@
 //! keeps a code from the valve; what takes several ticks to be seen is looked at behind the write, so that the valve does not
 //! wait for it, and takes the code back in the same tick by a second write. It takes bounded time, allocates nothing and
 //! does not panic.
+//!
+//! Behind the write, too, the feed-forward of the next tick is prepared, since it needs nothing that is measured then. So the
+//! reference of a tick is the last one that was given before the tick before it ended, and load and temperature are a tick
+//! old: who knows the course of the reference gives it a tick ahead, and loses nothing.
 
 mod orders;
 
 use core::hint::black_box;
 
-use model_core::tracking::Command;
-use model_core::{Measured, Mode, TrackingState};
+use model_core::tracking::{Command, Prepared};
+use model_core::{Mode, TrackingState};
 use wire::{
     CaptureSample, Fault, Flags, OnModelFault, PLAYS, Protection, Refusal, State, TickReply, TraceEntry,
 };
@@ -25,7 +29,7 @@ use crate::bus::player::Player;
 use crate::capture::Capture;
 use crate::faults::black_box::BlackBox;
 use crate::faults::log::FaultLog;
-use crate::law::controller_step;
+use crate::law::{controller_act, controller_prepare};
 use crate::monitors::Monitors;
 use crate::order::Installation;
 use crate::output::{self, Output};
@@ -60,7 +64,10 @@ pub struct Control {
     pub(crate) ticks: u32,
     /// Since the host was heard.
     silent_ticks: u32,
+    /// Of this tick.
     pub(crate) reference_mm: f32,
+    /// Of the ticks to come.
+    pub(crate) next_reference_mm: f32,
     pub(crate) service_code: DacCode,
     overrun: bool,
     pub(crate) limited_ticks: u32,
@@ -80,6 +87,8 @@ pub struct Control {
 struct Running {
     mode: Mode,
     state: TrackingState<f32, PLAYS>,
+    /// Of the next tick.
+    prepared: Prepared<f32>,
 }
 
 impl Control {
@@ -109,6 +118,7 @@ impl Control {
             self_test_ticks: 0,
             silent_ticks: 0,
             reference_mm: 0.0,
+            next_reference_mm: 0.0,
             service_code: VENT,
             overrun: false,
             player: Player::new(),
@@ -159,8 +169,9 @@ impl Control {
             if self.state.is_driven() { self.output.drive(&self.limits, asked) } else { self.output.vent() };
         board.drive(code);
         reply.flags = reply.flags.with(Flags::LIMITED, code != asked);
+        let reference_mm = self.reference_mm;
         // The valve has its code in time; what is looked at from here on can only take it back.
-        if let Err(fault) = self.watch(before, reply.feedback_bar) {
+        if let Err(fault) = self.watch(before, reply.feedback_bar).and_then(|()| self.prepare()) {
             self.report(fault);
             (reply, code) = (VENTED, self.output.vent());
             board.drive(code);
@@ -171,8 +182,7 @@ impl Control {
             .with(Flags::TRACKING, self.running.is_some())
             .with(Flags::FAULT, self.faults.latched().is_some())
             .with(Flags::OVERRUN, core::mem::take(&mut self.overrun));
-        self.record(&reply);
-        self.play();
+        self.record(&reply, reference_mm);
         reply
     }
 
@@ -181,7 +191,7 @@ impl Control {
     fn play(&mut self) {
         match self.player.next(self.ticks.wrapping_add(1)) {
             Some(bar) if self.state == State::Service => self.service_code = DacCode(COMMAND.code(bar)),
-            Some(mm) => self.reference_mm = mm,
+            Some(mm) => self.next_reference_mm = mm,
             None => {}
         }
     }
@@ -200,6 +210,22 @@ impl Control {
         self.monitors.judge(if has_both { feedback_bar } else { 0.0 })?;
         self.silent_ticks = self.silent_ticks.saturating_add(1);
         if self.silent_ticks > self.protection.bus_silent_ticks { Err(Fault::BusSilent) } else { Ok(()) }
+    }
+
+    /// Does what the next tick can do without its samples.
+    fn prepare(&mut self) -> Result<(), Fault> {
+        self.play();
+        self.reference_mm = self.next_reference_mm;
+        let (Some(Installation { tracking, .. }), Some(running)) = (&self.installed, &mut self.running)
+        else {
+            return Ok(());
+        };
+        let surroundings = &self.monitors.samples().surroundings;
+        // As in `track`.
+        let (tracking, state) = (black_box(tracking), black_box(&mut running.state));
+        running.prepared = controller_prepare(tracking, state, self.reference_mm, surroundings)
+            .map_err(|_| Fault::Reference)?;
+        Ok(())
     }
 
     /// Takes how long the tick has taken, by a clock of the image.
@@ -276,14 +302,12 @@ impl Control {
         else {
             return Ok(VENTED);
         };
-        let Running { mode, state } = running;
-        let surroundings = self.monitors.samples().surroundings;
-        let measured = Measured { contraction: contraction_mm, surroundings };
+        let Running { mode, state, prepared } = running;
         // Behind pointers that the compiler knows nothing of: it would else reach each number of the static control by its
         // whole address, by two instructions more than from a register.
         let (tracking, state) = (black_box(tracking), black_box(state));
-        let command = controller_step(tracking, state, *mode, self.reference_mm, measured)
-            .map_err(|_| Fault::Reference)?;
+        let command = controller_act(tracking, state, *mode, *prepared, contraction_mm)
+            .map_err(|_| Fault::NotFinite)?;
         let Command { command, feedforward, feedback, limited } = command;
         if !(feedforward + feedback + command).is_finite() {
             return Err(Fault::NotFinite);
@@ -318,7 +342,7 @@ impl Control {
     }
 
     /// Leaves the tick in trace, capture and counters.
-    fn record(&mut self, reply: &TickReply) {
+    fn record(&mut self, reply: &TickReply, reference_mm: f32) {
         let Samples { pressure, contraction, supply, .. } = self.monitors.samples();
         self.limited_ticks = self.limited_ticks.wrapping_add(reply.flags.contains(Flags::LIMITED).into());
         self.faults.note(TraceEntry {
@@ -327,12 +351,12 @@ impl Control {
             contraction_code: contraction.0,
             supply_code: supply.0,
             dac_code: reply.dac_code,
-            reference_64th_mm: (64.0 * self.reference_mm) as i16,
+            reference_64th_mm: (64.0 * reference_mm) as i16,
         });
         self.capture.take(
             self.ticks,
             CaptureSample {
-                reference_mm: self.reference_mm,
+                reference_mm,
                 pressure_code: pressure.0,
                 contraction_code: contraction.0,
                 dac_code: reply.dac_code,

@@ -1,4 +1,4 @@
-//! The control law as two functions that are never inlined, so that what they cost can be counted in the images.
+//! The control law as functions that are never inlined, so that what they cost can be counted in the images.
 
 use model_core::cascade::CascadeParameters;
 use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters, PiecewiseLinearParameters};
@@ -8,10 +8,10 @@ use model_core::extension::{
     ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
 };
 use model_core::pid::PidParameters;
-use model_core::tracking::Command;
+use model_core::tracking::{Command, Prepared};
 use model_core::{
     ExtensionParameters, HysteresisState, InputError, InverseHysteresis, InverseModel, Measured, Mode,
-    ModelParameters, ParameterError, TrackingParameters, TrackingState, paper,
+    ModelParameters, ParameterError, Surroundings, TrackingParameters, TrackingState, paper,
 };
 use wire::{DEAD_ZONES, PLAYS};
 
@@ -114,7 +114,36 @@ pub fn inverse_step(
     inverse.step(state, reference_mm)
 }
 
-/// One sample of the whole controller: inverse of the extended model, PID, slew and limits. Reference: mm.
+/// The first half of a sample of the controller, which is the inverse of the extended model. Reference: mm.
+///
+/// # Errors
+/// A value that is not finite; the state is then as it was.
+#[inline(never)]
+pub fn controller_prepare(
+    tracking: &BoardTracking,
+    state: &mut TrackingState<f32, PLAYS>,
+    reference_mm: f32,
+    surroundings: &Surroundings<f32>,
+) -> Result<Prepared<f32>, InputError> {
+    tracking.prepare(state, reference_mm, surroundings)
+}
+
+/// The second half: PID, slew and limits. Contraction: mm.
+///
+/// # Errors
+/// The contraction is not finite; the last command is then as it was.
+#[inline(never)]
+pub fn controller_act(
+    tracking: &BoardTracking,
+    state: &mut TrackingState<f32, PLAYS>,
+    mode: Mode,
+    prepared: Prepared<f32>,
+    contraction_mm: f32,
+) -> Result<Command<f32>, InputError> {
+    tracking.act(state, mode, prepared, contraction_mm)
+}
+
+/// One sample of the whole controller, both halves in one. Reference: mm.
 ///
 /// # Errors
 /// A value that is not finite; the state, and so the last command, is then as it was.

@@ -11,6 +11,8 @@ use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
 pub struct Outputs {
     /// Unit: mm.
     pub reference_mm: f32,
+    /// Of the ticks to come. Unit: mm.
+    pub next_reference_mm: f32,
     /// At the valve. Unit: bar.
     pub command_bar: f32,
     /// Asked for in the service state. Unit: bar.
@@ -39,6 +41,7 @@ impl Control {
     pub(crate) fn outputs(&self) -> Outputs {
         Outputs {
             reference_mm: self.reference_mm,
+            next_reference_mm: self.next_reference_mm,
             command_bar: COMMAND.value(self.output.code().0),
             service_bar: COMMAND.value(self.service_code.0),
             deadline_cycles: self.clock.map_or(0, |clock| clock.deadline_cycles),

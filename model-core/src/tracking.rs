@@ -5,6 +5,11 @@
 //!            └─▶ delay ─▶ PID (◀─ contraction) ─▶ feedback ─────┴─▶ + transfer ─▶ slew ─▶ limits ─▶ command
 //! ```
 //!
+//! # In two halves
+//! The feed-forward needs the reference only, and what surrounds the muscle; the feedback needs the contraction. So a sample is
+//! [`Tracking::prepare`], which a board does as soon as it knows the reference of its next tick, and [`Tracking::act`], which is
+//! all that is left to do once the contraction is measured. [`Tracking::step`] is one after the other.
+//!
 //! # Extensions
 //! The feed-forward compensates them ([`crate::extension`]); without any it is the inverse of the operator, bit for bit. Load
 //! and temperature can be measured. With a delay the reference is given ahead: what is asked for at a tick is due a delay
@@ -120,6 +125,15 @@ pub struct TrackingState<T, const N: usize> {
     transfer: T,
 }
 
+/// What a sample needs of the reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prepared<T> {
+    /// What the inverse model asks for. Unit: bar.
+    feedforward: T,
+    /// What the feedback compares with. Unit: mm.
+    due: T,
+}
+
 /// A sample's command and its parts. Unit: bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Command<T> {
@@ -182,10 +196,12 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         self.inverse.step(state, reference, surroundings)
     }
 
-    /// One sample. `reference`, that is due after the delay: mm. `measured`, now: [`Measured`], or the contraction alone.
+    /// One sample: [`prepare`](Self::prepare), then [`act`](Self::act). `reference`, that is due after the delay: mm.
+    /// `measured`, now: [`Measured`], or the contraction alone.
     ///
     /// # Errors
     /// A value that is not finite; the state, and so the last command, is then as it was.
+    #[inline(always)]
     pub fn step(
         &self,
         state: &mut TrackingState<T, N>,
@@ -195,21 +211,50 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     ) -> Result<Command<T>, InputError> {
         let Measured { contraction, surroundings } = measured.into();
         let contraction = finite_input(contraction)?;
+        let prepared = self.prepare(state, reference, &surroundings)?;
+        self.act(state, mode, prepared, contraction)
+    }
+
+    /// The first half of a sample, once for each. `reference`, that is due after the delay: mm.
+    ///
+    /// # Errors
+    /// A value that is not finite; the state is then as it was.
+    #[inline(always)]
+    pub fn prepare(
+        &self,
+        state: &mut TrackingState<T, N>,
+        reference: T,
+        surroundings: &Surroundings<T>,
+    ) -> Result<Prepared<T>, InputError> {
         // The inverse follows the reference in every mode, so that its memory is right when it is needed.
-        let inverse = self.feedforward(&mut state.inverse, reference, &surroundings)?;
-        let reference = match &self.preview {
+        let feedforward = self.feedforward(&mut state.inverse, reference, surroundings)?;
+        let due = match &self.preview {
             Some(preview) => preview.due(&mut state.preview, reference),
             None => reference,
         };
+        Ok(Prepared { feedforward, due: self.plausible.limit(due) })
+    }
+
+    /// The second half of a sample. `prepared`: of this sample. `contraction`, now: mm.
+    ///
+    /// # Errors
+    /// The contraction is not finite; the last command is then as it was.
+    #[inline(always)]
+    pub fn act(
+        &self,
+        state: &mut TrackingState<T, N>,
+        mode: Mode,
+        prepared: Prepared<T>,
+        contraction: T,
+    ) -> Result<Command<T>, InputError> {
+        let Prepared { feedforward, due } = prepared;
         // What no muscle of this model does is no error to be integrated.
-        let contraction = self.plausible.limit(contraction);
-        let error = self.plausible.limit(reference) - contraction;
+        let contraction = self.plausible.limit(finite_input(contraction)?);
+        let seen = (due - contraction, contraction);
         Ok(if state.mode == Some(mode) {
-            self.act(state, mode, inverse, (error, contraction), |state, _| {
-                state.transfer * self.transfer_decay
-            })
+            self.command(state, mode, feedforward, seen, |state, _| state.transfer * self.transfer_decay)
         } else {
-            self.change_to(state, mode, inverse, (error, contraction))
+            self.change_to(state, mode, feedforward, seen)
         })
     }
 
@@ -225,7 +270,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         let starts = state.mode.unwrap_or(state.first_mode) == mode;
         state.mode = Some(mode);
         state.pid = PidState::starting_at(contraction);
-        self.act(state, mode, inverse, (error, contraction), |state, sum| {
+        self.command(state, mode, inverse, (error, contraction), |state, sum| {
             if starts { T::ZERO } else { state.command - sum }
         })
     }
@@ -233,7 +278,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     /// What a mode does with the inverse's answer (bar), and error and contraction (mm). `transfer`: the transfer term, given
     /// the sum of feed-forward and feedback.
     #[inline(always)]
-    fn act(
+    fn command(
         &self,
         state: &mut TrackingState<T, N>,
         mode: Mode,

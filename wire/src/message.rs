@@ -182,7 +182,8 @@ pub enum Refusal {
 /// The samples of one tick: what the board's ADC would have read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TickRequest {
-    /// For a model with a delay, the one that is due after it; none leaves it to what the board has from elsewhere. Unit: mm.
+    /// Of the next tick; for a model with a delay, the one that is due after it. None leaves it to what the board has from
+    /// elsewhere. Unit: mm.
     pub reference_mm: Option<f32>,
     /// Pressure. Unit: ADC code.
     pub pressure_code: u16,

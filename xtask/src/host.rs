@@ -6,10 +6,13 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::{firmware, run};
+use crate::{firmware, run, setup};
 
 /// The environment variable by which tests and the workbench find the firmware.
 const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
+
+/// The one by which tests find the Python with Modbus clients.
+const BUS_PYTHON_VARIABLE: &str = "MGPI_BUS_PYTHON";
 
 /// Builds `mgpi` and `rig`, optimised.
 ///
@@ -77,7 +80,12 @@ pub fn test() -> Result<()> {
     // The plant program has to stand beside `mgpi`; cargo builds only the programs of the package under test.
     run::step("programs under test", || run::succeed(&mut run::cargo(&["build", "--workspace", "--bins"])))?;
     run::step("tests", || {
-        run::succeed(run::cargo(&["test", "--workspace"]).env(FIRMWARE_VARIABLE, firmware::emulated_elf()))
+        let mut test = run::cargo(&["test", "--workspace"]);
+        test.env(FIRMWARE_VARIABLE, firmware::emulated_elf());
+        if setup::bus_python().exists() {
+            test.env(BUS_PYTHON_VARIABLE, setup::bus_python());
+        }
+        run::succeed(&mut test)
     })
 }
 
@@ -85,8 +93,8 @@ pub fn test() -> Result<()> {
 ///
 /// # Errors
 /// When it cannot be built or started.
-pub fn emulate() -> Result<()> {
+pub fn emulate(arguments: &[String]) -> Result<()> {
     build()?;
     // In place of this program, so that Ctrl-C has one addressee.
-    Err(mgpi().arg("emulate").exec()).context("cannot run mgpi")
+    Err(mgpi().arg("emulate").args(arguments).exec()).context("cannot run mgpi")
 }

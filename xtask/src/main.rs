@@ -12,6 +12,7 @@ mod firmware;
 mod fuzz;
 mod gates;
 mod host;
+mod registers;
 mod run;
 mod setup;
 mod workflow;
@@ -42,8 +43,12 @@ enum Task {
     Book,
     /// Run every test, on the host and in the emulator.
     Test,
-    /// Run the firmware in the emulator by hand.
-    Emulate,
+    /// Run the firmware in the emulator by hand, or with --port PATH as a board on a bus, with a plant.
+    Emulate {
+        /// What `mgpi emulate` is told; `--help` behind `--` tells.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Hide causes in simulated plants and hold `mgpi diagnose` to finding them.
     Game {
         /// What to play; `--help` behind `--` tells.
@@ -65,6 +70,12 @@ enum Task {
     /// Write docs/faults.md anew from the firmware's tables.
     Faults {
         /// Write nothing; fail where the page is out of date.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Write docs/registers.md and docs/registers.csv anew from the table of registers.
+    Registers {
+        /// Write nothing; fail where a file is out of date.
         #[arg(long)]
         check: bool,
     },
@@ -90,6 +101,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
     match task {
         Task::Setup => {
             setup::ensure()?;
+            setup::offer_bus_clients();
             println!("setup: nothing is missing");
         }
         Task::Firmware => firmware::build(&setup::ensure()?)?,
@@ -107,16 +119,18 @@ fn perform(task: Task) -> anyhow::Result<()> {
         }
         Task::Test => {
             firmware::build(&setup::ensure()?)?;
+            setup::offer_bus_clients();
             host::test()?;
         }
-        Task::Emulate => {
+        Task::Emulate { arguments } => {
             firmware::build(&setup::ensure()?)?;
-            host::emulate()?;
+            host::emulate(&arguments)?;
         }
         Task::Game { arguments } => host::game(&arguments)?,
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
         Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
         Task::Faults { check } => faults::faults(check)?,
+        Task::Registers { check } => registers::registers(check)?,
         Task::Figures { check } => figures::figures(check)?,
     }
     Ok(())

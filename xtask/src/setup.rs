@@ -6,6 +6,8 @@
 //! without apt-get that cure does not apply.
 
 use std::fmt;
+use std::fs;
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -40,6 +42,35 @@ const FUZZER: Need = Need {
     by_hand: "cargo install --locked cargo-fuzz (it needs a C++ compiler)",
 };
 
+/// What the tests of the bus need: clients that others have written.
+const BUS_CLIENTS: [Need; 2] = [
+    Need {
+        name: "a Modbus client (mbpoll)",
+        is_met: || run::output("mbpoll", &["-V"]).is_some(),
+        cures: &[Cure::Packages(&["mbpoll"])],
+        by_hand: "mbpoll: the package of that name (Debian, Ubuntu), or https://github.com/epsilonrt/mbpoll",
+    },
+    Need {
+        name: "a Python with pymodbus",
+        is_met: || {
+            let marker = bus_python().with_file_name("requirements.txt");
+            fs::read(marker).is_ok_and(|made_of| fs::read(requirements()).is_ok_and(|wanted| wanted == made_of))
+        },
+        cures: &[Cure::BusPython, Cure::Packages(&["python3-venv"]), Cure::BusPython],
+        by_hand: "Python 3.10 or newer with its module venv (Debian, Ubuntu: apt-get install python3-venv)",
+    },
+];
+
+/// The Python of the tests of the bus, in the target directory.
+pub fn bus_python() -> PathBuf {
+    run::target_dir().join("bus-clients/bin/python")
+}
+
+/// What it needs.
+fn requirements() -> PathBuf {
+    run::root().join("host-tests/bus/requirements.txt")
+}
+
 /// Something the commands cannot do without.
 struct Need {
     name: &'static str,
@@ -55,6 +86,8 @@ enum Cure {
     RustupTarget,
     /// cargo installs this program, in the user's directory.
     CargoInstall(&'static str),
+    /// A Python environment is made, with the packages that `host-tests/bus/requirements.txt` names.
+    BusPython,
     /// apt-get installs these packages.
     Packages(&'static [&'static str]),
 }
@@ -63,6 +96,8 @@ enum Cure {
 const RUSTUP_LIMIT: Duration = Duration::from_secs(180);
 /// How long cargo may take for the compilation of a program.
 const CARGO_LIMIT: Duration = Duration::from_secs(600);
+/// How long pip may take for packages of some MB.
+const PYTHON_LIMIT: Duration = Duration::from_secs(300);
 /// How long apt-get may take for some 300 MB.
 const APT_LIMIT: Duration = Duration::from_secs(1200);
 
@@ -99,6 +134,13 @@ pub fn ensure_fuzzer() -> Result<()> {
     FUZZER.meet().map_err(|missing| Missing(vec![missing]).into())
 }
 
+/// Installs the Modbus clients that are missing; those that cannot be had are said, and their tests skipped.
+pub fn offer_bus_clients() {
+    for missing in BUS_CLIENTS.iter().filter_map(|need| need.meet().err()) {
+        println!("setup: the tests of the bus are skipped without\n{missing}");
+    }
+}
+
 impl Need {
     fn meet(&self) -> Result<(), String> {
         if (self.is_met)() {
@@ -122,6 +164,16 @@ impl Cure {
             }
             Self::CargoInstall(program) => {
                 announced(Command::new("cargo").args(["install", "--locked", program]), CARGO_LIMIT)
+            }
+            Self::BusPython => {
+                let (python, list) = (bus_python(), requirements());
+                let directory = run::target_dir().join("bus-clients");
+                announced(Command::new("python3").args(["-m", "venv"]).arg(directory), PYTHON_LIMIT)
+                    && announced(
+                        Command::new(&python).args(["-m", "pip", "install", "-q", "-r"]).arg(&list),
+                        PYTHON_LIMIT,
+                    )
+                    && fs::copy(&list, python.with_file_name("requirements.txt")).is_ok()
             }
             Self::Packages(packages) => {
                 let install = [&["install", "-y", "--no-install-recommends"], *packages].concat();

@@ -102,7 +102,7 @@ fn value(server: &Server, view: &View, id: Id, index: u16) -> Value {
         View::Control(outputs) => match id {
             Id::Command => Value::U16(server.command.number()),
             Id::Mode => Value::U16(mode_number(server.mode)),
-            Id::SetpointMm => Value::F32(outputs.reference_mm),
+            Id::SetpointMm => Value::F32(outputs.next_reference_mm),
             _ => Value::F32(outputs.service_bar),
         },
         View::Status(telemetry, outputs) => status(server, telemetry, outputs, id),

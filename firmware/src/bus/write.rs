@@ -129,11 +129,16 @@ fn control(
             Command::Acknowledge => Some(Order::Acknowledge),
             Command::Service => Some(Order::Service(VENT.0)),
         };
-        // The one thing that may be refused; what follows is not.
-        order.map_or(Ok(()), |order| accepted(control.apply(order)))?;
-        let set_points = [mm.map(Order::Reference), bar.map(|bar| Order::Service(COMMAND.code(bar)))];
-        set_points.into_iter().flatten().for_each(|order| drop(control.apply(order)));
-        Ok(())
+        // A start begins with the reference that comes with it.
+        let before_mm = control.next_reference_mm;
+        control.next_reference_mm = mm.unwrap_or(before_mm);
+        let done = order.map_or(Ok(()), |order| accepted(control.apply(order)));
+        match (&done, bar) {
+            (Ok(()), Some(bar)) => drop(control.apply(Order::Service(COMMAND.code(bar)))),
+            (Ok(()), None) => {}
+            (Err(_), _) => control.next_reference_mm = before_mm,
+        }
+        done
     });
     done.map_err(|refusal| server.refuse(refusal))?;
     server.mode = new_mode;
@@ -167,6 +172,7 @@ fn install(
     mut tracking: BoardParameters,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
+    server.message.clear();
     let state = node.control(|control| control.state());
     let done = if state.is_driven() {
         // Before the long work is done for nothing.

@@ -5,6 +5,7 @@ use wire::{Protection, Refusal, Response};
 
 use super::{Control, Running, TickClock};
 use crate::board::DacCode;
+use crate::law::controller_prepare;
 use crate::monitors::Monitors;
 use crate::order::{Installation, Order, text};
 use crate::output;
@@ -24,7 +25,7 @@ impl Control {
                 return self.capture.apply(order).map_or(Response::Accepted, Response::Captured);
             }
             Order::Reference(reference_mm) => {
-                self.reference_mm = reference_mm;
+                self.next_reference_mm = reference_mm;
                 Ok(())
             }
             Order::Protect(protection) => self.protect(protection),
@@ -63,24 +64,38 @@ impl Control {
                 "period_s is {found} s, must be {period_s} s"
             ))));
         }
-        if next(self.state, Event::Install) == Next::Refused {
-            return Err(Refusal::WrongState(self.state));
-        }
+        self.demand(Event::Install)?;
         self.installed = Some(installation);
         self.scale();
         self.advance(Event::Install)
     }
 
+    /// Whether the state takes an event, for what has to be known before it is done.
+    fn demand(&self, event: Event) -> Result<(), Refusal> {
+        if next(self.state, event) == Next::Refused { Err(Refusal::WrongState(self.state)) } else { Ok(()) }
+    }
+
     fn start(&mut self, mode: Mode) -> Result<(), Refusal> {
         let event = if mode == Mode::Hold { Event::Hold } else { Event::Start };
+        self.demand(event)?;
         let mode = self.permitted(mode)?;
+        let running = self.installed.as_ref().map(|installed| self.running(installed, mode)).transpose()?;
         self.advance(event)?;
         self.monitors.start_anew();
-        self.running = self
-            .installed
-            .as_ref()
-            .map(|installed| Running { mode, state: installed.tracking.rest_state(mode) });
+        self.running = running;
         Ok(())
+    }
+
+    /// The controller at rest, its first tick prepared.
+    fn running(&self, installed: &Installation, mode: Mode) -> Result<Running, Refusal> {
+        let mut state = installed.tracking.rest_state(mode);
+        let reference_mm = self.next_reference_mm;
+        let surroundings = &self.monitors.samples().surroundings;
+        controller_prepare(&installed.tracking, &mut state, reference_mm, surroundings)
+            .map(|prepared| Running { mode, state, prepared })
+            .map_err(|_| {
+                Refusal::Parameter(text(format_args!("the reference is {reference_mm} mm, must be finite")))
+            })
     }
 
     fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {

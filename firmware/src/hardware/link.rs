@@ -1,12 +1,14 @@
-//! What a board answers to what it received, and what it logs about it: the same for every image.
+//! What a board answers to what it received over the link, and what it logs about it: the same for every image.
 
-use firmware::{Order, prepare};
+use firmware::node::{Node, carry_out};
 use wire::{FrameError, Refusal, Request, Response, State};
 
-/// The response to a frame. A request that can be carried out goes to `apply`.
-pub fn answer(received: Result<Request, FrameError>, apply: impl FnOnce(Order) -> Response) -> Response {
-    let order = received.map_err(|_| Refusal::Unreadable).and_then(prepare);
-    order.map_or_else(Response::Refused, apply)
+/// The response to a frame, carried out if it is a request.
+pub fn answer(received: Result<Request, FrameError>, node: &mut impl Node) -> Response {
+    match received {
+        Ok(request) => carry_out(node, request),
+        Err(_) => Response::Refused(Refusal::Unreadable),
+    }
 }
 
 /// Logs a state that is not the one logged last.

@@ -1,4 +1,4 @@
-//! The serial port to the host: USART2, 8 data bits, no parity, one stop bit.
+//! The service link to a host: USART2, 8 data bits, no parity, one stop bit.
 //!
 //! # Contract
 //! Reception raises the interrupt `USART2`; sending waits, a byte at a time, and a wait is bounded. Host and board

@@ -108,6 +108,8 @@ impl Injection {
             Fault::NotFinite => {
                 bench.reference_mm += 20.0;
                 bench.request(&Request::SetMode(Mode::Both));
+                // A reference acts in the tick after the one that it is given in.
+                return !is_first;
             }
             Fault::Model if is_first => {
                 bench.demand(&Request::Stop);

@@ -95,7 +95,11 @@ impl Register {
     pub fn takes(&self, value: Value) -> bool {
         match self.access {
             Access::Read => false,
-            Access::Write(min, max) => value.kind() == self.kind && (min..=max).contains(&value.number()),
+            Access::Write(min, max) => {
+                // The limits as the register itself would hold them.
+                let [min, max] = [min, max].map(|limit| Value::of_number(self.kind, limit).number());
+                value.kind() == self.kind && (min..=max).contains(&value.number())
+            }
         }
     }
 }

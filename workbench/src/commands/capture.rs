@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::pil::positive;
+use super::plant::positive;
 use super::port::PortArguments;
 use crate::bus::Board;
 use crate::bus::excitation::triangles_and_holds;

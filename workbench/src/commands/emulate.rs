@@ -1,20 +1,30 @@
-//! `mgpi emulate`: the firmware in the emulator, by hand.
+//! `mgpi emulate`: the firmware in the emulator, by hand, or as a board on its bus.
 
 use std::io::{BufRead, BufReader};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::thread;
 
 use clap::Args;
 
+use super::plant::PlantArguments;
 use crate::Error;
 use crate::child::{ChildGroup, Stop, WAIT_SLICE};
+use crate::emulator::line::Line;
 use crate::emulator::log::LogDecoder;
-use crate::emulator::{EmulatorError, image, qemu};
+use crate::emulator::{Emulator, EmulatorError, image, qemu, real_time};
+use crate::pil::PilError;
+use crate::pil::plant::PlantProcess;
 
-/// Runs the firmware in the emulator, its serial port open to other programs, until Ctrl-C; shows its log.
+/// Runs the firmware in the emulator until Ctrl-C: as a board with a plant, in real time, whose bus is a serial port of this
+/// machine; or, without --port, with its service link open to other programs and its log shown.
 #[derive(Args, Debug)]
 pub struct Arguments {
+    /// Makes the board's bus a serial port of this name, a path
+    #[arg(long, value_name = "PORT")]
+    port: Option<PathBuf>,
+    #[command(flatten)]
+    plant: PlantArguments,
     /// The firmware's ELF file [default: that of MGPI_FIRMWARE, else the one built beside this program]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
@@ -26,9 +36,34 @@ pub struct Arguments {
 /// There is no firmware, or the emulator cannot be started or ends by itself.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let elf = image::find(arguments.firmware.as_deref())?;
-    let decoder = LogDecoder::of(&elf).map_err(EmulatorError::Log)?;
+    match &arguments.port {
+        Some(port) => on_bus(&elf, port, &arguments.plant),
+        None => by_link(&elf),
+    }
+}
+
+/// Runs the board in real time, on a serial port of this name.
+fn on_bus(elf: &Path, port: &Path, plant: &PlantArguments) -> Result<(), Error> {
     let stop = Stop::on_signals();
-    let mut emulator = qemu(&elf);
+    let mut plant = PlantProcess::start(&plant.program(), &stop).map_err(PilError::from)?;
+    let (mut board, bus) = Emulator::start_with_bus(elf, &stop)?;
+    let refused = |problem| EmulatorError::Line { name: port.to_owned(), problem };
+    let line = Line::open(port, bus).map_err(refused)?;
+    say!("serial port {} ({}); Ctrl-C ends the emulator", port.display(), line.terminal().display());
+    let run = real_time::run(&mut board, &mut plant, &stop, |late| {
+        say!("this machine is slow: ticks were up to {:.2} s late", late.as_secs_f64());
+    });
+    match run {
+        Err(PilError::Stopped) => Ok(()),
+        other => Ok(other?),
+    }
+}
+
+/// Runs the firmware with its link open to other programs.
+fn by_link(elf: &Path) -> Result<(), Error> {
+    let decoder = LogDecoder::of(elf).map_err(EmulatorError::Log)?;
+    let stop = Stop::on_signals();
+    let mut emulator = qemu(elf, "null");
     emulator.args(["-chardev", "pty,id=link"]);
     // QEMU names the port in the first line of its standard output, which it keeps back when that is no terminal.
     let mut command = Command::new("stdbuf");

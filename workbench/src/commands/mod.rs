@@ -13,6 +13,7 @@ pub mod identify;
 pub mod man;
 pub mod pil;
 pub mod plan;
+mod plant;
 mod port;
 pub mod report;
 mod search;

@@ -2,20 +2,20 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use model_core::Mode;
 
 use super::gains::Gains;
+use super::plant::{PlantArguments, positive};
 use crate::Error;
 use crate::child::Stop;
 use crate::emulator::image;
 use crate::identification::simulate;
 use crate::model_file::ModelFile;
 use crate::output::Outputs;
-use crate::pil::plant::Program;
 use crate::pil::reference::Reference;
 use crate::pil::results::{figures, json, log};
 use crate::pil::{Bench, Finished, configuration};
@@ -39,15 +39,8 @@ pub struct Arguments {
     /// What to track: time_s, reference_mm
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
-    /// The built-in plant, with an effect hidden in it or without [default: rig]
-    #[arg(long, value_name = "rig[:EFFECT]", value_parser = rig)]
-    plant: Option<Rig>,
-    /// Any plant: a command line that answers `time_s command_bar` with `pressure_bar contraction_mm`, line by line
-    #[arg(long, value_name = "COMMAND", conflicts_with = "plant")]
-    plant_command: Option<String>,
-    /// Longest time for an answer of the plant in s
-    #[arg(long, default_value_t = 5.0, value_name = "S", value_parser = positive)]
-    plant_timeout_s: f64,
+    #[command(flatten)]
+    plant: PlantArguments,
     #[command(flatten)]
     gains: Gains,
     /// Ticks a second
@@ -79,12 +72,6 @@ pub struct Arguments {
     force: bool,
 }
 
-/// The built-in plant.
-#[derive(Clone, Debug, Default)]
-struct Rig {
-    effect: Option<String>,
-}
-
 /// Tracks.
 ///
 /// # Errors
@@ -99,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let configuration = configuration(&arguments.model, &model, arguments.gains.pid(), *rate_hz)?;
     let reference = Reference::read(&arguments.reference, *rate_hz)?;
     let firmware = image::find(arguments.firmware.as_deref())?;
-    let plant = arguments.plant();
+    let plant = arguments.plant.program();
     let stop = Stop::on_signals();
     let bench = Bench {
         firmware: &firmware,
@@ -143,37 +130,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     Ok(())
 }
 
-impl Arguments {
-    fn plant(&self) -> Program {
-        let limit = Duration::from_secs_f64(self.plant_timeout_s);
-        match (&self.plant_command, &self.plant) {
-            (Some(line), _) => Program::shell(line, limit),
-            (None, rig) => Program::rig(rig.as_ref().and_then(|rig| rig.effect.as_deref()), limit),
-        }
-    }
-}
-
-fn rig(text: &str) -> Result<Rig, String> {
-    match text.split_once(':') {
-        None if text == "rig" => Ok(Rig::default()),
-        Some(("rig", effect)) if !effect.is_empty() => Ok(Rig { effect: Some(effect.to_owned()) }),
-        _ => Err("there is the plant rig, or rig:EFFECT; for any other there is --plant-command".to_owned()),
-    }
-}
-
 /// From the lowest to the highest input that the model is valid for, coming from rest.
 fn stroke_mm(model: &ModelFile) -> f64 {
     let (lowest, highest) = model.parameters.input();
     let contraction_mm = simulate(&model.model, &[lowest, highest]);
     contraction_mm[1] - contraction_mm[0]
-}
-
-/// A number above 0 that a time span can be made of.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number > 0.0 && number <= 1e6 => Ok(number),
-        _ => Err("a number above 0, at most 1e6, is needed".to_owned()),
-    }
 }
 
 /// Does the work under a progress bar; the work calls what it is given once a tick.

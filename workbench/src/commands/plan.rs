@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::pil::positive;
+use super::plant::positive;
 use crate::Error;
 use crate::diagnosis::cause::Cause;
 use crate::output::Outputs;

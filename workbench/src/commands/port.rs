@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::Args;
 use wire::registers::{BAUD, UNIT};
 
-use super::pil::positive;
+use super::plant::positive;
 use crate::bus::client::Address;
 use crate::bus::port::{Line, Parity};
 use crate::bus::{Board, BoardError};

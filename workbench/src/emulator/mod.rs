@@ -5,6 +5,9 @@
 //! in the file system, nothing left behind. QEMU's standard output is the firmware's log (defmt over semihosting),
 //! kept in an unnamed file and decoded when it is asked for.
 //!
+//! The users' bus is another pair, by a name in a directory of its own that goes at once; [`line`] makes a serial port of it,
+//! and [`real_time`] runs the board for those who use that.
+//!
 //! # Contract
 //! [`Emulator::request`] sends one request and waits for its response, for ever only if the firmware keeps talking.
 //! When the emulator ends, or does not answer within [`ANSWER_LIMIT`], the error carries the firmware's log.
@@ -13,13 +16,15 @@
 //! Time in the emulator is not real time: results repeat, durations say nothing about the board.
 
 pub mod image;
+pub mod line;
 pub mod log;
+pub mod real_time;
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::OwnedFd;
-use std::os::unix::net::UnixStream;
-use std::path::Path;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -48,6 +53,8 @@ pub enum EmulatorError {
     Died { ending: String, log: String },
     #[error("the emulator has died: {0}")]
     Ended(String),
+    #[error("{}: no serial port can be made there: {problem}", name.display())]
+    Line { name: PathBuf, problem: io::Error },
     #[error("the firmware has not answered within {} s\nits log:\n{log}", ANSWER_LIMIT.as_secs())]
     Silent { log: String },
     #[error("the firmware's answer cannot be read: {0}")]
@@ -56,13 +63,14 @@ pub enum EmulatorError {
     Stopped,
 }
 
-/// The options that every use of the emulator has in common; the serial port is the character device `link`.
-pub fn qemu(elf: &Path) -> Command {
+/// The options that every use of the emulator has in common. The link is the character device `link`; `bus`: where the
+/// users' bus goes.
+pub fn qemu(elf: &Path, bus: &str) -> Command {
     let mut command = Command::new(QEMU);
     command
         .args(["-machine", "netduinoplus2", "-cpu", "cortex-m4", "-display", "none", "-monitor", "none"])
         .args(["-semihosting-config", "enable=on,target=native"])
-        .args(["-serial", "null", "-serial", "chardev:link", "-kernel"])
+        .args(["-serial", bus, "-serial", "chardev:link", "-kernel"])
         .arg(elf);
     command
 }
@@ -84,8 +92,29 @@ impl Emulator {
     /// # Errors
     /// The firmware's file is none, or the emulator cannot be started, dies or is silent.
     pub fn start(elf: &Path, stop: &Stop) -> Result<Self, EmulatorError> {
+        Self::launch(elf, qemu(elf, "null"), stop)
+    }
+
+    /// The same with the users' bus, whose other end is answered too.
+    ///
+    /// # Errors
+    /// As above.
+    pub fn start_with_bus(elf: &Path, stop: &Stop) -> Result<(Self, UnixStream), EmulatorError> {
+        let directory = tempfile::tempdir().map_err(EmulatorError::NotStarted)?;
+        let name = directory.path().join("bus");
+        let bus = UnixListener::bind(&name).map_err(EmulatorError::NotStarted)?;
+        let mut command = qemu(elf, "chardev:bus");
+        command.arg("-chardev").arg(format!("socket,id=bus,path={}", name.display()));
+        let emulator = Self::launch(elf, command, stop)?;
+        // The firmware has greeted: whatever the emulator connects to is connected.
+        bus.set_nonblocking(true).map_err(EmulatorError::NotStarted)?;
+        let (bus, _) = bus.accept().map_err(EmulatorError::NotStarted)?;
+        Ok((emulator, bus))
+    }
+
+    fn launch(elf: &Path, command: Command, stop: &Stop) -> Result<Self, EmulatorError> {
         let decoder = LogDecoder::of(elf)?;
-        let (link, group, log) = launch(elf).map_err(EmulatorError::NotStarted)?;
+        let (link, group, log) = launch(command).map_err(EmulatorError::NotStarted)?;
         let mut emulator = Self { group, link, receiver: Receiver::new(), log, decoder, stop: stop.clone() };
         emulator.receive()?;
         Ok(emulator)
@@ -144,11 +173,10 @@ impl Emulator {
     }
 }
 
-fn launch(elf: &Path) -> io::Result<(UnixStream, ChildGroup, File)> {
+fn launch(mut qemu: Command) -> io::Result<(UnixStream, ChildGroup, File)> {
     let (ours, theirs) = UnixStream::pair()?;
     ours.set_read_timeout(Some(WAIT_SLICE))?;
     let log = tempfile::tempfile()?;
-    let mut qemu = qemu(elf);
     // Descriptor 0 is the standard input.
     qemu.args(["-chardev", "socket,id=link,fd=0"]).stdin(Stdio::from(OwnedFd::from(theirs)));
     let group = ChildGroup::spawn(qemu.stdout(log.try_clone()?))?;

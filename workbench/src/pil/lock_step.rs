@@ -5,8 +5,10 @@
 //! measurement goes to the board as ADC codes, and its DAC code is the next command. Before the first tick the valve is
 //! vented.
 //!
-//! A model with a delay is given the reference ahead: at each tick the one that is due after the delay. Load and
-//! temperature go to the board as the plant answers them; one that does not is taken to be at the model's references.
+//! A model with a delay is given the reference ahead: at each tick the one that is due after the delay. With a tick's
+//! measurement goes the reference of the next tick, whose feed-forward the board prepares meanwhile; that of the first goes
+//! with a measurement that the board, not started yet, only looks at. Load and temperature go to the board as the plant
+//! answers them, and count from the next tick on; one that does not is taken to be at the model's references.
 
 use model_core::{Mode, Surroundings};
 use wire::{Configuration, Flags, Hello, Request, Response, Scaling, TickReply, TickRequest, VERSION};
@@ -101,13 +103,19 @@ pub fn run(
 ) -> Result<Run, PilError> {
     let hello = identify(board)?;
     demand(board, &Request::Configure(configuration.clone()))?;
-    demand(board, &Request::Start(mode))?;
     let mut samples = Vec::with_capacity(reference.size_hint().0);
     let mut command_bar = hello.command.value(hello.command.code(0.0));
-    for wanted in reference {
-        let Wanted { time_s, reference_mm, .. } = wanted;
+    let mut reference = reference.peekable();
+    while let Some(wanted) = reference.next() {
+        let Wanted { time_s, reference_mm, ahead_mm } = wanted;
         let measured = plant.advance(time_s, command_bar)?;
-        let reply = tick(board, &tick_request(&hello, wanted, measured)?)?;
+        let request = |ahead_mm| tick_request(&hello, time_s, ahead_mm, measured);
+        if samples.is_empty() {
+            tick(board, &request(ahead_mm)?)?;
+            demand(board, &Request::Start(mode))?;
+        }
+        let next_mm = reference.peek().map_or(ahead_mm, |next| next.ahead_mm);
+        let reply = tick(board, &request(next_mm)?)?;
         if !reply.flags.contains(Flags::TRACKING) {
             return Err(PilError::Vented { time_s, fault: identify(board)?.fault });
         }
@@ -121,8 +129,12 @@ pub fn run(
     Ok(Run { samples, overruns })
 }
 
-fn tick_request(hello: &Hello, wanted: Wanted, measured: Measurement) -> Result<TickRequest, PilError> {
-    let Wanted { time_s, ahead_mm, .. } = wanted;
+fn tick_request(
+    hello: &Hello,
+    time_s: f64,
+    ahead_mm: f64,
+    measured: Measurement,
+) -> Result<TickRequest, PilError> {
     let Measurement { pressure_bar, contraction_mm, surroundings } = measured;
     let code = |scaling: &Scaling, quantity, value: f64, unit| {
         let (min, max) = (scaling.value(scaling.code_min), scaling.value(scaling.code_max));

@@ -5,6 +5,7 @@
 //! |---|---|---|---|---|
 //! | `tick` | 2 | TIM2, pended by `link` | the control tick on the samples that arrived | none: the host waits |
 //! | `link` | 1 | USART2 | receives bytes, answers requests | none: the host waits |
+//! | `bus` | 1 | USART1, and pended by `link` behind each tick | Modbus: receives bytes, answers | none: the host waits |
 //!
 //! The emulator has neither a converter nor a timer that keeps time, so samples come by the serial port and a
 //! complete request is the clock. What computes is the same as in production: the library's
@@ -12,10 +13,12 @@
 //!
 //! # Limits
 //! Time in the emulator means nothing; neither do overruns, which lock-step cannot have.
-//! Logs (defmt) and the exit status leave by semihosting.
+//! Nothing is kept without power. Logs (defmt) and the exit status leave by semihosting.
 #![no_std]
 #![no_main]
 
+#[path = "../../hardware/bus_port.rs"]
+mod bus_port;
 #[path = "../../hardware/link.rs"]
 mod link;
 #[path = "../../hardware/safe_end.rs"]
@@ -35,15 +38,22 @@ fn end(_: wire::Fault, _: u32) -> ! {
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
+    use firmware::bus::Bus;
+    use firmware::node::Node;
+    use firmware::store::Parameters;
     use firmware::{BlackBox, Capture, Control, LockStepBoard, Order};
+    use rtic::Mutex;
     use stm32f4::stm32f405::Interrupt;
-    use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickReply, TickRequest};
+    use wire::{FRAME_BYTES, Protection, Receiver, Request, Response, State, TickReply, TickRequest};
 
+    use crate::bus_port::{BusPort, DriverEnable};
     use crate::link::{answer, log_change};
     use crate::usart::Usart;
 
     /// The emulated port does not time its bits; any clock will do.
     const CLOCK_HZ: u32 = 16_000_000;
+    /// A host's bytes come in bursts. Unit: tick.
+    const BUS_SILENCE_TICKS: u32 = 20;
 
     /// What a tick works on and leaves.
     pub struct LockStep {
@@ -52,9 +62,38 @@ mod app {
         reply: Option<TickReply>,
     }
 
+    /// There is no transceiver.
+    pub struct NoDriver;
+
+    impl DriverEnable for NoDriver {
+        fn set(&mut self, _: bool) {}
+    }
+
     #[shared]
     struct Shared {
         lock_step: LockStep,
+        #[lock_free]
+        parameters: Parameters,
+    }
+
+    /// What link and bus work on.
+    struct EmulatedNode<'a, L> {
+        lock_step: &'a mut L,
+        parameters: &'a mut Parameters,
+    }
+
+    impl<L: Mutex<T = LockStep>> Node for EmulatedNode<'_, L> {
+        fn control<R>(&mut self, work: impl FnOnce(&mut Control) -> R) -> R {
+            self.lock_step.lock(|shared| work(&mut shared.control))
+        }
+
+        fn parameters(&self) -> &Parameters {
+            self.parameters
+        }
+
+        fn keep(&mut self, parameters: Parameters) {
+            *self.parameters = parameters;
+        }
     }
 
     #[local]
@@ -62,6 +101,8 @@ mod app {
         usart: Usart,
         receiver: Receiver,
         frame: [u8; FRAME_BYTES],
+        bus_port: BusPort<NoDriver>,
+        modbus: Bus,
         logged: State,
     }
 
@@ -74,7 +115,11 @@ mod app {
         defmt::info!("emulated board, messages version {=u16}", wire::VERSION);
         let logged = control.state();
         let lock_step = LockStep { control, board: LockStepBoard::new(), reply: None };
-        (Shared { lock_step }, Local { usart, receiver: Receiver::new(), frame, logged })
+        let parameters = Parameters { protection: Protection::SIMULATED, tracking: None };
+        let bus_port = BusPort::new(cx.device.USART1, CLOCK_HZ, NoDriver);
+        let modbus = Bus::new(BUS_SILENCE_TICKS);
+        let local = Local { usart, receiver: Receiver::new(), frame, bus_port, modbus, logged };
+        (Shared { lock_step, parameters }, local)
     }
 
     /// Sleeps between bytes: a processor that spins takes the host's time from the plant.
@@ -90,18 +135,31 @@ mod app {
         cx.shared.lock_step.lock(|LockStep { control, board, reply }| *reply = Some(control.tick(board)));
     }
 
-    #[task(binds = USART2, priority = 1, shared = [lock_step], local = [usart, receiver, frame, logged])]
+    #[task(binds = USART2, priority = 1, shared = [lock_step, parameters], local = [usart, receiver, frame, logged])]
     fn link(mut cx: link::Context) {
         let link::LocalResources { usart, receiver, frame, logged, .. } = cx.local;
+        let lock_step = &mut cx.shared.lock_step;
         let Some(received) = usart.read().and_then(|byte| receiver.push(byte)) else {
             return;
         };
         let response = match received {
-            Ok(Request::Tick(request)) => run_tick(&mut cx.shared.lock_step, request),
-            other => answer(other, |order| cx.shared.lock_step.lock(|shared| shared.control.apply(order))),
+            Ok(Request::Tick(request)) => run_tick(lock_step, request),
+            other => answer(other, &mut EmulatedNode { lock_step, parameters: cx.shared.parameters }),
         };
         usart.send(frame, &response);
-        log_change(logged, cx.shared.lock_step.lock(|shared| shared.control.state()));
+        log_change(logged, lock_step.lock(|shared| shared.control.state()));
+    }
+
+    #[task(binds = USART1, priority = 1, shared = [lock_step, parameters], local = [bus_port, modbus])]
+    fn bus(mut cx: bus::Context) {
+        let bus::LocalResources { bus_port, modbus, .. } = cx.local;
+        bus_port.go_on();
+        let byte = bus_port.read();
+        if !bus_port.is_sending() {
+            let lock_step = &mut cx.shared.lock_step;
+            let mut node = EmulatedNode { lock_step, parameters: cx.shared.parameters };
+            bus_port.send(modbus.take(byte, &mut node));
+        }
     }
 
     /// Lays the samples in and lets the tick's task run, which happens before the next statement.
@@ -111,6 +169,8 @@ mod app {
         // Without the barriers a pended interrupt may come some instructions later.
         cortex_m::asm::dsb();
         cortex_m::asm::isb();
+        // The bus's silence is counted in ticks.
+        rtic::pend(Interrupt::USART1);
         let reply = lock_step.lock(|shared| shared.reply.take());
         Response::Tick(reply.expect("the tick's task has the higher priority"))
     }

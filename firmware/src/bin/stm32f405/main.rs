@@ -4,10 +4,12 @@
 //! |---|---|---|---|---|
 //! | `tick` | 2 | SysTick, each millisecond | samples, controls, drives the valve, feeds the watchdog | half a period, else counted as late |
 //! | `link` | 1 | USART2, and the supervisor | receives bytes, answers requests | a byte time, 21 µs, while a request arrives |
-//! | supervisor | 0 | - | status light, log; looks whether the link runs | 250 ticks |
+//! | `bus` | 1 | USART1, and the supervisor | Modbus: receives bytes, answers, sends | a byte time, 87 µs, while a frame arrives |
+//! | supervisor | 0 | - | status light, log; looks whether link and bus run | 250 ticks |
 //!
-//! A tick takes some tens of microseconds and may delay `link` by that; the port's two bytes of buffer cover it.
-//! `link` holds the control's lock only to carry out an order that it has prepared before.
+//! A tick takes some tens of microseconds and may delay `link` and `bus` by that; the ports' two bytes of buffer cover it.
+//! Both hold the control's lock only to copy from it, or to carry out an order that was prepared before. While one of the two
+//! prepares or stores a configuration the other is deaf; its host asks again.
 //!
 //! # Safety
 //! The valve's output is the vented code from before the program proper starts; the control drives it in the states that
@@ -24,6 +26,8 @@
 #![no_std]
 #![no_main]
 
+#[path = "../../hardware/bus_port.rs"]
+mod bus_port;
 #[path = "../../board/stm32f405/mod.rs"]
 mod drivers;
 #[path = "../../hardware/link.rs"]
@@ -54,16 +58,20 @@ fn end(fault: Fault, detail: u32) -> ! {
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
+    use firmware::bus::Bus;
+    use firmware::node::Node;
     use firmware::store::{ParameterStore, Parameters};
     use firmware::watchdog::{Task, Watchdog};
     use firmware::{Capture, Control, led, prepare};
+    use rtic::Mutex;
     use stm32f4::stm32f405::Interrupt;
-    use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State};
+    use wire::{FRAME_BYTES, Fault, Protection, Receiver, State};
 
     use crate::CHECK_INS;
+    use crate::bus_port::BusPort;
     use crate::drivers::clock::{self, Source};
     use crate::drivers::parameter_flash::ParameterFlash;
-    use crate::drivers::pins::{self, Light, VoltageDetector};
+    use crate::drivers::pins::{self, BusDriver, Light, VoltageDetector};
     use crate::drivers::scan::Scan;
     use crate::drivers::tick::{TICKS_PER_SECOND, Tick};
     use crate::drivers::watchdog::HardwareWatchdog;
@@ -71,9 +79,42 @@ mod app {
     use crate::link::{answer, log_change};
     use crate::usart::Usart;
 
+    /// 3.5 characters are 0.3 ms. Two ticks apart is more than one of them. Unit: tick.
+    const BUS_SILENCE_TICKS: u32 = 2;
+
     #[shared]
     struct Shared {
         control: Control,
+        #[lock_free]
+        kept: Kept,
+    }
+
+    /// What is kept without power, and where.
+    pub struct Kept {
+        store: ParameterStore<ParameterFlash>,
+        parameters: Parameters,
+    }
+
+    /// What link and bus work on.
+    struct BoardNode<'a, C> {
+        control: C,
+        kept: &'a mut Kept,
+    }
+
+    impl<C: Mutex<T = Control>> Node for BoardNode<'_, C> {
+        fn control<R>(&mut self, work: impl FnOnce(&mut Control) -> R) -> R {
+            self.control.lock(work)
+        }
+
+        fn parameters(&self) -> &Parameters {
+            &self.kept.parameters
+        }
+
+        fn keep(&mut self, parameters: Parameters) {
+            self.kept.parameters = parameters;
+            let state = self.control.lock(|control| control.state());
+            store(&mut self.kept.store, state, &self.kept.parameters);
+        }
     }
 
     #[local]
@@ -86,10 +127,10 @@ mod app {
         usart: Usart,
         receiver: Receiver,
         frame: [u8; FRAME_BYTES],
+        bus_port: BusPort<BusDriver>,
+        modbus: Bus,
         light: Light,
         logged: State,
-        store: ParameterStore<ParameterFlash>,
-        parameters: Parameters,
     }
 
     #[init(local = [capture: Capture = Capture::new()])]
@@ -126,12 +167,12 @@ mod app {
             usart: Usart::new(device.USART2, clocks.slow_bus_hz),
             receiver: Receiver::new(),
             frame: [0; FRAME_BYTES],
+            bus_port: BusPort::new(device.USART1, clocks.fast_bus_hz, BusDriver::listening(device.GPIOA)),
+            modbus: Bus::new(BUS_SILENCE_TICKS),
             light: Light::dark(device.GPIOB),
             logged,
-            store,
-            parameters,
         };
-        (Shared { control }, local)
+        (Shared { control, kept: Kept { store, parameters } }, local)
     }
 
     /// Takes what is stored, and brings its layout up to date. Not a part of `init`, whose stack would hold all of it.
@@ -151,13 +192,13 @@ mod app {
                 }
             }
         }
-        keep(store, control.state(), &parameters);
+        self::store(store, control.state(), &parameters);
         parameters
     }
 
     /// Stores a set. That it cannot be stored does not keep it from being used.
     #[inline(never)]
-    fn keep(store: &mut ParameterStore<ParameterFlash>, state: State, parameters: &Parameters) {
+    fn store(store: &mut ParameterStore<ParameterFlash>, state: State, parameters: &Parameters) {
         if let Err(error) = store.save(state, parameters) {
             defmt::error!("parameters are not stored: {}", defmt::Debug2Format(&error));
         }
@@ -169,6 +210,7 @@ mod app {
         loop {
             CHECK_INS.check_in(Task::Supervisor);
             rtic::pend(Interrupt::USART2);
+            rtic::pend(Interrupt::USART1);
             let (state, fault, ticks) =
                 cx.shared.control.lock(|control| (control.state(), control.fault(), control.ticks()));
             cx.local.light.set(led::is_lit(state, fault, ticks));
@@ -195,19 +237,25 @@ mod app {
         });
     }
 
-    #[task(binds = USART2, priority = 1, shared = [control], local = [usart, receiver, frame, store, parameters])]
-    fn link(mut cx: link::Context) {
-        let link::LocalResources { usart, receiver, frame, store, parameters, .. } = cx.local;
+    #[task(binds = USART2, priority = 1, shared = [control, kept], local = [usart, receiver, frame])]
+    fn link(cx: link::Context) {
+        let link::LocalResources { usart, receiver, frame, .. } = cx.local;
         CHECK_INS.check_in(Task::Link);
         let Some(received) = usart.read().and_then(|byte| receiver.push(byte)) else {
             return;
         };
-        let changed = received.as_ref().ok().and_then(|request| parameters.changed_by(request));
-        let response = answer(received, |order| cx.shared.control.lock(|control| control.apply(order)));
-        if let (Response::Accepted, Some(changed)) = (&response, changed) {
-            *parameters = changed;
-            keep(store, cx.shared.control.lock(|control| control.state()), parameters);
+        let mut node = BoardNode { control: cx.shared.control, kept: cx.shared.kept };
+        usart.send(frame, &answer(received, &mut node));
+    }
+
+    #[task(binds = USART1, priority = 1, shared = [control, kept], local = [bus_port, modbus])]
+    fn bus(cx: bus::Context) {
+        let bus::LocalResources { bus_port, modbus, .. } = cx.local;
+        bus_port.go_on();
+        let byte = bus_port.read();
+        if !bus_port.is_sending() {
+            let mut node = BoardNode { control: cx.shared.control, kept: cx.shared.kept };
+            bus_port.send(modbus.take(byte, &mut node));
         }
-        usart.send(frame, &response);
     }
 }

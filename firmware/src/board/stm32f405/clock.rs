@@ -16,7 +16,7 @@ pub struct Clocks {
     pub core_hz: u32,
     /// APB1, which clocks USART2. Unit: Hz.
     pub slow_bus_hz: u32,
-    /// APB2, which clocks the analogue inputs. Unit: Hz.
+    /// APB2, which clocks the analogue inputs and USART1. Unit: Hz.
     pub fast_bus_hz: u32,
     /// TIM2 and TIM3. Unit: Hz.
     pub timer_hz: u32,
@@ -52,7 +52,7 @@ pub fn feed_peripherals(rcc: &RCC) {
     rcc.apb1enr().modify(|_, w| {
         w.dacen().enabled().pwren().enabled().tim2en().enabled().tim3en().enabled().usart2en().enabled()
     });
-    rcc.apb2enr().modify(|_, w| w.adc1en().enabled());
+    rcc.apb2enr().modify(|_, w| w.adc1en().enabled().usart1en().enabled());
 }
 
 /// Goes from the internal oscillator, which the processor starts with, to the crystal if it can.

@@ -1,0 +1,72 @@
+//! The emulated board as a board is: ticks that come by themselves, a plant at its valve, set points from its bus.
+//!
+//! The lock-step of the link, paced by the clock: a tick that is late is made up for at once, so that the ticks keep the time
+//! of the machine as long as that is fast enough; how late they came is told.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use wire::{Hello, Request, Response, TickReply, TickRequest};
+
+use super::Emulator;
+use crate::child::Stop;
+use crate::pil::PilError;
+use crate::pil::lock_step::{Measurement, Plant};
+
+/// From tick to tick.
+const PERIOD: Duration = Duration::from_millis(1);
+/// How often it is told that ticks were late.
+const TOLD_EVERY_TICKS: u32 = 10_000;
+/// What is not worth telling.
+const NOT_LATE: Duration = Duration::from_millis(50);
+
+/// Runs board and plant until a stop is requested. `late` is told the longest delay of a tick, every ten seconds in which
+/// there was one.
+///
+/// # Errors
+/// Board or plant do not answer as they should.
+pub fn run(
+    board: &mut Emulator,
+    plant: &mut impl Plant,
+    stop: &Stop,
+    mut late: impl FnMut(Duration),
+) -> Result<(), PilError> {
+    let Response::Hello(hello) = board.request(&Request::Identify)? else {
+        return Err(PilError::OutOfTurn);
+    };
+    let begin = Instant::now();
+    let mut command_bar = hello.command.value(hello.command.code(0.0));
+    let mut longest = Duration::ZERO;
+    for tick in 0_u32.. {
+        if stop.is_requested() {
+            break;
+        }
+        let (due, now) = (begin + tick * PERIOD, Instant::now());
+        thread::sleep(due.saturating_duration_since(now));
+        longest = longest.max(now.saturating_duration_since(due));
+        if tick % TOLD_EVERY_TICKS == 0 {
+            if longest > NOT_LATE {
+                late(longest);
+            }
+            longest = Duration::ZERO;
+        }
+        let measured = plant.advance((tick * PERIOD).as_secs_f64(), command_bar)?;
+        let Response::Tick(TickReply { dac_code, .. }) = board.request(&request(&hello, measured))? else {
+            return Err(PilError::OutOfTurn);
+        };
+        command_bar = hello.command.value(dac_code);
+    }
+    Ok(())
+}
+
+/// A tick without a reference: that is the bus's. Beyond what a sensor measures it shows the end of its range.
+fn request(hello: &Hello, measured: Measurement) -> Request {
+    let Measurement { pressure_bar, contraction_mm, surroundings } = measured;
+    Request::Tick(TickRequest {
+        reference_mm: None,
+        pressure_code: hello.pressure.code(pressure_bar as f32),
+        contraction_code: hello.contraction.code(contraction_mm as f32),
+        load_n: surroundings.load.map(|load_n| load_n as f32),
+        temperature_c: surroundings.temperature.map(|temperature_c| temperature_c as f32),
+    })
+}

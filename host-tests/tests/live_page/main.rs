@@ -47,6 +47,14 @@ impl Watch {
     }
 }
 
+impl Drop for Watch {
+    fn drop(&mut self) {
+        // It has ended, unless the test has failed.
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
+}
+
 fn open(desk: &Desk) -> Board {
     let address = Address {
         port: desk.port().to_owned(),
@@ -101,12 +109,16 @@ fn the_page_shows_the_loop_stops_the_board_and_releases_a_fault() {
         browser.open(&watch.address, width);
         browser.wait("document.querySelector('#state')?.textContent === 'Fault'");
         browser.wait("document.querySelector('#loop polyline').points.numberOfItems > 10");
+        let smallest = "Math.min(...[...document.querySelectorAll('svg text')].map(text => \
+                        parseFloat(getComputedStyle(text).fontSize) * text.getScreenCTM().a).filter(size => size > 0))";
+        let letters = browser.value(smallest).as_f64().expect("a number");
+        assert!(letters >= 9.0, "letters of {letters} pixels at {width} pixels");
         let is_wider = "document.documentElement.scrollWidth > document.documentElement.clientWidth";
         assert_eq!(browser.value(is_wider), false, "at {width} pixels the page is wider");
         browser.picture(&format!("watch-fault-{width}"));
     }
     let faults = browser.value("document.querySelector('#faults').textContent").to_string();
-    assert!(faults.contains("latched, 1 times") && faults.contains("Cure:"), "{faults}");
+    assert!(faults.contains("latched, 1 time") && faults.contains("Cure:"), "{faults}");
     browser.click("#acknowledge");
     browser.wait("['Ready', 'SelfTest'].includes(document.querySelector('#state').textContent)");
     browser.wait("document.querySelector('#acknowledge').disabled");

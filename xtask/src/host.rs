@@ -14,27 +14,19 @@ const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
 /// The one by which tests find the Python with Modbus clients.
 const BUS_PYTHON_VARIABLE: &str = "MGPI_BUS_PYTHON";
 
-/// Builds `mgpi` and `rig`, optimised.
+/// Builds `mgpi` and `rig`, as the tests have them: optimised, and built once for all.
 ///
 /// # Errors
 /// When cargo fails.
 pub fn build() -> Result<()> {
     run::step("workbench and rig", || {
-        run::succeed(&mut run::cargo(&[
-            "build",
-            "--release",
-            "--package",
-            "workbench",
-            "--package",
-            "rig",
-            "--bins",
-        ]))
+        run::succeed(&mut run::cargo(&["build", "--package", "workbench", "--package", "rig", "--bins"]))
     })
 }
 
 /// Where `mgpi` and `rig` are built.
 fn programs() -> PathBuf {
-    run::target_dir().join("release")
+    run::target_dir().join("debug")
 }
 
 /// The command `mgpi` in the workspace, with the firmware that was just built.

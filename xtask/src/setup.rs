@@ -54,7 +54,8 @@ const BUS_CLIENTS: [Need; 2] = [
         name: "a Python with pymodbus",
         is_met: || {
             let marker = bus_python().with_file_name("requirements.txt");
-            fs::read(marker).is_ok_and(|made_of| fs::read(requirements()).is_ok_and(|wanted| wanted == made_of))
+            fs::read(marker)
+                .is_ok_and(|made_of| fs::read(requirements()).is_ok_and(|wanted| wanted == made_of))
         },
         cures: &[Cure::BusPython, Cure::Packages(&["python3-venv"]), Cure::BusPython],
         by_hand: "Python 3.10 or newer with its module venv (Debian, Ubuntu: apt-get install python3-venv)",

@@ -71,7 +71,7 @@ pub fn page() -> String {
                     span #state role="status" { "no word yet" }
                     button #stop type="button" { "Stop and vent" }
                     button #acknowledge type="button" disabled { "Acknowledge" }
-                    span figure > svg { margin-top: .3rem } .plots { margin-top: 1rem } #now {}
+                    span #now {}
                 }
                 p #problem .problem hidden {}
                 div.plots {

@@ -81,6 +81,11 @@ impl BusBoard {
     /// A tick with a vented muscle at rest; the reference stays that of the bus.
     pub fn tick(&mut self) -> TickReply {
         let (pressure_code, contraction_code) = AT_REST;
+        self.tick_at(pressure_code, contraction_code)
+    }
+
+    /// A tick with these samples; the reference stays that of the bus.
+    pub fn tick_at(&mut self, pressure_code: u16, contraction_code: u16) -> TickReply {
         let request = TickRequest {
             reference_mm: None,
             pressure_code,
@@ -91,12 +96,17 @@ impl BusBoard {
         self.board.tick(&mut self.node.control, request)
     }
 
+    /// A moment in which nothing comes; answers what the board sends.
+    pub fn idle(&mut self) -> Vec<u8> {
+        self.bus.take(None, &mut self.node).to_vec()
+    }
+
     /// Ticks in which nothing is on the bus, enough for a frame to begin; answers what the board sends meanwhile.
     pub fn be_silent(&mut self) -> Vec<u8> {
         (0..SILENCE_TICKS)
             .flat_map(|_| {
                 self.tick();
-                self.bus.take(None, &mut self.node).to_vec()
+                self.idle()
             })
             .collect()
     }

@@ -6,6 +6,7 @@
 
 pub mod bench;
 pub mod bus;
+pub mod desk;
 pub mod flash;
 pub mod game;
 pub mod store;

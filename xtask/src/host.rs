@@ -14,30 +14,43 @@ const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
 /// The one by which tests find the Python with Modbus clients.
 const BUS_PYTHON_VARIABLE: &str = "MGPI_BUS_PYTHON";
 
-/// Builds `mgpi` and `rig`, optimised.
+/// Builds `mgpi` and `rig`, as the tests have them: optimised, and built once for all.
 ///
 /// # Errors
 /// When cargo fails.
 pub fn build() -> Result<()> {
     run::step("workbench and rig", || {
-        run::succeed(&mut run::cargo(&[
-            "build",
-            "--release",
-            "--package",
-            "workbench",
-            "--package",
-            "rig",
-            "--bins",
-        ]))
+        run::succeed(&mut run::cargo(&["build", "--package", "workbench", "--package", "rig", "--bins"]))
     })
+}
+
+/// Where `mgpi` and `rig` are built.
+fn programs() -> PathBuf {
+    run::target_dir().join("debug")
 }
 
 /// The command `mgpi` in the workspace, with the firmware that was just built.
 pub fn mgpi() -> Command {
-    let program: PathBuf = run::target_dir().join("release/mgpi");
-    let mut command = Command::new(program);
+    let mut command = Command::new(programs().join("mgpi"));
     command.current_dir(run::root()).env(FIRMWARE_VARIABLE, firmware::emulated_elf());
     command
+}
+
+/// The command `rig` in the workspace.
+pub fn rig() -> Command {
+    let mut command = Command::new(programs().join("rig"));
+    command.current_dir(run::root());
+    command
+}
+
+/// Gives a command `mgpi` and `rig` on its search path, and the firmware that was just built.
+pub fn with_programs(command: &mut Command) -> &mut Command {
+    let mut path = programs().into_os_string();
+    for directory in std::env::var_os("PATH").iter() {
+        path.push(":");
+        path.push(directory);
+    }
+    command.env("PATH", path).env(FIRMWARE_VARIABLE, firmware::emulated_elf())
 }
 
 /// Plays the game of hidden causes with the workbench as it stands.

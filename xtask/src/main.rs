@@ -3,7 +3,9 @@
 //! installed; the message says what.
 
 mod board_compiler;
+mod book;
 mod demo;
+mod emulated;
 mod faults;
 mod figures;
 mod firmware;
@@ -13,6 +15,7 @@ mod host;
 mod registers;
 mod run;
 mod setup;
+mod workflow;
 
 use std::process::ExitCode;
 
@@ -34,6 +37,10 @@ enum Task {
     Firmware,
     /// Identify a muscle, run the firmware against it in closed loop, and write a report (about two minutes).
     Demo,
+    /// Go the whole way over the emulated board's bus: capture, identify, diagnose, deploy, track (under three minutes).
+    Workflow,
+    /// Run every command of the book in docs, in order.
+    Book,
     /// Run every test, on the host and in the emulator.
     Test,
     /// Run the firmware in the emulator by hand, or with --port PATH as a board on a bus, with a plant.
@@ -101,6 +108,14 @@ fn perform(task: Task) -> anyhow::Result<()> {
         Task::Demo => {
             firmware::build(&setup::ensure()?)?;
             demo::demo()?;
+        }
+        Task::Workflow => {
+            firmware::build(&setup::ensure()?)?;
+            workflow::workflow()?;
+        }
+        Task::Book => {
+            firmware::build(&setup::ensure()?)?;
+            book::book()?;
         }
         Task::Test => {
             firmware::build(&setup::ensure()?)?;

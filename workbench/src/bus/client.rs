@@ -11,6 +11,7 @@
 //! the port is emptied before each question.
 
 use std::path::PathBuf;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use rmodbus::client::ModbusRequest;
@@ -88,11 +89,18 @@ pub struct Address {
     pub limit: Duration,
 }
 
+/// The least silence between two frames, however fast the line (Modbus over serial line 1.02, 2.5.1.1).
+const LEAST_SILENCE: Duration = Duration::from_micros(1750);
+/// The same for slow lines, in bits: 3.5 characters.
+const SILENCE_BITS: f64 = 3.5 * 11.0;
+
 /// A client of one board.
 #[derive(Debug)]
 pub struct Client {
     port: Port,
     address: Address,
+    /// When the last frame ended.
+    ended: Instant,
 }
 
 impl Client {
@@ -101,7 +109,7 @@ impl Client {
     /// # Errors
     /// It cannot be used.
     pub fn open(address: Address) -> Result<Self, PortError> {
-        Ok(Self { port: Port::open(&address.port, address.line)?, address })
+        Ok(Self { port: Port::open(&address.port, address.line)?, address, ended: Instant::now() })
     }
 
     /// Reads `count` registers, at most [`MOST_READ`].
@@ -162,11 +170,15 @@ impl Client {
         question: &dyn Fn() -> String,
     ) -> Result<Vec<u8>, BusError> {
         let mut damage = None;
+        let silence = Duration::from_secs_f64(SILENCE_BITS / f64::from(self.address.line.baud));
         for _ in 0..tries {
+            let begin = self.ended + silence.max(LEAST_SILENCE);
+            thread::sleep(begin.saturating_duration_since(Instant::now()));
             self.port.discard()?;
             let deadline = Instant::now() + limit;
             self.port.send(frame, deadline)?;
             let answer = self.answer(expected, deadline)?;
+            self.ended = Instant::now();
             if answer.is_empty() {
                 continue;
             }

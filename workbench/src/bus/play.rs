@@ -40,6 +40,9 @@ pub enum Drive {
     Controller(Mode),
 }
 
+/// What is given the recorded ticks as they come, and may look at the board meanwhile.
+pub type Heard<'a> = dyn FnMut(&mut Board, &[Tick]) -> Result<(), BoardError> + 'a;
+
 /// What is to be played, and how it is recorded.
 #[derive(Clone, Debug)]
 pub struct Piece {
@@ -87,7 +90,7 @@ pub fn play(
     board: &mut Board,
     piece: &Piece,
     stop: &Stop,
-    heard: &mut dyn FnMut(&[Tick]) -> Result<(), BoardError>,
+    heard: &mut Heard<'_>,
 ) -> Result<Played, BoardError> {
     enter(board, piece)?;
     let played = Player::prepare(board, piece).and_then(|mut player| player.run(board, stop, heard));
@@ -175,12 +178,7 @@ impl<'a> Player<'a> {
         Ok(player)
     }
 
-    fn run(
-        &mut self,
-        board: &mut Board,
-        stop: &Stop,
-        heard: &mut dyn FnMut(&[Tick]) -> Result<(), BoardError>,
-    ) -> Result<Played, BoardError> {
+    fn run(&mut self, board: &mut Board, stop: &Stop, heard: &mut Heard<'_>) -> Result<Played, BoardError> {
         loop {
             if stop.is_requested() {
                 return Err(BoardError::Stopped);
@@ -236,7 +234,7 @@ impl<'a> Player<'a> {
         &mut self,
         board: &mut Board,
         start_tick: u32,
-        heard: &mut dyn FnMut(&[Tick]) -> Result<(), BoardError>,
+        heard: &mut Heard<'_>,
     ) -> Result<bool, BoardError> {
         board.set(Id::CaptureFrom, self.next.into())?;
         let window = board.read(Id::CaptureFirst, Id::CaptureWindow)?;
@@ -264,7 +262,7 @@ impl<'a> Player<'a> {
             self.next = first.wrapping_add(count);
         }
         self.played.rows += ticks.len();
-        heard(&ticks)?;
+        heard(board, &ticks)?;
         if count < u32::from(CAPTURE_SAMPLES) {
             thread::sleep(PAUSE);
         }

@@ -1,5 +1,6 @@
 //! `mgpi capture`: an excitation through a board, and a recording of what the muscle does.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -7,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::plant::positive;
 use super::port::PortArguments;
+use super::show::{Show, show_rows};
 use crate::bus::Board;
 use crate::bus::excitation::triangles_and_holds;
 use crate::bus::play::{Drive, POINTS_PER_S, Piece, Played, Tick, play};
@@ -40,6 +42,9 @@ pub struct Arguments {
     /// Record every so-manieth tick [default: as many as the bus carries]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..=1000))]
     every: Option<u16>,
+    /// Also show the board on a page at this address, as `mgpi watch` does
+    #[arg(long, value_name = "ADDRESS")]
+    http: Option<SocketAddr>,
     /// Go on with a recording that was interrupted
     #[arg(long, conflicts_with = "force")]
     resume: bool,
@@ -67,8 +72,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let points = points[growing.from_point()..].to_vec();
     let piece = Piece { drive: Drive::Valve, points, every: *every };
     let bar = bar(duration_s);
+    let mut show = arguments.http.map(Show::start).transpose()?;
     let stop = Stop::on_signals();
-    let played = play(&mut board, &piece, &stop, &mut |ticks: &[Tick]| {
+    let played = play(&mut board, &piece, &stop, &mut |board: &mut Board, ticks: &[Tick]| {
+        show_rows(show.as_mut(), board, &stop, ticks.iter().map(|tick| (tick, None)))?;
         if let Some(last) = ticks.last() {
             let reached_s = last.time_s + growing.from_s();
             bar.set_position((1e3 * reached_s) as u64);

@@ -17,6 +17,7 @@ mod plant;
 mod port;
 pub mod report;
 mod search;
+mod show;
 pub mod simulate;
 pub mod status;
 pub mod track;

@@ -1,5 +1,6 @@
 //! `mgpi track`: a board tracks a reference.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -7,9 +8,10 @@ use model_core::{Mode, Surroundings};
 
 use super::capture::{bar, in_words};
 use super::port::PortArguments;
+use super::show::{Show, show_rows};
 use crate::Error;
 use crate::bus::play::{Drive, POINTS_PER_S, Piece, Played, Tick, play};
-use crate::bus::upload;
+use crate::bus::{Board, upload};
 use crate::child::Stop;
 use crate::output::Outputs;
 use crate::pil::lock_step::{Measurement, Run, Sample};
@@ -40,6 +42,9 @@ pub struct Arguments {
     /// Log every so-manieth tick [default: as many as the bus carries]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..=1000))]
     every: Option<u16>,
+    /// Also show the board on a page at this address, as `mgpi watch` does
+    #[arg(long, value_name = "ADDRESS")]
+    http: Option<SocketAddr>,
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
@@ -72,7 +77,7 @@ impl ModeName {
 /// # Errors
 /// The reference is none, the board does not track, an output cannot be written, or the user interrupts.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { port, reference: file, mode, log, json, every, force } = arguments;
+    let Arguments { port, reference: file, mode, log, json, every, http, force } = arguments;
     let mut outputs = Outputs::claim(log.iter().chain(json), &[file], *force)?;
     let reference = Reference::read(file, POINTS_PER_S)?;
     let mut board = port.open()?;
@@ -84,10 +89,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let (lowest, highest) = reference.range();
     let bar = bar(duration_s);
     let mut ticks: Vec<Tick> = Vec::new();
-    let played = play(&mut board, &piece, &Stop::on_signals(), &mut |heard: &[Tick]| {
+    let mut show = http.map(Show::start).transpose()?;
+    let stop = Stop::on_signals();
+    let played = play(&mut board, &piece, &stop, &mut |board: &mut Board, heard: &[Tick]| {
         ticks.extend_from_slice(heard);
-        if let Some(last) = heard.last() {
-            let wanted_mm = reference.values([last.time_s].into_iter()).next().unwrap_or_default();
+        let wanted: Vec<f64> = reference.values(heard.iter().map(|tick| tick.time_s)).collect();
+        show_rows(show.as_mut(), board, &stop, heard.iter().zip(wanted.iter().copied().map(Some)))?;
+        if let (Some(last), Some(&wanted_mm)) = (heard.last(), wanted.last()) {
             bar.set_position((1e3 * last.time_s) as u64);
             bar.set_message(live(last, wanted_mm, lowest, highest));
         }

@@ -1,6 +1,6 @@
 // Draws what the stream of events brings: rows [time, wanted, contraction, pressure, command], and the status.
 "use strict";
-const SPAN_S = 30, SIZE = { left: 70, top: 10, width: 555, height: 285 };
+const SPAN_S = 30, LEAST_SPAN_S = 5, SIZE = { left: 78, top: 10, width: 547, height: 275 };
 const COUNTERS = ["ticks", "worst_tick_cycles", "mean_tick_cycles", "deadline_cycles", "overruns", "late_ticks",
   "limited_ticks", "bridged_samples", "resets", "bus_frames", "bus_damaged", "bus_refused"];
 const id = name => document.getElementById(name);
@@ -38,11 +38,11 @@ const draw = (name, xs, lines, leastX, leastY, endsX) => {
   const [xTicks, yTicks] = [ticks(x0, x1), ticks(y0, y1)];
   for (const at of xTicks.found) {
     grid.push(make("line", { x1: across(at), x2: across(at), y1: SIZE.top, y2: bottom }));
-    numbers.push(make("text", { x: across(at), y: bottom + 19, "text-anchor": "middle" }, at.toFixed(xTicks.digits)));
+    numbers.push(make("text", { x: across(at), y: bottom + 22, "text-anchor": "middle" }, at.toFixed(xTicks.digits)));
   }
   for (const at of yTicks.found) {
     grid.push(make("line", { x1: SIZE.left, x2: right, y1: down(at), y2: down(at) }));
-    numbers.push(make("text", { x: SIZE.left - 6, y: down(at) + 6, "text-anchor": "end" }, at.toFixed(yTicks.digits)));
+    numbers.push(make("text", { x: SIZE.left - 6, y: down(at) + 7, "text-anchor": "end" }, at.toFixed(yTicks.digits)));
   }
   plot.querySelector(".grid").replaceChildren(...grid);
   plot.querySelector(".numbers").replaceChildren(...numbers);
@@ -55,7 +55,7 @@ const show = () => {
   if (!rows.length) return;
   const column = index => rows.map(row => row[index]);
   const [time, wanted, contraction, pressure, command] = [0, 1, 2, 3, 4].map(column);
-  const last = rows[rows.length - 1], window = [last[0] - SPAN_S, last[0]];
+  const last = rows[rows.length - 1], window = [Math.min(rows[0][0], last[0] - LEAST_SPAN_S), last[0]];
   draw("contraction", time, [contraction, wanted], 1, 1, window);
   draw("pressure", time, [pressure, command], 1, 0.2, window);
   draw("loop", pressure, [contraction], 0.2, 1);
@@ -74,7 +74,7 @@ const tell = status => {
   const faults = status.occurred.flatMap(fault => {
     const isLatched = status.fault?.number === fault.number;
     return [
-      html("dt", `${fault.number} ${fault.title}${isLatched ? ", latched" : ""}, ${fault.count} times`),
+      html("dt", `${fault.number} ${fault.title}${isLatched ? ", latched" : ""}, ${fault.count} time${fault.count > 1 ? "s" : ""}`),
       html("dd", `Cause: ${fault.cause}. Cure: ${fault.cure}.`),
     ];
   });

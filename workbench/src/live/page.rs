@@ -17,7 +17,7 @@ const LIVE_STYLE: &str = "
 button { font: inherit; padding: .4rem 1.2rem; border: 1px solid var(--ink); border-radius: .3rem; cursor: pointer;
   background: var(--paper); color: var(--ink) }
 #stop { background: #B3261E; border-color: #B3261E; color: #fff; font-weight: 600 } button:disabled { opacity: .4; cursor: default }
-#now { font-variant-numeric: tabular-nums } .problem { border-left: .3rem solid #D55E00; padding-left: .8rem }
+figure > svg { margin-top: .3rem } .plots { margin-top: 1rem } #now { font-variant-numeric: tabular-nums } .problem { border-left: .3rem solid #D55E00; padding-left: .8rem }
 polyline { vector-effect: non-scaling-stroke } #faults dt { margin-top: .6rem } #counters { column-width: 16rem; padding: 0; list-style: none }
 ";
 
@@ -39,9 +39,9 @@ fn plot(id: &str, caption: &str, x: &str, y: &str, lines: &[(&str, Style)]) -> M
             svg id=(id) viewBox="0 0 640 340" role="img" data-x=(x) data-y=(y) {
                 title { (caption) }
                 g.grid stroke=(Style::Grid.hex()) {}
-                g.numbers fill=(Style::Ink.hex()) font-size="16" {}
-                text x="350" y="334" text-anchor="middle" font-size="16" fill=(Style::Ink.hex()) { (x) }
-                text x="18" y="150" text-anchor="middle" font-size="16" fill=(Style::Ink.hex())
+                g.numbers fill=(Style::Ink.hex()) font-size="20" {}
+                text x="350" y="336" text-anchor="middle" font-size="20" fill=(Style::Ink.hex()) { (x) }
+                text x="18" y="150" text-anchor="middle" font-size="20" fill=(Style::Ink.hex())
                     transform="rotate(-90 18 150)" { (y) }
                 @for (_, style) in lines {
                     polyline fill="none" stroke=(style.hex()) stroke-width="2" {}

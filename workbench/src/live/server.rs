@@ -106,7 +106,7 @@ fn send(mut stream: &TcpStream, status: &str, kind: &str, content: &str) -> io::
         "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nConnection: close\r\n\
          Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
          Content-Security-Policy: default-src 'none'; script-src 'self'; connect-src 'self'; \
-         style-src 'unsafe-inline'; frame-ancestors 'none'\r\n\r\n{content}"
+         style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'\r\n\r\n{content}"
     )
 }
 

@@ -1,0 +1,218 @@
+//! The commands of the bench against the board's own code on a serial line: deploy, capture, track, status. Time passes
+//! faster here than on a bench.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use host_tests::desk::{Desk, Way};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// How much faster.
+const PACE: f64 = 5.0;
+
+/// A desk with a directory for `mgpi`, which stands beside the tests' programs.
+struct Bench {
+    desk: Desk,
+    directory: TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self::disturbed(|_, bytes| bytes)
+    }
+
+    fn disturbed(disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static) -> Self {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let model = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/paper-tables-1-2.toml");
+        std::fs::copy(model, directory.path().join("paper.toml")).expect("the paper's model");
+        Self { desk: Desk::new(PACE, disturb), directory }
+    }
+
+    /// A command with the port behind it.
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(mgpi());
+        command.args(arguments.split_whitespace()).arg("--port").arg(self.desk.port());
+        command.current_dir(self.directory.path());
+        command
+    }
+
+    fn run(&self, arguments: &str) -> Output {
+        self.command(arguments).output().expect("mgpi runs")
+    }
+
+    fn succeeds(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    }
+
+    fn refuses(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {}", String::from_utf8_lossy(&output.stdout));
+        String::from_utf8(output.stderr).expect("UTF-8")
+    }
+
+    fn status(&self) -> Value {
+        serde_json::from_str(&self.succeeds("status --json")).expect("JSON")
+    }
+
+    fn read(&self, file: &str) -> String {
+        std::fs::read_to_string(self.directory.path().join(file)).expect(file)
+    }
+
+    fn write(&self, file: &str, content: &str) {
+        std::fs::write(self.directory.path().join(file), content).expect(file);
+    }
+}
+
+/// The program, two directories above the test's.
+fn mgpi() -> PathBuf {
+    let test = std::env::current_exe().expect("this program");
+    test.parent().and_then(|deps| deps.parent()).expect("its directory").join("mgpi")
+}
+
+/// Times, and a column by its name.
+fn column(csv: &str, name: &str) -> Vec<f64> {
+    let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
+    let place = lines.next().expect("a header").split(',').position(|found| found == name).expect(name);
+    lines.map(|line| line.split(',').nth(place).expect(name).parse().expect("a number")).collect()
+}
+
+#[test]
+fn a_deployed_model_is_verified_and_the_board_is_ready() {
+    let bench = Bench::new();
+    assert_eq!(bench.status()["state"], "Off");
+    let said = bench.succeeds("deploy paper.toml --kp 0.01 --max-bar 5");
+    assert!(said.contains("read back and verified"), "{said}");
+    assert_eq!(bench.status()["state"], "Ready");
+    // Again, over the one that is there.
+    bench.succeeds("deploy paper.toml");
+}
+
+#[test]
+fn a_model_that_is_none_of_a_valve_board_is_refused() {
+    let bench = Bench::new();
+    let model = bench.read("paper.toml").replace("_bar", "_kpa");
+    bench.write("kpa.toml", &model);
+    let message = bench.refuses("deploy kpa.toml");
+    assert!(message.contains("kpa"), "{message}");
+    let message = bench.refuses("deploy none.toml");
+    assert!(message.contains("none.toml"), "{message}");
+    assert_eq!(bench.status()["state"], "Off");
+}
+
+#[test]
+fn what_is_captured_is_a_recording_of_the_excitation_that_was_played() {
+    let bench = Bench::new();
+    bench.write("exc.csv", "time_s,command_bar\n0,0\n1,0\n3,4\n5,1\n7,0\n8,0\n");
+    let said = bench.succeeds("capture --excitation exc.csv -o rec.csv --every 4");
+    assert!(said.contains("one each 4 ms"), "{said}");
+    assert!(!said.contains("lost"), "{said}");
+    let recording = bench.read("rec.csv");
+    let (times, commands) = (column(&recording, "time_s"), column(&recording, "command_bar"));
+    assert!(times[0] < 0.004 && times[times.len() - 1] > 8.0 - 0.004, "from the first tick to the last");
+    assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - 0.004).abs() < 1e-9));
+    for (time_s, command_bar) in times.iter().zip(&commands) {
+        let expected = match time_s {
+            ..1.0 => 0.0,
+            1.0..3.0 => 2.0 * (time_s - 1.0),
+            3.0..5.0 => 4.0 - 1.5 * (time_s - 3.0),
+            5.0..7.0 => 1.0 - 0.5 * (time_s - 5.0),
+            _ => 0.0,
+        };
+        // A code of the valve, and the tick that an order takes.
+        assert!((command_bar - expected).abs() < 0.006, "{command_bar} bar at {time_s} s, not {expected}");
+    }
+    let stroke_mm = column(&recording, "contraction_mm").into_iter().fold(0.0, f64::max);
+    assert!(stroke_mm > 50.0, "{stroke_mm}");
+    assert_eq!(bench.status()["state"], "Off", "vented at the end");
+    assert!(!bench.directory.path().join("rec.csv.part").exists());
+}
+
+#[test]
+fn an_interrupted_capture_vents_and_goes_on_from_its_last_rest() {
+    let bench = Bench::new();
+    bench.write("exc.csv", "time_s,command_bar\n0,0\n4,3\n8,0\n9,0\n14,4\n20,0\n");
+    let mut capture =
+        bench.command("capture --excitation exc.csv -o rec.csv --every 10").spawn().expect("runs");
+    // Somewhere in the second triangle.
+    let part = bench.directory.path().join("rec.csv.part");
+    let has_come_far = || {
+        let text = std::fs::read_to_string(&part).unwrap_or_default();
+        text.lines()
+            .last()
+            .and_then(|row| row.split(',').next()?.parse::<f64>().ok())
+            .is_some_and(|t| t > 11.0)
+    };
+    while !has_come_far() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let id = rustix::process::Pid::from_child(&capture);
+    rustix::process::kill_process(id, rustix::process::Signal::INT).expect("interrupted");
+    assert_eq!(capture.wait().expect("ended").code(), Some(130));
+    assert_eq!(bench.status()["state"], "Off");
+
+    assert!(bench.refuses("capture --excitation exc.csv -o rec.csv").contains("--resume goes on with it"));
+    bench.write("other.csv", "time_s,command_bar\n0,0\n4,2\n");
+    assert!(
+        bench.refuses("capture --excitation other.csv -o rec.csv --resume").contains("another excitation")
+    );
+    bench.succeeds("capture --excitation exc.csv -o rec.csv --every 10 --resume");
+    let recording = bench.read("rec.csv");
+    assert!(recording.contains("# interrupted, and gone on at 9 s"), "{}", &recording[..400]);
+    let (times, commands) = (column(&recording, "time_s"), column(&recording, "command_bar"));
+    assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - 0.01).abs() < 0.0101), "no gap, no repetition");
+    assert!(times[times.len() - 1] > 20.0 - 0.01, "to the last tick");
+    let late = times.iter().zip(&commands).find(|(time_s, _)| **time_s >= 14.0).expect("the second peak");
+    assert!((late.1 - 4.0).abs() < 0.05, "{late:?}");
+}
+
+#[test]
+fn a_reference_is_tracked_and_logged_as_by_pil() {
+    let bench = Bench::new();
+    bench.write("ref.csv", "time_s,reference_mm\n0,10\n4,60\n8,10\n");
+    let message = bench.refuses("track --reference ref.csv");
+    assert!(message.contains("deploy a model first"), "{message}");
+    bench.succeeds("deploy paper.toml");
+    bench.succeeds("track --reference ref.csv -o log.csv --json log.json --every 4");
+    let log = bench.read("log.csv");
+    let header = "time_s,reference_mm,contraction_mm,pressure_bar,command_bar,feedforward_bar,feedback_bar";
+    assert_eq!(log.lines().next(), Some(header));
+    let json: Value = serde_json::from_str(&bench.read("log.json")).expect("JSON");
+    let rmse_mm = json["tracking"]["rmse_mm"].as_f64().expect("a number");
+    let (reference, contraction) = (column(&log, "reference_mm"), column(&log, "contraction_mm"));
+    let square: f64 = reference.iter().zip(&contraction).map(|(r, c)| (r - c).powi(2)).sum();
+    assert!((rmse_mm - (square / reference.len() as f64).sqrt()).abs() < 1e-9);
+    assert!(rmse_mm < 20.0, "another muscle's model, but tracking: {rmse_mm} mm");
+    assert_eq!((&json["overruns"], bench.status()["state"].as_str()), (&0.into(), Some("Ready")));
+    let said = bench.succeeds("track --reference ref.csv --mode feedback");
+    assert!(said.contains("feedback_only"), "{said}");
+}
+
+#[test]
+fn a_bus_that_loses_and_damages_answers_costs_time_and_nothing_else() {
+    let mut answers = 0;
+    let bench = Bench::disturbed(move |way, mut bytes| {
+        answers += usize::from(way == Way::FromBoard);
+        match (way, answers % 23) {
+            (Way::FromBoard, 7) => Vec::new(),
+            (Way::FromBoard, 15) => {
+                bytes.truncate(3);
+                bytes
+            }
+            (Way::FromBoard, 19) => {
+                bytes[1] ^= 0x10;
+                bytes
+            }
+            _ => bytes,
+        }
+    });
+    let patient = "--timeout-s 0.1";
+    bench.succeeds(&format!("deploy paper.toml {patient}"));
+    bench.write("exc.csv", "time_s,command_bar\n0,0\n5,4\n10,0\n");
+    let said = bench.succeeds(&format!("capture --excitation exc.csv -o rec.csv --every 10 {patient}"));
+    assert!(!said.contains("lost"), "{said}");
+    let times = column(&bench.read("rec.csv"), "time_s");
+    assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - 0.01).abs() < 1e-9), "every row, once");
+}

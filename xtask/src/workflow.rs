@@ -1,0 +1,78 @@
+//! The way of a muscle from nothing to tracking, on the emulated board and over its bus: capture, identify, diagnose, deploy,
+//! track. It fails unless the identified model tracks better than a poor one before it.
+
+use std::fs;
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+
+use crate::emulated::Emulated;
+use crate::{host, run};
+
+/// Length of the captured excitation. Unit: s.
+const CAPTURE_S: &str = "45";
+/// Every so-manieth tick is recorded: 100 rows a second are plenty for identification.
+const EVERY: &str = "10";
+/// The poor model: plays and a gain, no more than two of them.
+const POOR: [&str; 4] = ["--model", "cpi", "--plays", "2"];
+/// How long the whole may take. Unit: s.
+const LIMIT_S: f64 = 180.0;
+
+/// Captures, identifies, diagnoses, deploys, tracks, and compares.
+///
+/// # Errors
+/// A command fails, the error does not fall, or it takes too long.
+pub fn workflow() -> Result<()> {
+    host::build()?;
+    let begin = Instant::now();
+    let directory = run::target_dir().join("workflow");
+    // What an earlier one has left would be in the way.
+    let _ = fs::remove_dir_all(&directory);
+    fs::create_dir_all(&directory).with_context(|| format!("cannot create {}", directory.display()))?;
+    let file = |name: &str| directory.join(name).to_string_lossy().into_owned();
+    let (port, recording, reference) = (file("board"), file("recording.csv"), file("reference.csv"));
+    let mgpi = |arguments: &[&str]| run::succeed(host::mgpi().args(arguments));
+    let _board = Emulated::start(port.as_ref())?;
+
+    run::step("capture", || {
+        mgpi(&["capture", "--port", &port, "--duration-s", CAPTURE_S, "--every", EVERY, "-o", &recording])
+    })?;
+    let track = |model: &str, name: &str| -> Result<f64> {
+        mgpi(&["deploy", model, "--port", &port])?;
+        let (log, json) = (file(&format!("{name}.csv")), file(&format!("{name}.json")));
+        mgpi(&["track", "--port", &port, "--reference", &reference, "-o", &log, "--json", &json])?;
+        rmse_mm(&json)
+    };
+    run::succeed(host::rig().args(["reference", "--period-s", "5", "-o", &reference]))?;
+    let (poor, good, extended) = (file("poor.toml"), file("model.toml"), file("extended.toml"));
+    let before_mm = run::step("a poor model", || {
+        let identify = ["identify", &recording, "-o", &poor, "--starts", "2"];
+        mgpi(&[&identify[..], &POOR].concat())?;
+        track(&poor, "poor")
+    })?;
+    run::step("identify", || {
+        mgpi(&["identify", &recording, "-o", &good, "--report", &file("identified.html")])
+    })?;
+    run::step("diagnose", || {
+        let report = file("diagnosed.html");
+        mgpi(&["diagnose", &recording, "--model", &good, "-o", &extended, "--report", &report])
+    })?;
+    let after_mm = run::step("deploy and track", || track(&good, "good"))?;
+    run::step("status", || mgpi(&["status", "--port", &port]))?;
+
+    let seconds = begin.elapsed().as_secs_f64();
+    println!(
+        "\ntracking error: {before_mm:.3} mm with the poor model, {after_mm:.3} mm with the identified one"
+    );
+    println!("the whole way: {seconds:.0} s; files in {}", directory.display());
+    ensure!(after_mm < before_mm, "the identified model does not track better");
+    ensure!(seconds < LIMIT_S, "the way takes longer than {LIMIT_S} s");
+    Ok(())
+}
+
+fn rmse_mm(json: &str) -> Result<f64> {
+    let text = fs::read_to_string(json).with_context(|| format!("cannot read {json}"))?;
+    let figures: Value = serde_json::from_str(&text).with_context(|| format!("{json} is no JSON"))?;
+    figures["tracking"]["rmse_mm"].as_f64().with_context(|| format!("{json} lacks tracking.rmse_mm"))
+}

@@ -117,7 +117,7 @@ impl Feed {
 }
 
 impl Row {
-    fn to_json(&self) -> Value {
+    fn to_json(self) -> Value {
         let Self { time_s, reference_mm, contraction_mm, pressure_bar, command_bar } = self;
         json!([time_s, reference_mm, contraction_mm, pressure_bar, command_bar])
     }

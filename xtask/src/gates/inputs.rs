@@ -33,6 +33,14 @@ pub struct Sample {
 
 const EVERY_MODE: &[Mode] = &[Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly, Mode::Hold];
 
+/// The phases that ask the most of the controller.
+const DEAREST: [&str; 2] = ["full reversals", "nested reversals"];
+
+/// The samples that ask the most of the controller.
+pub fn dearest(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
+    samples.iter().filter(|sample| DEAREST.contains(&sample.phase))
+}
+
 /// All samples in their order, for a muscle that contracts from `low_mm` to `high_mm`. The same in every run.
 pub fn samples((low_mm, high_mm): (f64, f64)) -> Vec<Sample> {
     let at = |share: f64| (low_mm + share * (high_mm - low_mm)) as f32;

@@ -145,13 +145,15 @@ fn costs(
     Ok(figures)
 }
 
-/// The most instructions of the controller with each model of the family, of either half; `mgpi compare` shows them.
+/// The most instructions of the controller with each model of the family, of either half, in the dearest samples;
+/// `mgpi compare` shows them.
 fn costs_of_models(plugin: &Path, emulated: &Image, samples: &[Sample]) -> Result<Vec<Figure>> {
     let halves = [emulated.function(HALVES[0])?, emulated.function(HALVES[1])?];
+    let samples: Vec<Sample> = inputs::dearest(samples).copied().collect();
     let mut figures = Vec::new();
     for (name, parameters) in models::models()? {
         let costs =
-            counted::run(emulated, plugin, &halves, |link| drive::emulated(link, &parameters, samples))
+            counted::run(emulated, plugin, &halves, |link| drive::emulated(link, &parameters, &samples))
                 .with_context(|| name.clone())?;
         let most: Vec<f64> = costs.iter().map(|cost| cost.max).collect();
         figures.push(Figure {

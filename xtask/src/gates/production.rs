@@ -22,7 +22,7 @@ use super::bounds::Figure;
 use super::counted::{Cost, plugin_option, read_costs};
 use super::drive::Parameters;
 use super::elf::Image;
-use super::inputs::Sample;
+use super::inputs::{self, Sample};
 
 /// The interrupt of the tick.
 const TICK: &str = "SysTick";
@@ -32,8 +32,6 @@ const SCAN: &str = "adc_scan";
 const WRITE: &str = "dac_write";
 /// The counter's name of the way from one to the other.
 const WAY: &str = "to_dac_write";
-/// The phases that ask the most of the controller.
-const PHASES: [&str; 2] = ["full reversals", "nested reversals"];
 /// A period of the tick. Unit: cycle of the core.
 const PERIOD_CYCLES: f64 = 168_000.0;
 
@@ -84,7 +82,7 @@ fn run(image: &Image, plugin: &Path, parameters: Parameters, samples: &[Sample])
     demand(&mut board, &Request::Protect(Protection::SIMULATED))?;
     demand(&mut board, &Request::Configure(Configuration { version: VERSION, tracking: parameters }))?;
     demand(&mut board, &Request::Start(Mode::Both))?;
-    for sample in samples.iter().filter(|sample| PHASES.contains(&sample.phase)) {
+    for sample in inputs::dearest(samples) {
         board.tick(Some(converted(sample.contraction_mm)))?;
         demand(&mut board, &Request::Reference(sample.reference_mm))?;
     }

@@ -92,19 +92,20 @@ pub fn play(
     stop: &Stop,
     heard: &mut Heard<'_>,
 ) -> Result<Played, BoardError> {
-    enter(board, piece)?;
-    let played = Player::prepare(board, piece).and_then(|mut player| player.run(board, stop, heard));
+    check(board, piece)?;
+    let started = start(board, piece).and_then(|()| Player::prepare(board, piece));
+    let played = started.and_then(|mut player| player.run(board, stop, heard));
     let vented = board.stop();
     let played = played?;
     vented?;
     Ok(played)
 }
 
-/// Brings the board into the state in which the points drive it.
-fn enter(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
+/// Whether the board is in a state from which the points may drive it.
+fn check(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
     let state = board.settled(SELF_TEST)?;
     let needed = match (piece.drive, state) {
-        (_, State::Ready) | (Drive::Valve, State::Off) => return start(board, piece),
+        (_, State::Ready) | (Drive::Valve, State::Off) => return Ok(()),
         (_, state) if state.is_driven() => "somebody else drives it: mgpi status --stop ends that",
         (Drive::Controller(_), State::Off) => "without a model: mgpi deploy brings it one",
         _ => "and does not get ready",
@@ -112,6 +113,7 @@ fn enter(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
     Err(BoardError::State { state, needed })
 }
 
+/// Brings the board into the state in which the points drive it.
 fn start(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
     match piece.drive {
         Drive::Valve => board.order(Command::Service, &[State::Service]),

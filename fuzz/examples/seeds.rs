@@ -9,6 +9,7 @@ use host_tests::HostBoard;
 use host_tests::flash::MockFlash;
 use host_tests::store::{full_set, numbered, paper_set};
 use model_core::Mode;
+use wire::registers::{Id, UPLOAD_BYTES, UPLOAD_REGISTERS, Value, checksum, pack_bytes};
 use wire::{CaptureOrder, Configuration, FRAME_BYTES, Protection, Request, State, TickRequest, VERSION};
 use workbench::pil::lock_step::Board;
 
@@ -21,6 +22,13 @@ fn main() {
             [framed(request), framed(&response)].concat()
         });
         write("frames", name, &exchange.collect::<Vec<u8>>());
+    }
+    for (name, tracking) in [("paper", paper_parameters()), ("piecewise", piecewise_parameters())] {
+        write(
+            "bus",
+            name,
+            &on_the_bus(Configuration { version: VERSION, tracking: tracking.expect("valid") }),
+        );
     }
     for saves in [1, 2, 4] {
         let mut store = ParameterStore::new(MockFlash::<1024>::blank());
@@ -41,7 +49,13 @@ fn main() {
 fn conversations() -> [(&'static str, Vec<Request>); 4] {
     let configure = |tracking| Request::Configure(Configuration { version: VERSION, tracking });
     let tick = |reference_mm, contraction_code| {
-        Request::Tick(TickRequest { reference_mm, pressure_code: 700, contraction_code })
+        Request::Tick(TickRequest {
+            reference_mm: Some(reference_mm),
+            pressure_code: 700,
+            contraction_code,
+            load_n: None,
+            temperature_c: None,
+        })
     };
     let paper = configure(paper_parameters().expect("valid"));
     let piecewise = configure(piecewise_parameters().expect("valid"));
@@ -60,6 +74,52 @@ fn conversations() -> [(&'static str, Vec<Request>); 4] {
         ("full", [&[full][..], &start, &swing].concat()),
         ("service", [&questions[..], &service, &questions].concat()),
     ]
+}
+
+/// A host on the bus that uploads a configuration, tracks, streams and records: the parts of the target's input.
+fn on_the_bus(configuration: Configuration) -> Vec<u8> {
+    let mut buffer = [0; UPLOAD_BYTES];
+    let bytes = postcard::to_slice(&configuration, &mut buffer).expect("fits");
+    let number =
+        |id: Id, number: f64| Value::of_number(id.register().kind, number).words().collect::<Vec<_>>();
+    let write = |id: Id, words: &[u16]| {
+        let data: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()).collect();
+        let head = [id.register().address, words.len() as u16].map(u16::to_be_bytes).concat();
+        part(&[&[16][..], &head, &[data.len() as u8], &data].concat())
+    };
+    let set = |id: Id, value: f64| write(id, &number(id, value));
+    let read = |id: Id, count: u16| {
+        part(&[&[3][..], &id.register().address.to_be_bytes(), &count.to_be_bytes()].concat())
+    };
+    let blocks = bytes.chunks(2 * usize::from(UPLOAD_REGISTERS)).enumerate().flat_map(|(k, block)| {
+        let words: Vec<u16> = pack_bytes(block).collect();
+        write(Id::UploadOffset, &[&[k as u16 * 2 * UPLOAD_REGISTERS], &words[..]].concat())
+    });
+    let points = [0.0, 20.0, 40.0].map(|point| number(Id::PushPoints, point)).concat();
+    let track = [
+        set(Id::UploadLength, bytes.len() as f64),
+        set(Id::UploadChecksum, checksum(bytes).into()),
+        set(Id::UploadOrder, 1.0),
+        set(Id::Kp, 0.1),
+        set(Id::Command, 1.0),
+        set(Id::CaptureEvery, 1.0),
+        write(Id::PushNumber, &[number(Id::PushNumber, 0.0), points].concat()),
+        set(Id::StreamOrder, 1.0),
+        read(Id::State, 38),
+        read(Id::CaptureFirst, 125),
+        set(Id::Command, 2.0),
+        set(Id::Command, 5.0),
+        set(Id::SetpointBar, 3.0),
+        // Nothing but bytes.
+        vec![0, 3, 1, 2, 3],
+        set(Id::Command, 2.0),
+    ];
+    blocks.chain(track.concat()).collect()
+}
+
+/// A frame to the board.
+fn part(pdu: &[u8]) -> Vec<u8> {
+    [&[2, pdu.len() as u8], pdu].concat()
 }
 
 /// A request as the board's parser gets it out of its frame.

@@ -45,8 +45,19 @@ impl BusBoard {
     /// A board whose muscle is a simulation.
     pub fn new() -> Self {
         // The control keeps both for as long as the board runs.
-        let control =
-            Control::simulated(Box::leak(Box::<BlackBox>::default()), Box::leak(Box::<Capture>::default()));
+        Self::with(Box::leak(Box::default()), Box::leak(Box::default()))
+    }
+
+    /// The same board as it was when it was new.
+    pub fn anew(self) -> Self {
+        let (black_box, capture) = self.node.control.into_memory();
+        *black_box = BlackBox::default();
+        *capture = Capture::default();
+        Self::with(black_box, capture)
+    }
+
+    fn with(black_box: &'static mut BlackBox, capture: &'static mut Capture) -> Self {
+        let control = Control::simulated(black_box, capture);
         let parameters = Parameters { protection: Protection::SIMULATED, tracking: None };
         let node = HostNode { control, parameters };
         Self { node, board: LockStepBoard::new(), bus: Bus::new(SILENCE_TICKS) }
@@ -100,9 +111,15 @@ impl BusBoard {
             .collect()
     }
 
-    /// Puts bytes on the bus at once; answers what the board sends.
+    /// Puts bytes on the bus at once; answers what the board sends, a frame each.
+    pub fn send_all(&mut self, bytes: &[u8]) -> Vec<Vec<u8>> {
+        let answers = bytes.iter().map(|&byte| self.bus.take(Some(byte), &mut self.node).to_vec());
+        answers.filter(|answer| !answer.is_empty()).collect()
+    }
+
+    /// The same, one behind the other.
     pub fn send(&mut self, bytes: &[u8]) -> Vec<u8> {
-        bytes.iter().flat_map(|&byte| self.bus.take(Some(byte), &mut self.node).to_vec()).collect()
+        self.send_all(bytes).concat()
     }
 
     /// Sends a request (function and data) to the board, and answers function and data of its response; an empty one is

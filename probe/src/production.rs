@@ -69,11 +69,12 @@ pub struct Production {
 
 impl Production {
     /// Starts the image of an ELF file and lets it run up to its first tick. `store`: what the parameter store begins
-    /// with, blank behind it; the emulated flash cannot be changed by the image. `options`: further ones of the emulator.
+    /// with, blank behind it; the emulated flash cannot be changed by the image. `bus`: the socket that the users' bus goes to,
+    /// if any. `options`: further ones of the emulator.
     ///
     /// # Errors
     /// The file is not the production image, or the emulator cannot be started.
-    pub fn start(elf: &Path, store: &[u8], options: &[String]) -> Result<Self> {
+    pub fn start(elf: &Path, store: &[u8], bus: Option<&Path>, options: &[String]) -> Result<Self> {
         let scan = address(elf, SCAN)?;
         let (link, their_link) = UnixStream::pair()?;
         let (debug, their_debug) = UnixStream::pair()?;
@@ -83,7 +84,10 @@ impl Production {
         let child = Command::new("qemu-system-arm")
             .args(["-machine", "netduinoplus2", "-cpu", "cortex-m4", "-display", "none", "-monitor", "none"])
             .args(["-icount", "shift=3,sleep=off", "-d", "unimp", "-S"])
-            .args(["-chardev", "socket,id=link,fd=0", "-serial", "null", "-serial", "chardev:link"])
+            .args(bus.map_or(["-chardev".to_owned(), "null,id=bus".to_owned()], |socket| {
+                ["-chardev".to_owned(), format!("socket,id=bus,path={}", socket.display())]
+            }))
+            .args(["-chardev", "socket,id=link,fd=0", "-serial", "chardev:bus", "-serial", "chardev:link"])
             .args(["-chardev", "socket,id=stub,fd=1", "-gdb", "chardev:stub"])
             .args(options)
             .arg("-kernel")

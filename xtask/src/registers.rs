@@ -25,8 +25,8 @@ All registers are holding registers, at the addresses that go over the wire, cou
 - Limits are compiled into the firmware: nothing that is written exceeds them. What is not finite is refused.
 - A damaged frame, or one for another address, is met with silence. Address 0 is carried out by all and answered by none.
 - Every request is a sign of life. Without one for `bus_silent_ticks` a valve that is driven is vented, with fault 21.
-- A write that is stored (groups Controller and Protection, a commit) may take half a second, and waits for the answer of no
-  other request meanwhile: give it a time-out of 2 s.
+- A write that is stored (groups Controller and Protection, a commit) may take half a second, in which the board hears
+  nothing: give it a time-out of 2 s.
 - A frame ends with its last byte; one of an unknown function after 3.5 characters of silence. In the emulator 20 ms stand for
   them.
 

@@ -20,6 +20,8 @@ use crate::scaling::{COMMAND, CONTRACTION, PRESSURE};
 use crate::store::LAYOUT;
 
 /// What a reading is answered from.
+// Lives for one request, on the stack; boxing it needs a heap, which the board does not have.
+#[allow(clippy::large_enum_variant)]
 enum View {
     Identification {
         period_s: f32,

@@ -1,5 +1,8 @@
 //! The production image with the rig as its muscle.
 
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::Path;
+
 use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
 use firmware::{AdcCode, Samples};
 use host_tests::{PERIOD_S, rig};
@@ -28,9 +31,26 @@ impl Bench {
 
     /// The image after power-on with this in its parameter store.
     pub fn with_store(seed: u64, store: &[u8]) -> Result<Self, Failed> {
+        Self::start(seed, store, None)
+    }
+
+    /// The image after power-on, its parameter store blank, and the users' bus.
+    pub fn with_bus(seed: u64) -> Result<(Self, UnixStream), Failed> {
+        let directory = tempfile::tempdir()?;
+        let name = directory.path().join("bus");
+        let socket = UnixListener::bind(&name)?;
+        let bench = Self::start(seed, &[], Some(&name))?;
+        // It ticks: whatever the emulator connects to is connected.
+        socket.set_nonblocking(true)?;
+        let (bus, _) = socket.accept()?;
+        bus.set_nonblocking(true)?;
+        Ok((bench, bus))
+    }
+
+    fn start(seed: u64, store: &[u8], bus: Option<&Path>) -> Result<Self, Failed> {
         let measured =
             Measurement { pressure_bar: 0.0, contraction_mm: 0.0, surroundings: Surroundings::default() };
-        let image = Production::start(&super::production(), store, &[])?;
+        let image = Production::start(&super::production(), store, bus, &[])?;
         Ok(Self { image, muscle: muscle(seed), output: 0, measured })
     }
 

@@ -5,6 +5,7 @@
 //! `cargo test -p host-tests --test production -- --nocapture` prints the figures.
 
 mod bench;
+mod bus;
 mod closed_loop;
 mod faults;
 mod store;
@@ -30,6 +31,7 @@ fn main() {
         ),
         trial("every_fault_that_samples_can_show_vents_the_production_image", faults::of_samples),
         trial("faults_of_the_processor_vent_reset_and_are_kept_until_acknowledged", faults::of_the_processor),
+        trial("the_production_image_takes_an_upload_on_its_bus_within_its_stack", bus::takes_an_upload),
         trial("the_production_image_starts_with_what_is_stored", store::starts_with_what_is_stored),
         trial("a_store_that_cannot_be_read_is_the_fault_of_its_kind", store::faults),
         trial(

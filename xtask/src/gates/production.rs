@@ -78,7 +78,7 @@ fn run(image: &Image, plugin: &Path, parameters: Parameters, samples: &[Sample])
     let (tick, write) = (image.function(TICK)?, image.function(WRITE)?);
     let option = plugin_option(image, plugin, &[tick, write], Some([tick, write]), &results);
     let options = ["-plugin".to_owned(), option];
-    let mut board = Production::start(&image.path, &[], &options)?;
+    let mut board = Production::start(&image.path, &[], None, &options)?;
     board.tick(Some(converted(0.0)))?;
     // What watches the plant is at work like the rest, but the plant is no muscle here.
     demand(&mut board, &Request::Protect(Protection::SIMULATED))?;

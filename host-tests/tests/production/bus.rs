@@ -1,0 +1,91 @@
+//! The users' bus of the production image: task, port driver, and what they need of the stack.
+
+use std::io::{ErrorKind, Read, Write};
+use std::os::unix::net::UnixStream;
+
+use firmware::law::extended_parameters;
+use host_tests::bus::frame;
+use libtest_mimic::Failed;
+use probe::STACK_BYTES;
+use wire::registers::{Id, UNIT, UPLOAD_BYTES, UPLOAD_REGISTERS, UploadOrder, Value, checksum, pack_bytes};
+use wire::{Configuration, State, VERSION};
+
+use super::bench::Bench;
+
+/// How many ticks a request may take.
+const ANSWER_TICKS: u32 = 10_000;
+/// What has to remain of the stack. Unit: byte.
+const STACK_LEFT: u32 = 8 * 1024;
+
+/// The image with somebody on its bus.
+struct OnBus {
+    bench: Bench,
+    bus: UnixStream,
+}
+
+impl OnBus {
+    /// Function and data of the response to a request.
+    fn ask(&mut self, pdu: &[u8]) -> Result<Vec<u8>, Failed> {
+        self.bus.write_all(&frame(UNIT, pdu))?;
+        let mut answer = Vec::new();
+        for _ in 0..ANSWER_TICKS {
+            self.bench.tick(Some)?;
+            let mut bytes = [0; 256];
+            match self.bus.read(&mut bytes) {
+                Ok(count) => answer.extend_from_slice(&bytes[..count]),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+                Err(error) => return Err(error.into()),
+            }
+            if let [UNIT, pdu @ .., _, _] = &*answer
+                && frame(UNIT, pdu) == answer
+            {
+                return Ok(pdu.to_vec());
+            }
+        }
+        Err(format!("no answer to {pdu:02x?}, only {answer:02x?}").into())
+    }
+
+    fn write(&mut self, id: Id, words: &[u16]) -> Result<(), Failed> {
+        let head = [id.register().address, words.len() as u16].map(u16::to_be_bytes).concat();
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()).collect();
+        let answer = self.ask(&[&[16], &head[..], &[bytes.len() as u8], &bytes].concat())?;
+        if answer == [&[16], &head[..]].concat() {
+            Ok(())
+        } else {
+            Err(format!("{}: {answer:02x?}", id.register().name).into())
+        }
+    }
+
+    fn set(&mut self, id: Id, number: f64) -> Result<(), Failed> {
+        self.write(id, &Value::of_number(id.register().kind, number).words().collect::<Vec<_>>())
+    }
+}
+
+pub fn takes_an_upload() -> Result<(), Failed> {
+    let (bench, bus) = Bench::with_bus(1)?;
+    let mut image = OnBus { bench, bus };
+    let [high, low] = Id::State.register().address.to_be_bytes();
+    let state = |image: &mut OnBus| image.ask(&[3, high, low, 0, 1]);
+    let number = |state: State| State::ALL.iter().position(|other| *other == state).unwrap_or(0) as u8;
+    assert_eq!(state(&mut image)?, [3, 2, 0, number(State::Off)]);
+
+    let mut buffer = [0; UPLOAD_BYTES];
+    let configuration = Configuration { version: VERSION, tracking: extended_parameters()? };
+    let bytes = postcard::to_slice(&configuration, &mut buffer)?;
+    for (block, offset) in bytes.chunks(2 * usize::from(UPLOAD_REGISTERS)).zip((0..).step_by(240)) {
+        image.write(Id::UploadOffset, &[offset].into_iter().chain(pack_bytes(block)).collect::<Vec<_>>())?;
+    }
+    image.set(Id::UploadLength, bytes.len() as f64)?;
+    image.set(Id::UploadChecksum, checksum(bytes).into())?;
+    image.set(Id::UploadOrder, UploadOrder::Commit.number().into())?;
+    // The gains by themselves take the longest way.
+    image.set(Id::Kp, 0.06)?;
+    for _ in 0..500 {
+        image.bench.tick(Some)?;
+    }
+    assert_eq!(state(&mut image)?, [3, 2, 0, number(State::Ready)]);
+    let used = image.bench.image.stack_bytes()?;
+    println!("stack: {used} of {STACK_BYTES} bytes");
+    assert!(used < STACK_BYTES - STACK_LEFT, "{used} bytes of stack");
+    Ok(())
+}

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use model_core::Mode;
 use wire::registers::{
-    CAPTURE_SAMPLES, Command, Id, SAMPLE_REGISTERS, STREAM_POINTS, StreamOrder, StreamState, Value,
+    Access, CAPTURE_SAMPLES, Command, Id, SAMPLE_REGISTERS, STREAM_POINTS, StreamOrder, StreamState, Value,
     mode_number, unpack_sample,
 };
 use wire::{CaptureSample, State};
@@ -92,6 +92,7 @@ pub fn play(
     stop: &Stop,
     heard: &mut Heard<'_>,
 ) -> Result<Played, BoardError> {
+    check_points(piece)?;
     check(board, piece)?;
     let started = start(board, piece).and_then(|()| Player::prepare(board, piece));
     let played = started.and_then(|mut player| player.run(board, stop, heard));
@@ -99,6 +100,21 @@ pub fn play(
     let played = played?;
     vented?;
     Ok(played)
+}
+
+/// Whether the board takes every point.
+fn check_points(piece: &Piece) -> Result<(), BoardError> {
+    let register = match piece.drive {
+        Drive::Valve => Id::SetpointBar.register(),
+        Drive::Controller(_) => Id::SetpointMm.register(),
+    };
+    let refused = |point: &f32| !register.takes(Value::F32(*point));
+    let (Some(place), Access::Write(min, max)) = (piece.points.iter().position(refused), register.access)
+    else {
+        return Ok(());
+    };
+    let (time_s, value) = (place as f64 / POINTS_PER_S, piece.points[place]);
+    Err(BoardError::Point { time_s, value, unit: register.unit, min, max })
 }
 
 /// Whether the board is in a state from which the points may drive it.

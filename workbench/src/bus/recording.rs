@@ -24,6 +24,7 @@ pub struct Growing {
     writer: BufWriter<File>,
     /// Where in the excitation it goes on. Unit: s.
     from_s: f64,
+    rows: usize,
 }
 
 impl Growing {
@@ -83,7 +84,7 @@ impl Growing {
             Ok(writer)
         });
         let writer = begun.map_err(|error| problem(&file)(error.into()))?;
-        Ok(Self { file, writer, from_s })
+        Ok(Self { file, writer, from_s, rows: 0 })
     }
 
     /// Where in the excitation it goes on. Unit: s.
@@ -101,6 +102,7 @@ impl Growing {
     /// # Errors
     /// They cannot be written.
     pub fn add(&mut self, ticks: &[Tick]) -> Result<(), BoardError> {
+        self.rows += ticks.len();
         let mut rows = String::new();
         for Tick { time_s, pressure_bar, contraction_mm, command_bar, .. } in ticks {
             // Six digits of a second, as the ticks have.
@@ -109,6 +111,16 @@ impl Growing {
         }
         let written = self.writer.write_all(rows.as_bytes()).and_then(|()| self.writer.flush());
         written.map_err(|error| problem(&self.file)(error.into()))
+    }
+
+    /// Leaves it as it is; answers the part, if there are rows to go on from.
+    pub fn abandon(self) -> Option<PathBuf> {
+        if self.rows > 0 || self.from_s > 0.0 {
+            return Some(self.file);
+        }
+        // One that stays is no harm: it has no row.
+        let _ = fs::remove_file(self.file);
+        None
     }
 
     /// The whole recording, to be put in its place; the part goes when the answer is dropped by [`Finished::remove`].

@@ -87,9 +87,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         growing.add(ticks)
     });
     bar.finish_and_clear();
-    let played = played.inspect_err(|_| {
-        eprintln!("what was recorded is kept in {}; --resume goes on with it", Growing::part(file).display());
-    })?;
+    let played = match played {
+        Ok(played) => played,
+        Err(error) => {
+            if let Some(part) = growing.abandon() {
+                eprintln!("what was recorded is kept in {}; --resume goes on with it", part.display());
+            }
+            return Err(error.into());
+        }
+    };
     let finished = growing.finish()?;
     outputs.stage(file, &finished.content)?;
     outputs.commit()?;

@@ -24,3 +24,5 @@ while ischar(line)
   fflush(out);
   line = fgetl(in);
 end
+fclose(in);
+fclose(out);

@@ -131,6 +131,25 @@ fn what_is_captured_is_a_recording_of_the_excitation_that_was_played() {
 }
 
 #[test]
+fn what_the_board_cannot_be_asked_for_is_refused_before_it_moves() {
+    let bench = Bench::new();
+    bench.write("high.csv", "time_s,command_bar\n0,0\n1,2\n2,12\n");
+    let message = bench.refuses("capture --excitation high.csv -o rec.csv");
+    assert!(message.contains("bar is asked for; the board takes 0 to 8 bar"), "{message}");
+    bench.write("none.csv", "time_s,reference_mm\n0,0\n1,2\n");
+    let message = bench.refuses("capture --excitation none.csv -o rec.csv");
+    assert!(message.contains("no column command_bar"), "{message}");
+    assert!(bench.refuses("capture -o rec.csv --resume").contains("no part of a recording to go on with"));
+    assert!(!bench.directory.path().join("rec.csv.part").exists());
+    bench.succeeds("deploy paper.toml");
+    bench.write("far.csv", "time_s,reference_mm\n0,0\n1,500\n");
+    let message = bench.refuses("track --reference far.csv -o log.csv");
+    assert!(message.contains("the board takes -20 to 200 mm"), "{message}");
+    assert!(!bench.directory.path().join("log.csv").exists());
+    assert_eq!(bench.status()["state"], "Ready");
+}
+
+#[test]
 fn an_interrupted_capture_vents_and_goes_on_from_its_last_rest() {
     let bench = Bench::new();
     bench.write("exc.csv", "time_s,command_bar\n0,0\n4,3\n8,0\n9,0\n14,4\n20,0\n");

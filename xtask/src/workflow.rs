@@ -16,6 +16,8 @@ const CAPTURE_S: &str = "45";
 const EVERY: &str = "10";
 /// The poor model: plays and a gain, no more than two of them.
 const POOR: [&str; 4] = ["--model", "cpi", "--plays", "2"];
+/// Longest time for the board's answer: a machine that does much else keeps its emulator waiting. Unit: s.
+const PATIENCE_S: &str = "3";
 /// How long the whole may take. Unit: s.
 const LIMIT_S: f64 = 180.0;
 
@@ -33,15 +35,17 @@ pub fn workflow() -> Result<()> {
     let file = |name: &str| directory.join(name).to_string_lossy().into_owned();
     let (port, recording, reference) = (file("board"), file("recording.csv"), file("reference.csv"));
     let mgpi = |arguments: &[&str]| run::succeed(host::mgpi().args(arguments));
-    let _board = Emulated::start(port.as_ref())?;
+    let bus = ["--port", &*port, "--timeout-s", PATIENCE_S];
+    let board = |arguments: &[&str]| mgpi(&[arguments, &bus].concat());
+    let _emulated = Emulated::start(port.as_ref())?;
 
     run::step("capture", || {
-        mgpi(&["capture", "--port", &port, "--duration-s", CAPTURE_S, "--every", EVERY, "-o", &recording])
+        board(&["capture", "--duration-s", CAPTURE_S, "--every", EVERY, "-o", &recording])
     })?;
     let track = |model: &str, name: &str| -> Result<f64> {
-        mgpi(&["deploy", model, "--port", &port])?;
+        board(&["deploy", model])?;
         let (log, json) = (file(&format!("{name}.csv")), file(&format!("{name}.json")));
-        mgpi(&["track", "--port", &port, "--reference", &reference, "-o", &log, "--json", &json])?;
+        board(&["track", "--reference", &reference, "-o", &log, "--json", &json])?;
         rmse_mm(&json)
     };
     run::succeed(host::rig().args(["reference", "--period-s", "5", "-o", &reference]))?;
@@ -59,7 +63,7 @@ pub fn workflow() -> Result<()> {
         mgpi(&["diagnose", &recording, "--model", &good, "-o", &extended, "--report", &report])
     })?;
     let after_mm = run::step("deploy and track", || track(&good, "good"))?;
-    run::step("status", || mgpi(&["status", "--port", &port]))?;
+    run::step("status", || board(&["status"]))?;
 
     let seconds = begin.elapsed().as_secs_f64();
     println!(

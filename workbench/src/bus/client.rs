@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 use rmodbus::client::ModbusRequest;
 use rmodbus::{ErrorKind, ModbusProto};
 use thiserror::Error;
+use wire::registers::Register;
 
 use super::port::{Line, Port, PortError};
 
@@ -63,6 +64,12 @@ impl BusError {
             _ => None,
         }
     }
+}
+
+/// What stands at an address.
+fn named(address: u16) -> String {
+    Register::at(address)
+        .map_or_else(|| format!("register {address:#06x}"), |register| register.name.to_owned())
 }
 
 fn in_words(exception: ErrorKind) -> String {
@@ -120,7 +127,7 @@ impl Client {
         let mut request = self.request();
         let mut frame = Vec::new();
         let made = request.generate_get_holdings(address, count, &mut frame);
-        let question = || format!("read {count} registers at {address}");
+        let question = || format!("read {}", named(address));
         made.map_err(|exception| BusError::Refused { question: question(), exception })?;
         let expected = SHORTEST + 2 * usize::from(count);
         let answer = self.ask(&request, &frame, expected, TRIES, self.address.limit, &question)?;
@@ -150,7 +157,7 @@ impl Client {
         let mut request = self.request();
         let mut frame = Vec::new();
         let made = request.generate_set_holdings_bulk(address, values, &mut frame);
-        let question = || format!("write {} registers at {address}", values.len());
+        let question = || format!("write {}", named(address));
         made.map_err(|exception| BusError::Refused { question: question(), exception })?;
         self.ask(&request, &frame, WRITTEN, tries, limit, &question).map(drop)
     }

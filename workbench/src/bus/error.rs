@@ -35,6 +35,8 @@ pub enum BoardError {
     Fault(Option<Fault>),
     #[error("the board has vented by itself, in the state {0:?}: see mgpi status")]
     Vented(State),
+    #[error("at {time_s} s {value} {unit} is asked for; the board takes {min} to {max} {unit}")]
+    Point { time_s: f64, value: f32, unit: &'static str, min: f64, max: f64 },
     #[error("the board has run out of set points, this program or its bus was too slow; the valve is vented")]
     Underrun,
     #[error("the configuration of {bytes} bytes does not fit into the board's {capacity}")]

@@ -1,24 +1,33 @@
-//! What `mgpi capture` plays where nobody says what: triangles of falling height, then holds.
+//! What `mgpi capture` plays where nobody says what: slow triangles of falling height, two fast swings, holds.
 
 use crate::plan::course::{Course, Limits};
 
 /// Peaks of the triangles, as shares of the range: the loop and its inner loops, as in Fig. 8 of the paper.
 const PEAKS: [f64; 6] = [1.0, 5.0 / 6.0, 4.0 / 6.0, 3.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0];
-/// Levels that are held, up and down: what goes on where nothing moves.
-const HOLDS: [f64; 7] = [0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25];
-/// The time that the triangles take, and a rest before and after; the holds take what is left. Unit: share.
-const TRIANGLES: f64 = 0.75;
+/// The time that the triangles take. Unit: share.
+const TRIANGLES: f64 = 0.55;
+/// Swings over the whole range, and how much faster they are than the triangles: what depends on speed shows.
+const SWINGS: f64 = 2.0;
+const FASTER: f64 = 3.0;
+/// Levels that are held, in the time that is left: what goes on where nothing moves.
+const HOLDS: [f64; 5] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 2.0 / 3.0, 1.0 / 3.0];
+/// A rest before, and after. Unit: share.
 const REST: f64 = 0.02;
 
-/// A command that begins and ends at the lowest one. The triangles rise and fall at one speed.
+/// A command that begins and ends at 0 bar, and takes `duration_s` (above 0).
 pub fn triangles_and_holds(max_bar: f64, duration_s: f64) -> Course {
     let mut course = Course::new(Limits { min_bar: 0.0, max_bar, slew_bar_per_s: None });
     course.hold(REST * duration_s);
-    let half_s = TRIANGLES * duration_s / (2.0 * PEAKS.iter().sum::<f64>());
+    // From 0 to the highest command.
+    let slow_s = TRIANGLES * duration_s / (2.0 * PEAKS.iter().sum::<f64>());
     for peak in PEAKS {
-        course.swing(0.0, peak, peak * half_s);
+        course.swing(0.0, peak, peak * slow_s);
     }
-    let hold_s = (1.0 - TRIANGLES - 2.0 * REST) * duration_s / HOLDS.len() as f64;
+    for _ in 0..SWINGS as usize {
+        course.swing(0.0, 1.0, slow_s / FASTER);
+    }
+    let left_s = (1.0 - REST) * duration_s - course.duration_s();
+    let hold_s = left_s / HOLDS.len() as f64;
     for level in HOLDS {
         // A ramp rather than a jump: a regulator takes some tenths of a second anyway.
         course.ramp(level, 0.2 * hold_s);

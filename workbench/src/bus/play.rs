@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use model_core::Mode;
 use wire::registers::{
-    CAPTURE_SAMPLES, Command, Id, SAMPLE_REGISTERS, STREAM_POINTS, StreamOrder, StreamState, Value,
+    Access, CAPTURE_SAMPLES, Command, Id, SAMPLE_REGISTERS, STREAM_POINTS, StreamOrder, StreamState, Value,
     mode_number, unpack_sample,
 };
 use wire::{CaptureSample, State};
@@ -92,19 +92,36 @@ pub fn play(
     stop: &Stop,
     heard: &mut Heard<'_>,
 ) -> Result<Played, BoardError> {
-    enter(board, piece)?;
-    let played = Player::prepare(board, piece).and_then(|mut player| player.run(board, stop, heard));
+    check_points(piece)?;
+    check(board, piece)?;
+    let started = start(board, piece).and_then(|()| Player::prepare(board, piece));
+    let played = started.and_then(|mut player| player.run(board, stop, heard));
     let vented = board.stop();
     let played = played?;
     vented?;
     Ok(played)
 }
 
-/// Brings the board into the state in which the points drive it.
-fn enter(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
+/// Whether the board takes every point.
+fn check_points(piece: &Piece) -> Result<(), BoardError> {
+    let register = match piece.drive {
+        Drive::Valve => Id::SetpointBar.register(),
+        Drive::Controller(_) => Id::SetpointMm.register(),
+    };
+    let refused = |point: &f32| !register.takes(Value::F32(*point));
+    let (Some(place), Access::Write(min, max)) = (piece.points.iter().position(refused), register.access)
+    else {
+        return Ok(());
+    };
+    let (time_s, value) = (place as f64 / POINTS_PER_S, piece.points[place]);
+    Err(BoardError::Point { time_s, value, unit: register.unit, min, max })
+}
+
+/// Whether the board is in a state from which the points may drive it.
+fn check(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
     let state = board.settled(SELF_TEST)?;
     let needed = match (piece.drive, state) {
-        (_, State::Ready) | (Drive::Valve, State::Off) => return start(board, piece),
+        (_, State::Ready) | (Drive::Valve, State::Off) => return Ok(()),
         (_, state) if state.is_driven() => "somebody else drives it: mgpi status --stop ends that",
         (Drive::Controller(_), State::Off) => "without a model: mgpi deploy brings it one",
         _ => "and does not get ready",
@@ -112,6 +129,7 @@ fn enter(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
     Err(BoardError::State { state, needed })
 }
 
+/// Brings the board into the state in which the points drive it.
 fn start(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
     match piece.drive {
         Drive::Valve => board.order(Command::Service, &[State::Service]),

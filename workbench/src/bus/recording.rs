@@ -24,6 +24,7 @@ pub struct Growing {
     writer: BufWriter<File>,
     /// Where in the excitation it goes on. Unit: s.
     from_s: f64,
+    rows: usize,
 }
 
 impl Growing {
@@ -37,14 +38,16 @@ impl Growing {
     /// Begins a recording; `head` are its first lines, comments.
     ///
     /// # Errors
-    /// There is a part already, or it cannot be written.
+    /// There is a part with rows already, or it cannot be written.
     pub fn begin(recording: &Path, head: &[String], force: bool) -> Result<Self, BoardError> {
         let file = Self::part(recording);
-        if file.exists() && !force {
+        // One that has come to no row is nobody's loss.
+        let has_rows =
+            || fs::read_to_string(&file).is_ok_and(|text| text.lines().any(|line| time_s(line).is_some()));
+        if !force && has_rows() {
             return Err(problem(&file)(PartProblem::Exists));
         }
-        let lines: String = head.iter().map(|line| format!("# {line}\n")).collect();
-        Self::write(file, &format!("{lines}{COLUMNS}\n"), 0.0)
+        Self::write(file, &begin(head), 0.0)
     }
 
     /// Goes on with a part that begins with the same comments, of the excitation with these points (bar).
@@ -57,8 +60,7 @@ impl Growing {
             return Err(problem(&file)(PartProblem::Missing));
         }
         let text = fs::read_to_string(&file).map_err(|error| problem(&file)(error.into()))?;
-        let is_same = head.iter().zip(text.lines()).all(|(line, found)| found == format!("# {line}"));
-        if !is_same {
+        if !text.starts_with(&begin(head)) {
             return Err(problem(&file)(PartProblem::OtherExcitation));
         }
         let reached_s = text.lines().filter_map(time_s).fold(0.0, f64::max);
@@ -82,7 +84,7 @@ impl Growing {
             Ok(writer)
         });
         let writer = begun.map_err(|error| problem(&file)(error.into()))?;
-        Ok(Self { file, writer, from_s })
+        Ok(Self { file, writer, from_s, rows: 0 })
     }
 
     /// Where in the excitation it goes on. Unit: s.
@@ -100,6 +102,7 @@ impl Growing {
     /// # Errors
     /// They cannot be written.
     pub fn add(&mut self, ticks: &[Tick]) -> Result<(), BoardError> {
+        self.rows += ticks.len();
         let mut rows = String::new();
         for Tick { time_s, pressure_bar, contraction_mm, command_bar, .. } in ticks {
             // Six digits of a second, as the ticks have.
@@ -108,6 +111,16 @@ impl Growing {
         }
         let written = self.writer.write_all(rows.as_bytes()).and_then(|()| self.writer.flush());
         written.map_err(|error| problem(&self.file)(error.into()))
+    }
+
+    /// Leaves it as it is; answers the part, if there are rows to go on from.
+    pub fn abandon(self) -> Option<PathBuf> {
+        if self.rows > 0 || self.from_s > 0.0 {
+            return Some(self.file);
+        }
+        // One that stays is no harm: it has no row.
+        let _ = fs::remove_file(self.file);
+        None
     }
 
     /// The whole recording, to be put in its place; the part goes when the answer is dropped by [`Finished::remove`].
@@ -142,6 +155,12 @@ fn problem(file: &Path) -> impl Fn(PartProblem) -> BoardError {
     move |problem| BoardError::Part { file: file.clone(), problem }
 }
 
+/// How a recording begins.
+fn begin(head: &[String]) -> String {
+    let lines: String = head.iter().map(|line| format!("# {line}\n")).collect();
+    format!("{lines}{COLUMNS}\n")
+}
+
 /// The time of a row; none of a comment or the header.
 fn time_s(line: &str) -> Option<f64> {
     line.split(',').next()?.parse().ok()
@@ -152,4 +171,36 @@ fn rest_before(points: &[f32], reached_s: f64) -> f64 {
     let lowest = points.iter().copied().fold(f32::INFINITY, f32::min) + LOWEST_BAR;
     let reached = points.iter().take((reached_s * POINTS_PER_S) as usize + 1);
     reached.into_iter().rposition(|&point| point <= lowest).map_or(0.0, |place| place as f64 / POINTS_PER_S)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recording_goes_on_from_its_last_rest() {
+        let mut points = vec![0.0; 100];
+        points.extend((0..100).map(|point| point as f32 / 50.0));
+        points.extend([0.0; 100]);
+        for (reached_s, from_s) in [(0.0, 0.0), (0.5, 0.5), (1.7, 1.0), (2.0, 2.0), (2.5, 2.5), (9.0, 2.99)] {
+            assert_eq!(rest_before(&points, reached_s), from_s, "after {reached_s} s");
+        }
+        assert_eq!(rest_before(&[1.0, 2.0], 0.01), 0.0);
+    }
+
+    #[test]
+    fn what_an_interruption_has_cut_short_is_dropped() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let (recording, head) = (directory.path().join("rec.csv"), ["excitation: one".to_owned()]);
+        let text = begin(&head) + "0,0,0,1\n0.5,1,1,2\n0.51,1,1\n";
+        fs::write(Growing::part(&recording), text).expect("written");
+        let points: Vec<f32> = (0..100).map(|point| if point < 51 { 0.0 } else { 1.0 }).collect();
+        let mut growing = Growing::resume(&recording, &head, &points).expect("the same excitation");
+        assert_eq!((growing.from_s(), growing.from_point()), (0.5, 50));
+        growing.add(&[Tick { command_bar: 1.0, ..Tick::default() }]).expect("written");
+        let whole = growing.finish().expect("read").content;
+        let expected = begin(&head) + "0,0,0,1\n# interrupted, and gone on at 0.5 s\n0.5,1,0,0\n";
+        assert_eq!(String::from_utf8(whole).expect("UTF-8"), expected);
+        assert!(Growing::resume(&recording, &["excitation: two".to_owned()], &points).is_err());
+    }
 }

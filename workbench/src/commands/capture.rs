@@ -27,7 +27,7 @@ const COLUMN: &str = "command_bar";
 pub struct Arguments {
     #[command(flatten)]
     port: PortArguments,
-    /// What is played: time_s, command_bar, from `mgpi plan` for instance [default: triangles of falling height, then holds]
+    /// What is played: time_s, command_bar, from `mgpi plan` for instance [default: triangles of falling height, two fast swings, holds]
     #[arg(long, value_name = "EXC.csv", conflicts_with_all = ["max_bar", "duration_s"])]
     excitation: Option<PathBuf>,
     /// Highest command of the default excitation in bar
@@ -87,9 +87,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         growing.add(ticks)
     });
     bar.finish_and_clear();
-    let played = played.inspect_err(|_| {
-        eprintln!("what was recorded is kept in {}; --resume goes on with it", Growing::part(file).display());
-    })?;
+    let played = match played {
+        Ok(played) => played,
+        Err(error) => {
+            if let Some(part) = growing.abandon() {
+                eprintln!("what was recorded is kept in {}; --resume goes on with it", part.display());
+            }
+            return Err(error.into());
+        }
+    };
     let finished = growing.finish()?;
     outputs.stage(file, &finished.content)?;
     outputs.commit()?;
@@ -107,7 +113,7 @@ impl Arguments {
             let count = (duration_s * POINTS_PER_S).round() as usize + 1;
             let times = (0..count).map(|point| point as f64 / POINTS_PER_S);
             let points = course.samples(times).map(|bar| bar as f32).collect();
-            return Ok((points, format!("triangles and holds, 0 to {max_bar} bar, {duration_s} s")));
+            return Ok((points, format!("triangles, swings and holds, 0 to {max_bar} bar, {duration_s} s")));
         };
         let table = Table::read(file)?;
         let points = Reference::of(&table, COLUMN, POINTS_PER_S)?.points(0.0).map(|bar| bar as f32).collect();

@@ -28,7 +28,7 @@ pub struct PortArguments {
     #[arg(long, default_value = "none")]
     parity: Parity,
     /// Longest time for an answer in s
-    #[arg(long, default_value_t = 0.5, value_name = "S", value_parser = positive)]
+    #[arg(long, default_value_t = 1.0, value_name = "S", value_parser = positive)]
     timeout_s: f64,
 }
 

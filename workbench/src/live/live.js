@@ -1,6 +1,6 @@
 // Draws what the stream of events brings: rows [time, wanted, contraction, pressure, command], and the status.
 "use strict";
-const SPAN_S = 30, LEAST_SPAN_S = 5, SIZE = { left: 78, top: 10, width: 547, height: 275 };
+const SPAN_S = 30, LEAST_SPAN_S = 5, SIZE = { left: 86, top: 10, width: 539, height: 275 };
 const COUNTERS = ["ticks", "worst_tick_cycles", "mean_tick_cycles", "deadline_cycles", "overruns", "late_ticks",
   "limited_ticks", "bridged_samples", "resets", "bus_frames", "bus_damaged", "bus_refused"];
 const id = name => document.getElementById(name);
@@ -55,11 +55,11 @@ const show = () => {
   if (!rows.length) return;
   const column = index => rows.map(row => row[index]);
   const [time, wanted, contraction, pressure, command] = [0, 1, 2, 3, 4].map(column);
-  const last = rows[rows.length - 1], window = [Math.min(rows[0][0], last[0] - LEAST_SPAN_S), last[0]];
+  const last = rows[rows.length - 1], window = [rows[0][0], Math.max(rows[0][0] + LEAST_SPAN_S, last[0])];
   draw("contraction", time, [contraction, wanted], 1, 1, window);
   draw("pressure", time, [pressure, command], 1, 0.2, window);
   draw("loop", pressure, [contraction], 0.2, 1);
-  draw("error", time, [rows.map(row => row[1] === null ? null : row[2] - row[1])], 1, 0.2, window);
+  draw("error", time, [rows.map(row => row[1] === null ? null : row[2] - row[1])], 1, 1, window);
   id("now").textContent = `${last[2].toFixed(2)} mm, ${last[3].toFixed(2)} bar`;
 };
 

@@ -41,8 +41,8 @@ fn plot(id: &str, caption: &str, x: &str, y: &str, lines: &[(&str, Style)]) -> M
                 g.grid stroke=(Style::Grid.hex()) {}
                 g.numbers fill=(Style::Ink.hex()) font-size="20" {}
                 text x="350" y="336" text-anchor="middle" font-size="20" fill=(Style::Ink.hex()) { (x) }
-                text x="18" y="150" text-anchor="middle" font-size="20" fill=(Style::Ink.hex())
-                    transform="rotate(-90 18 150)" { (y) }
+                text x="16" y="150" text-anchor="middle" font-size="20" fill=(Style::Ink.hex())
+                    transform="rotate(-90 16 150)" { (y) }
                 @for (_, style) in lines {
                     polyline fill="none" stroke=(style.hex()) stroke-width="2" {}
                 }

@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn a_host_is_an_address_or_this_machine() {
-        for host in ["127.0.0.1:8080", "localhost", "localhost:80", "[::1]:8080", "::1", "192.168.0.7"] {
+        for host in ["127.0.0.1:8080", "localhost", "localhost:80", "[::1]:8080", "192.168.0.7"] {
             assert!(is_own_host(&format!("host: {host}")), "{host}");
         }
         for host in ["evil.example", "evil.example:8080", "127.0.0.1.evil.example", "localhost.evil", ""] {

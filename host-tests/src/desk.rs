@@ -1,6 +1,5 @@
 //! A board on a desk: its bus on a pseudo terminal, the rig's muscle at its valve, time at a pace of its own.
 
-use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,8 +10,7 @@ use std::time::Instant;
 use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE};
 use rig::plant::{Plant, Setup};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use workbench::emulator::terminal::PseudoTerminal;
 
 use crate::PERIOD_S;
 use crate::bus::BusBoard;
@@ -35,18 +33,12 @@ impl Desk {
     /// # Panics
     /// There is no pseudo terminal.
     pub fn new(pace: f64, mut disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static) -> Self {
-        let end = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a pseudo terminal");
-        grantpt(&end).and_then(|()| unlockpt(&end)).expect("unlocked");
-        let path = PathBuf::from(ptsname(&end, Vec::new()).expect("its name").into_string().expect("UTF-8"));
-        // Kept open, so that the line lives while nobody uses it; raw, so that nothing is echoed.
-        let other = File::options().read(true).write(true).open(&path).expect("the other end");
-        let mut settings = tcgetattr(&other).expect("settings");
-        settings.make_raw();
-        tcsetattr(&other, OptionalActions::Now, &settings).expect("raw");
+        let mut terminal = PseudoTerminal::open().expect("a pseudo terminal");
+        let path = terminal.path.clone();
         let is_over = Arc::new(AtomicBool::new(false));
         let over = is_over.clone();
         let board = thread::spawn(move || {
-            let (mut line, _other) = (File::from(end), other);
+            let line = &mut terminal.end;
             let (mut board, mut plant) = (BusBoard::new(), Plant::new(&Setup::sound(1)));
             let (begin, mut ticks, mut command_bar) = (Instant::now(), 0_u64, 0.0);
             while !over.load(Ordering::Relaxed) {
@@ -60,7 +52,7 @@ impl Desk {
                     sent.extend(board.idle());
                 }
                 ticks = due;
-                if poll(&mut [PollFd::new(&line, PollFlags::IN)], Some(&SLICE)) == Ok(1) {
+                if poll(&mut [PollFd::new(&*line, PollFlags::IN)], Some(&SLICE)) == Ok(1) {
                     let mut buffer = [0; 512];
                     let count = line.read(&mut buffer).expect("readable");
                     sent.extend(board.send(&disturb(Way::ToBoard, buffer[..count].to_vec())));

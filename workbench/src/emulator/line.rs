@@ -17,9 +17,8 @@ use std::thread::{self, JoinHandle};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::ioctl_fionbio;
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
+use super::terminal::PseudoTerminal;
 use crate::child::WAIT_SLICE;
 
 /// The port, as long as it is kept.
@@ -37,29 +36,21 @@ impl Line {
     /// # Errors
     /// There is something of this name already, or it cannot be made.
     pub fn open(name: &Path, board: UnixStream) -> io::Result<Self> {
-        let end = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
-        grantpt(&end)?;
-        unlockpt(&end)?;
-        let terminal = PathBuf::from(ptsname(&end, Vec::new())?.to_string_lossy().into_owned());
-        // Kept open, so that the line lives while nobody uses it; raw, so that nothing is echoed.
-        let own = File::options().read(true).write(true).open(&terminal)?;
-        let mut settings = tcgetattr(&own)?;
-        settings.make_raw();
-        tcsetattr(&own, OptionalActions::Now, &settings)?;
-        ioctl_fionbio(&end, true)?;
+        let mut terminal = PseudoTerminal::open()?;
+        let path = terminal.path.clone();
+        ioctl_fionbio(&terminal.end, true)?;
         board.set_nonblocking(true)?;
         if fs::symlink_metadata(name).is_ok_and(|found| found.is_symlink()) && !name.exists() {
             fs::remove_file(name)?;
         }
-        symlink(&terminal, name)?;
+        symlink(&path, name)?;
         let is_closing = Arc::new(AtomicBool::new(false));
         let closing = is_closing.clone();
         let pump = thread::spawn(move || {
-            let _own = own;
             // An end that fails has nothing more to say; the emulator tells its own end over the link.
-            let _ = pump(&mut File::from(end), &board, &closing);
+            let _ = pump(&mut terminal.end, &board, &closing);
         });
-        Ok(Self { name: name.to_owned(), terminal, is_closing, pump: Some(pump) })
+        Ok(Self { name: name.to_owned(), terminal: path, is_closing, pump: Some(pump) })
     }
 
     /// The terminal behind the name.

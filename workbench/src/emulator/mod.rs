@@ -6,7 +6,7 @@
 //! kept in an unnamed file and decoded when it is asked for.
 //!
 //! The users' bus is another pair, by a name in a directory of its own that goes at once; [`line`] makes a serial port of it,
-//! and [`real_time`] runs the board for those who use that.
+//! by a [`terminal`], and [`real_time`] runs the board for those who use that.
 //!
 //! # Contract
 //! [`Emulator::request`] sends one request and waits for its response, for ever only if the firmware keeps talking.
@@ -19,6 +19,7 @@ pub mod image;
 pub mod line;
 pub mod log;
 pub mod real_time;
+pub mod terminal;
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};

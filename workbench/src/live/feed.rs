@@ -104,8 +104,7 @@ impl Feed {
             return None;
         }
         let fresh = (shown.next - seen.next).min(shown.rows.len() as u64) as usize;
-        let rows: Vec<Value> =
-            shown.rows.range(shown.rows.len() - fresh..).map(|row| row.to_json()).collect();
+        let rows: Vec<Value> = shown.rows.range(shown.rows.len() - fresh..).copied().map(Row::into_json).collect();
         let status = if shown.changes == seen.changes { Value::Null } else { shown.status.clone() };
         *seen = Seen { next: shown.next, changes: shown.changes };
         Some(json!({"rows": rows, "status": status}))
@@ -118,7 +117,7 @@ impl Feed {
 }
 
 impl Row {
-    fn to_json(self) -> Value {
+    fn into_json(self) -> Value {
         let Self { time_s, reference_mm, contraction_mm, pressure_bar, command_bar } = self;
         json!([time_s, reference_mm, contraction_mm, pressure_bar, command_bar])
     }

@@ -1,6 +1,5 @@
 //! A serial line whose other end is a program: a pseudo terminal.
 
-use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,8 +9,7 @@ use std::time::Duration;
 
 use rmodbus::{ModbusProto, guess_request_frame_len};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use workbench::emulator::terminal::PseudoTerminal;
 
 /// A line that somebody answers.
 pub struct Line {
@@ -23,22 +21,16 @@ pub struct Line {
 impl Line {
     /// Gives every whole request, with its CRC, to `answer`; what that answers goes back.
     pub fn new(mut answer: impl FnMut(&[u8]) -> Vec<u8> + Send + 'static) -> Self {
-        let end = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a pseudo terminal");
-        grantpt(&end).and_then(|()| unlockpt(&end)).expect("unlocked");
-        let path = PathBuf::from(ptsname(&end, Vec::new()).expect("its name").into_string().expect("UTF-8"));
-        // Kept open, so that the line lives while nobody uses it; raw, so that nothing is echoed.
-        let own = File::options().read(true).write(true).open(&path).expect("the other end");
-        let mut settings = tcgetattr(&own).expect("settings");
-        settings.make_raw();
-        tcsetattr(&own, OptionalActions::Now, &settings).expect("raw");
+        let mut terminal = PseudoTerminal::open().expect("a pseudo terminal");
+        let path = terminal.path.clone();
         let stop = Arc::new(AtomicBool::new(false));
         let asked = stop.clone();
-        let mut end = File::from(end);
         let server = thread::spawn(move || {
-            let (mut request, _own) = (Vec::new(), own);
+            let (mut request, end) = (Vec::new(), &mut terminal.end);
             while !asked.load(Ordering::Relaxed) {
                 let slice = Timespec { tv_sec: 0, tv_nsec: 10_000_000 };
-                if poll(&mut [PollFd::new(&end, PollFlags::IN)], Some(&slice)).is_ok_and(|ready| ready == 0) {
+                if poll(&mut [PollFd::new(&*end, PollFlags::IN)], Some(&slice)).is_ok_and(|ready| ready == 0)
+                {
                     continue;
                 }
                 let mut buffer = [0; 512];

@@ -1,0 +1,37 @@
+//! A pseudo terminal: a serial port whose other end is a program of this machine.
+
+use std::fs::File;
+use std::io;
+use std::path::PathBuf;
+
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+
+/// A terminal that lives while it is kept, whoever opens and closes its port meanwhile.
+#[derive(Debug)]
+pub struct PseudoTerminal {
+    /// The program's end.
+    pub end: File,
+    /// What others open.
+    pub path: PathBuf,
+    /// Kept open, so that the program's end lives while nobody uses the port.
+    _port: File,
+}
+
+impl PseudoTerminal {
+    /// A raw terminal: nothing is echoed or changed.
+    ///
+    /// # Errors
+    /// The system has none left.
+    pub fn open() -> io::Result<Self> {
+        let end = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
+        grantpt(&end)?;
+        unlockpt(&end)?;
+        let path = PathBuf::from(ptsname(&end, Vec::new())?.to_string_lossy().into_owned());
+        let port = File::options().read(true).write(true).open(&path)?;
+        let mut settings = tcgetattr(&port)?;
+        settings.make_raw();
+        tcsetattr(&port, OptionalActions::Now, &settings)?;
+        Ok(Self { end: end.into(), path, _port: port })
+    }
+}

@@ -138,10 +138,12 @@ mod app {
             node
         }
 
-        // Not inlined: its callers would need the stack all the time.
+        // Not inlined: its callers would need the stack all the time. A request at a time, for the same reason.
         #[inline(never)]
         fn take(&mut self) {
-            for request in self.kept.parameters.clone().requests() {
+            for index in 0.. {
+                let request = self.kept.parameters.requests().nth(index);
+                let Some(request) = request else { break };
                 if let Response::Refused(refusal) = apply(self, &request) {
                     defmt::error!("stored parameters: {}", defmt::Debug2Format(&refusal));
                     self.control.lock(|control| control.report(Fault::ConfigurationCorrupt));

@@ -37,6 +37,8 @@ mod safe_end;
 #[path = "../../hardware/usart.rs"]
 mod usart;
 
+use core::sync::atomic::AtomicBool;
+
 use defmt_rtt as _;
 use drivers::{memory, valve};
 use firmware::watchdog::CheckIns;
@@ -44,6 +46,8 @@ use wire::Fault;
 
 /// Where the tasks check in.
 static CHECK_INS: CheckIns = CheckIns::new();
+/// Whether `init` is over, and its stack free again: interrupts come before that.
+static IS_UP: AtomicBool = AtomicBool::new(false);
 
 /// Vents, whatever state the program is in.
 fn make_safe() {
@@ -58,6 +62,8 @@ fn end(fault: Fault, detail: u32) -> ! {
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
+    use core::sync::atomic::Ordering;
+
     use firmware::bus::Bus;
     use firmware::node::{Node, apply};
     use firmware::store::{ParameterStore, Parameters};
@@ -67,7 +73,6 @@ mod app {
     use stm32f4::stm32f405::Interrupt;
     use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State};
 
-    use crate::CHECK_INS;
     use crate::bus_port::BusPort;
     use crate::drivers::clock::{self, Source};
     use crate::drivers::parameter_flash::ParameterFlash;
@@ -78,6 +83,7 @@ mod app {
     use crate::drivers::{SensorsAndValve, memory, output};
     use crate::link::{answer, log_change};
     use crate::usart::Usart;
+    use crate::{CHECK_INS, IS_UP};
 
     /// 3.5 characters are 0.3 ms. Two ticks apart is more than one of them. Unit: tick.
     const BUS_SILENCE_TICKS: u32 = 2;
@@ -129,10 +135,11 @@ mod app {
     }
 
     impl<'a, C: Mutex<T = Control>> BoardNode<'a, C> {
-        /// Whichever task comes first takes what was stored: `init` has not the stack for it.
+        /// Whichever task comes first behind `init`, which has not the stack for it, takes what was stored.
         fn new(control: C, kept: &'a mut Kept) -> Self {
             let mut node = Self { control, kept };
-            if !core::mem::replace(&mut node.kept.is_taken, true) {
+            if !node.kept.is_taken && IS_UP.load(Ordering::Relaxed) {
+                node.kept.is_taken = true;
                 node.take();
             }
             node
@@ -222,6 +229,7 @@ mod app {
     /// The supervisor. The tick wakes it.
     #[idle(shared = [control], local = [light, logged])]
     fn supervise(mut cx: supervise::Context) -> ! {
+        IS_UP.store(true, Ordering::Relaxed);
         loop {
             CHECK_INS.check_in(Task::Supervisor);
             rtic::pend(Interrupt::USART2);

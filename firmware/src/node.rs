@@ -19,14 +19,25 @@ pub trait Node {
 }
 
 /// Carries a request out: prepared outside the control's lock, and kept if it changes what the board keeps.
-// Not inlined: what it needs of the stack is then not needed by its callers' other work.
+// Not inlined, like what follows: what they need of the stack is then not needed at once, nor by their callers' other work.
 #[inline(never)]
-pub fn carry_out(node: &mut impl Node, request: Request) -> Response {
-    let changed = node.parameters().changed_by(&request);
-    let response =
-        prepare(request).map_or_else(Response::Refused, |order| node.control(|control| control.apply(order)));
-    if let (Response::Accepted, Some(changed)) = (&response, changed) {
-        node.keep(changed);
+pub fn carry_out(node: &mut impl Node, request: &Request) -> Response {
+    let response = apply(node, request);
+    if response == Response::Accepted {
+        keep(node, request);
     }
     response
+}
+
+/// Carries a request out without keeping what it changes.
+#[inline(never)]
+pub fn apply(node: &mut impl Node, request: &Request) -> Response {
+    prepare(request).map_or_else(Response::Refused, |order| node.control(|control| control.apply(order)))
+}
+
+#[inline(never)]
+fn keep(node: &mut impl Node, request: &Request) {
+    if let Some(changed) = node.parameters().changed_by(request) {
+        node.keep(changed);
+    }
 }

@@ -59,10 +59,10 @@ pub enum Order {
 /// board takes, and takes before it comes here.
 // Not inlined, like what it calls: what they need of the stack is then not needed at once.
 #[inline(never)]
-pub fn prepare(request: Request) -> Result<Order, Refusal> {
-    Ok(match request {
+pub fn prepare(request: &Request) -> Result<Order, Refusal> {
+    Ok(match *request {
         Request::Identify => Order::Identify,
-        Request::Configure(configuration) => Order::Install(validate(&configuration)?),
+        Request::Configure(ref configuration) => Order::Install(validate(configuration)?),
         Request::Start(mode) => Order::Start(mode),
         Request::SetMode(mode) => Order::SetMode(mode),
         Request::Stop => Order::Stop,

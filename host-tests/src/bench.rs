@@ -111,7 +111,7 @@ impl Bench {
 
     /// Sends a request and answers the response.
     pub fn request(&mut self, request: &Request) -> Response {
-        prepare(request.clone()).map_or_else(Response::Refused, |order| self.control().apply(order))
+        prepare(request).map_or_else(Response::Refused, |order| self.control().apply(order))
     }
 
     /// Sends a request that has to be accepted.

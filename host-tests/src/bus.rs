@@ -65,7 +65,7 @@ impl BusBoard {
 
     /// Sends a request over the link.
     pub fn request(&mut self, request: &Request) -> Response {
-        carry_out(&mut self.node, request.clone())
+        carry_out(&mut self.node, request)
     }
 
     /// The control under test.

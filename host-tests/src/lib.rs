@@ -65,7 +65,7 @@ impl Board for HostBoard {
     fn request(&mut self, request: &Request) -> Result<Response, PilError> {
         Ok(match request {
             Request::Tick(tick) => Response::Tick(self.board.tick(&mut self.control, *tick)),
-            other => prepare(other.clone()).map_or_else(Response::Refused, |order| self.control.apply(order)),
+            other => prepare(other).map_or_else(Response::Refused, |order| self.control.apply(order)),
         })
     }
 }

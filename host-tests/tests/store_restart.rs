@@ -48,7 +48,7 @@ fn what_only_moves_the_board_is_not_kept() {
 fn a_new_boards_set_asks_for_no_model_and_is_valid() {
     let asked: Vec<Request> = Parameters::FACTORY.requests().collect();
     assert_eq!(asked, [Request::Protect(Protection::STANDARD)]);
-    assert!(asked.into_iter().all(|request| prepare(request).is_ok()));
+    assert!(asked.into_iter().all(|request| prepare(&request).is_ok()));
 }
 
 #[test]

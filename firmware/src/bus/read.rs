@@ -47,6 +47,8 @@ enum View {
 ///
 /// # Errors
 /// One of the addresses has no register.
+// Not inlined: what a reading needs of the stack is not needed by a write.
+#[inline(never)]
 pub fn read(server: &Server, address: u16, words: &mut [u8], node: &mut impl Node) -> Result<(), Exception> {
     let view = view(server, address, node);
     for (offset, word) in words.chunks_exact_mut(2).enumerate() {
@@ -60,7 +62,6 @@ pub fn read(server: &Server, address: u16, words: &mut [u8], node: &mut impl Nod
 }
 
 /// Gathers what the group of an address needs. Between groups there are free addresses: no reading takes in two.
-// Not inlined: what it needs beyond its result is gone from the stack before anything else is done.
 #[inline(never)]
 fn view(server: &Server, address: u16, node: &mut impl Node) -> View {
     match address >> 8 {

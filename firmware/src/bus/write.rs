@@ -152,6 +152,8 @@ fn accepted(response: Response) -> Result<(), Refusal> {
     if let Response::Refused(refusal) = response { Err(refusal) } else { Ok(()) }
 }
 
+// Not inlined, like others below: what they need of the stack is then not needed at once.
+#[inline(never)]
 fn gains(
     server: &mut Server,
     values: impl Iterator<Item = Assignment>,
@@ -165,7 +167,6 @@ fn gains(
 }
 
 /// Installs a configuration and keeps it.
-// Not inlined, like what it calls: what they need of the stack is then not needed at once.
 #[inline(never)]
 fn install(
     server: &mut Server,
@@ -186,7 +187,7 @@ fn install(
             Access::Read => text(format_args!("{} is {value}", register.name)),
         }))
     } else {
-        accepted(carry_out(node, Request::Configure(Configuration { version: VERSION, tracking })))
+        accepted(carry_out(node, &Request::Configure(Configuration { version: VERSION, tracking })))
     };
     server.result = match &done {
         Ok(()) => UploadResult::Installed,
@@ -206,9 +207,10 @@ fn protection(
     for Assignment { id, value, .. } in values {
         fields::of_protection(&mut protection, id).into_iter().for_each(|field| field.set(value));
     }
-    accepted(carry_out(node, Request::Protect(protection))).map_err(|refusal| server.refuse(refusal))
+    accepted(carry_out(node, &Request::Protect(protection))).map_err(|refusal| server.refuse(refusal))
 }
 
+#[inline(never)]
 fn stream(values: impl Iterator<Item = Assignment>, node: &mut impl Node) -> Result<(), Exception> {
     let (mut order, mut interval, mut number) = (None, None, None);
     let mut points = Vec::<f32, { STREAM_POINTS as usize }>::new();
@@ -258,6 +260,7 @@ fn capture(
     Ok(())
 }
 
+#[inline(never)]
 fn upload(
     server: &mut Server,
     values: impl Iterator<Item = Assignment>,
@@ -290,6 +293,7 @@ fn upload(
     }
 }
 
+#[inline(never)]
 fn commit(server: &mut Server, node: &mut impl Node) -> Result<(), Exception> {
     match server.upload.content() {
         Ok(tracking) => install(server, tracking, node),

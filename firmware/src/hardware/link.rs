@@ -6,7 +6,7 @@ use wire::{FrameError, Refusal, Request, Response, State};
 /// The response to a frame, carried out if it is a request.
 pub fn answer(received: Result<Request, FrameError>, node: &mut impl Node) -> Response {
     match received {
-        Ok(request) => carry_out(node, request),
+        Ok(request) => carry_out(node, &request),
         Err(_) => Response::Refused(Refusal::Unreadable),
     }
 }

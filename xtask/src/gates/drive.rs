@@ -36,7 +36,7 @@ pub fn emulated(link: &UnixStream, parameters: &Parameters, samples: &[Sample]) 
     let mut lock_step = LockStepBoard::new();
     let mut host = |request: &Request| match request {
         Request::Tick(tick) => Response::Tick(lock_step.tick(&mut control, *tick)),
-        other => prepare(other.clone()).map_or_else(Response::Refused, |order| control.apply(order)),
+        other => prepare(other).map_or_else(Response::Refused, |order| control.apply(order)),
     };
     let mut demand = |request: &Request| -> Result<Response> {
         let (answer, expected) = (board(request)?, host(request));

@@ -102,11 +102,13 @@ mod app {
         receiver: Receiver,
         frame: [u8; FRAME_BYTES],
         bus_port: BusPort<NoDriver>,
-        modbus: Bus,
         logged: State,
     }
 
-    #[init(local = [black_box: BlackBox = BlackBox::new(), capture: Capture = Capture::new()])]
+    #[init(local = [
+        black_box: BlackBox = BlackBox::new(),
+        capture: Capture = Capture::new(),
+    ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let mut usart = Usart::new(cx.device.USART2, CLOCK_HZ);
         let mut control = Control::simulated(cx.local.black_box, cx.local.capture);
@@ -117,8 +119,7 @@ mod app {
         let lock_step = LockStep { control, board: LockStepBoard::new(), reply: None };
         let parameters = Parameters { protection: Protection::SIMULATED, tracking: None };
         let bus_port = BusPort::new(cx.device.USART1, CLOCK_HZ, NoDriver);
-        let modbus = Bus::new(BUS_SILENCE_TICKS);
-        let local = Local { usart, receiver: Receiver::new(), frame, bus_port, modbus, logged };
+        let local = Local { usart, receiver: Receiver::new(), frame, bus_port, logged };
         (Shared { lock_step, parameters }, local)
     }
 
@@ -150,7 +151,12 @@ mod app {
         log_change(logged, lock_step.lock(|shared| shared.control.state()));
     }
 
-    #[task(binds = USART1, priority = 1, shared = [lock_step, parameters], local = [bus_port, modbus])]
+    #[task(
+        binds = USART1,
+        priority = 1,
+        shared = [lock_step, parameters],
+        local = [bus_port, modbus: Bus = Bus::new(BUS_SILENCE_TICKS)]
+    )]
     fn bus(mut cx: bus::Context) {
         let bus::LocalResources { bus_port, modbus, .. } = cx.local;
         bus_port.go_on();

@@ -18,7 +18,7 @@
 //! reset; what starts then is at fault until the host acknowledges it.
 //!
 //! # Parameters
-//! A configuration and limits that were accepted are stored, and taken again at the next start. Storing them stops the
+//! A configuration and limits that were accepted are stored, and taken again behind the next start. Storing them stops the
 //! processor for some milliseconds, up to half a second when a sector is full: see [`drivers::parameter_flash`].
 //!
 //! # Limits
@@ -37,6 +37,8 @@ mod safe_end;
 #[path = "../../hardware/usart.rs"]
 mod usart;
 
+use core::sync::atomic::AtomicBool;
+
 use defmt_rtt as _;
 use drivers::{memory, valve};
 use firmware::watchdog::CheckIns;
@@ -44,6 +46,8 @@ use wire::Fault;
 
 /// Where the tasks check in.
 static CHECK_INS: CheckIns = CheckIns::new();
+/// Whether `init` is over, and its stack free again: interrupts come before that.
+static IS_UP: AtomicBool = AtomicBool::new(false);
 
 /// Vents, whatever state the program is in.
 fn make_safe() {
@@ -58,16 +62,17 @@ fn end(fault: Fault, detail: u32) -> ! {
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
+    use core::sync::atomic::Ordering;
+
     use firmware::bus::Bus;
-    use firmware::node::Node;
+    use firmware::node::{Node, apply};
     use firmware::store::{ParameterStore, Parameters};
     use firmware::watchdog::{Task, Watchdog};
-    use firmware::{Capture, Control, led, prepare};
+    use firmware::{Capture, Control, led};
     use rtic::Mutex;
     use stm32f4::stm32f405::Interrupt;
-    use wire::{FRAME_BYTES, Fault, Protection, Receiver, State};
+    use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State};
 
-    use crate::CHECK_INS;
     use crate::bus_port::BusPort;
     use crate::drivers::clock::{self, Source};
     use crate::drivers::parameter_flash::ParameterFlash;
@@ -78,6 +83,7 @@ mod app {
     use crate::drivers::{SensorsAndValve, memory, output};
     use crate::link::{answer, log_change};
     use crate::usart::Usart;
+    use crate::{CHECK_INS, IS_UP};
 
     /// 3.5 characters are 0.3 ms. Two ticks apart is more than one of them. Unit: tick.
     const BUS_SILENCE_TICKS: u32 = 2;
@@ -93,12 +99,64 @@ mod app {
     pub struct Kept {
         store: ParameterStore<ParameterFlash>,
         parameters: Parameters,
+        /// Whether the control has them.
+        is_taken: bool,
+    }
+
+    impl Kept {
+        /// What is stored, its layout brought up to date.
+        // Not inlined: `init` would need the stack all the time.
+        #[inline(never)]
+        fn load(flash: ParameterFlash, control: &mut Control) -> Self {
+            let mut store = ParameterStore::new(flash);
+            let parameters = store.load().unwrap_or_else(|error| {
+                defmt::error!("stored parameters: {}", defmt::Debug2Format(&error));
+                control.report(error.fault());
+                Parameters::FACTORY
+            });
+            let mut kept = Self { store, parameters, is_taken: false };
+            kept.save(control.state());
+            kept
+        }
+
+        /// Stores the set. That it cannot be stored does not keep it from being used.
+        #[inline(never)]
+        fn save(&mut self, state: State) {
+            if let Err(error) = self.store.save(state, &self.parameters) {
+                defmt::error!("parameters are not stored: {}", defmt::Debug2Format(&error));
+            }
+        }
     }
 
     /// What link and bus work on.
     struct BoardNode<'a, C> {
         control: C,
         kept: &'a mut Kept,
+    }
+
+    impl<'a, C: Mutex<T = Control>> BoardNode<'a, C> {
+        /// Whichever task comes first behind `init`, which has not the stack for it, takes what was stored.
+        fn new(control: C, kept: &'a mut Kept) -> Self {
+            let mut node = Self { control, kept };
+            if !node.kept.is_taken && IS_UP.load(Ordering::Relaxed) {
+                node.kept.is_taken = true;
+                node.take();
+            }
+            node
+        }
+
+        // Not inlined: its callers would need the stack all the time. A request at a time, for the same reason.
+        #[inline(never)]
+        fn take(&mut self) {
+            for index in 0.. {
+                let request = self.kept.parameters.requests().nth(index);
+                let Some(request) = request else { break };
+                if let Response::Refused(refusal) = apply(self, &request) {
+                    defmt::error!("stored parameters: {}", defmt::Debug2Format(&refusal));
+                    self.control.lock(|control| control.report(Fault::ConfigurationCorrupt));
+                }
+            }
+        }
     }
 
     impl<C: Mutex<T = Control>> Node for BoardNode<'_, C> {
@@ -113,7 +171,7 @@ mod app {
         fn keep(&mut self, parameters: Parameters) {
             self.kept.parameters = parameters;
             let state = self.control.lock(|control| control.state());
-            store(&mut self.kept.store, state, &self.kept.parameters);
+            self.kept.save(state);
         }
     }
 
@@ -125,10 +183,7 @@ mod app {
         hardware_watchdog: HardwareWatchdog,
         voltage: VoltageDetector,
         usart: Usart,
-        receiver: Receiver,
-        frame: [u8; FRAME_BYTES],
         bus_port: BusPort<BusDriver>,
-        modbus: Bus,
         light: Light,
         logged: State,
     }
@@ -155,8 +210,7 @@ mod app {
         if clocks.source == Source::Internal {
             control.note(Fault::Clock);
         }
-        let mut store = ParameterStore::new(ParameterFlash::new(device.FLASH));
-        let parameters = restore(&mut store, &mut control);
+        let kept = Kept::load(ParameterFlash::new(device.FLASH), &mut control);
         let logged = control.state();
         let local = Local {
             board,
@@ -165,48 +219,17 @@ mod app {
             hardware_watchdog,
             voltage: VoltageDetector::start(device.PWR),
             usart: Usart::new(device.USART2, clocks.slow_bus_hz),
-            receiver: Receiver::new(),
-            frame: [0; FRAME_BYTES],
             bus_port: BusPort::new(device.USART1, clocks.fast_bus_hz, BusDriver::listening(device.GPIOA)),
-            modbus: Bus::new(BUS_SILENCE_TICKS),
             light: Light::dark(device.GPIOB),
             logged,
         };
-        (Shared { control, kept: Kept { store, parameters } }, local)
-    }
-
-    /// Takes what is stored, and brings its layout up to date. Not a part of `init`, whose stack would hold all of it.
-    #[inline(never)]
-    fn restore(store: &mut ParameterStore<ParameterFlash>, control: &mut Control) -> Parameters {
-        let parameters = store.load().unwrap_or_else(|error| {
-            defmt::error!("stored parameters: {}", defmt::Debug2Format(&error));
-            control.report(error.fault());
-            Parameters::FACTORY
-        });
-        for request in parameters.requests() {
-            match prepare(request) {
-                Ok(order) => drop(control.apply(order)),
-                Err(refusal) => {
-                    defmt::error!("stored parameters: {}", defmt::Debug2Format(&refusal));
-                    control.report(Fault::ConfigurationCorrupt);
-                }
-            }
-        }
-        self::store(store, control.state(), &parameters);
-        parameters
-    }
-
-    /// Stores a set. That it cannot be stored does not keep it from being used.
-    #[inline(never)]
-    fn store(store: &mut ParameterStore<ParameterFlash>, state: State, parameters: &Parameters) {
-        if let Err(error) = store.save(state, parameters) {
-            defmt::error!("parameters are not stored: {}", defmt::Debug2Format(&error));
-        }
+        (Shared { control, kept }, local)
     }
 
     /// The supervisor. The tick wakes it.
     #[idle(shared = [control], local = [light, logged])]
     fn supervise(mut cx: supervise::Context) -> ! {
+        IS_UP.store(true, Ordering::Relaxed);
         loop {
             CHECK_INS.check_in(Task::Supervisor);
             rtic::pend(Interrupt::USART2);
@@ -237,24 +260,38 @@ mod app {
         });
     }
 
-    #[task(binds = USART2, priority = 1, shared = [control, kept], local = [usart, receiver, frame])]
+    // What is large never passes over the stack of `init`, which a stored configuration needs.
+    #[task(
+        binds = USART2,
+        priority = 1,
+        shared = [control, kept],
+        local = [
+            usart,
+            receiver: Receiver = Receiver::new(),
+            frame: [u8; FRAME_BYTES] = [0; FRAME_BYTES],
+        ]
+    )]
     fn link(cx: link::Context) {
         let link::LocalResources { usart, receiver, frame, .. } = cx.local;
         CHECK_INS.check_in(Task::Link);
-        let Some(received) = usart.read().and_then(|byte| receiver.push(byte)) else {
-            return;
-        };
-        let mut node = BoardNode { control: cx.shared.control, kept: cx.shared.kept };
-        usart.send(frame, &answer(received, &mut node));
+        let mut node = BoardNode::new(cx.shared.control, cx.shared.kept);
+        if let Some(received) = usart.read().and_then(|byte| receiver.push(byte)) {
+            usart.send(frame, &answer(received, &mut node));
+        }
     }
 
-    #[task(binds = USART1, priority = 1, shared = [control, kept], local = [bus_port, modbus])]
+    #[task(
+        binds = USART1,
+        priority = 1,
+        shared = [control, kept],
+        local = [bus_port, modbus: Bus = Bus::new(BUS_SILENCE_TICKS)]
+    )]
     fn bus(cx: bus::Context) {
         let bus::LocalResources { bus_port, modbus, .. } = cx.local;
         bus_port.go_on();
         let byte = bus_port.read();
         if !bus_port.is_sending() {
-            let mut node = BoardNode { control: cx.shared.control, kept: cx.shared.kept };
+            let mut node = BoardNode::new(cx.shared.control, cx.shared.kept);
             bus_port.send(modbus.take(byte, &mut node));
         }
     }

@@ -34,11 +34,11 @@ impl Desk {
     /// There is no pseudo terminal.
     pub fn new(pace: f64, mut disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static) -> Self {
         let mut terminal = PseudoTerminal::open().expect("a pseudo terminal");
-        let path = terminal.path.clone();
+        let path = terminal.path().to_owned();
         let is_over = Arc::new(AtomicBool::new(false));
         let over = is_over.clone();
         let board = thread::spawn(move || {
-            let line = &mut terminal.end;
+            let line = terminal.end();
             let (mut board, mut plant) = (BusBoard::new(), Plant::new(&Setup::sound(1)));
             let (begin, mut ticks, mut command_bar) = (Instant::now(), 0_u64, 0.0);
             while !over.load(Ordering::Relaxed) {

@@ -7,8 +7,8 @@
 //! whether it was heard ([`BusError::is_lost`]).
 //!
 //! # Limits
-//! The answer to an earlier question that comes late is taken for noise as long as it differs in unit, function or length;
-//! the port is emptied before each question.
+//! The port is emptied before each question, and of late answers after one that was asked again; one that is later still is
+//! taken for noise as long as it differs in unit, function or length.
 
 use std::path::PathBuf;
 use std::thread;
@@ -21,8 +21,11 @@ use wire::registers::Register;
 
 use super::port::{Line, Port, PortError};
 
-/// How often a question is asked.
-const TRIES: usize = 3;
+/// How often a question is asked. Each time is a sign of life for the board, which vents where its host is silent for longer
+/// than its limit: so a question is asked often rather than long.
+const TRIES: usize = 16;
+/// What comes after so long a silence is no answer to a question before.
+const LATE: Duration = Duration::from_millis(30);
 /// The most registers of a reading.
 pub const MOST_READ: u16 = 125;
 /// The most registers of a writing.
@@ -178,7 +181,7 @@ impl Client {
     ) -> Result<Vec<u8>, BusError> {
         let mut damage = None;
         let silence = Duration::from_secs_f64(SILENCE_BITS / f64::from(self.address.line.baud));
-        for _ in 0..tries {
+        for attempt in 0..tries {
             let begin = self.ended + silence.max(LEAST_SILENCE);
             thread::sleep(begin.saturating_duration_since(Instant::now()));
             self.port.discard()?;
@@ -190,7 +193,12 @@ impl Client {
                 continue;
             }
             match request.parse_ok(&answer) {
-                Ok(()) if answer.len() == expected => return Ok(answer),
+                Ok(()) if answer.len() == expected => {
+                    if attempt > 0 {
+                        self.forget()?;
+                    }
+                    return Ok(answer);
+                }
                 Err(exception) if exception.is_modbus_error() => {
                     return Err(BusError::Refused { question: question(), exception });
                 }
@@ -209,6 +217,13 @@ impl Client {
                 baud: line.baud,
             },
         })
+    }
+
+    /// Takes the late answers to a question that was asked more than once.
+    fn forget(&mut self) -> Result<(), PortError> {
+        let mut buffer = [0; 256];
+        while self.port.receive(&mut buffer, Instant::now() + LATE)? > 0 {}
+        Ok(())
     }
 
     /// What comes until an answer is whole: as long as expected, or an exception. What came until the deadline, if that

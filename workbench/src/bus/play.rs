@@ -187,7 +187,12 @@ impl<'a> Player<'a> {
         let free = stream(board)?.whole(Id::StreamFree);
         player.push(board, free)?;
         if matches!(piece.drive, Drive::Controller(_)) {
-            thread::sleep(APPROACH);
+            // The board vents where its host is silent.
+            let arrived = Instant::now() + APPROACH;
+            while Instant::now() < arrived {
+                stream(board)?;
+                thread::sleep(PAUSE);
+            }
         }
         board.write(Id::CaptureEvery, &[every])?;
         order(board, StreamOrder::Play)?;

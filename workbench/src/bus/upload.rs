@@ -14,7 +14,7 @@ use super::error::BoardError;
 /// Bytes of a block.
 const BLOCK: usize = 2 * UPLOAD_REGISTERS as usize;
 /// A commit takes so many times the usual limit: the board validates, and erases flash.
-const COMMIT_PATIENCE: u32 = 10;
+const COMMIT_PATIENCE: u32 = 20;
 
 /// The configuration as the board takes it.
 ///

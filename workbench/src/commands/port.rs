@@ -27,8 +27,8 @@ pub struct PortArguments {
     /// Parity
     #[arg(long, default_value = "none")]
     parity: Parity,
-    /// Longest time for an answer in s
-    #[arg(long, default_value_t = 1.0, value_name = "S", value_parser = positive)]
+    /// Longest time for an answer in s; a lost one is asked for again
+    #[arg(long, default_value_t = 0.15, value_name = "S", value_parser = positive)]
     timeout_s: f64,
 }
 

@@ -37,8 +37,8 @@ impl Line {
     /// There is something of this name already, or it cannot be made.
     pub fn open(name: &Path, board: UnixStream) -> io::Result<Self> {
         let mut terminal = PseudoTerminal::open()?;
-        let path = terminal.path.clone();
-        ioctl_fionbio(&terminal.end, true)?;
+        let path = terminal.path().to_owned();
+        ioctl_fionbio(&*terminal.end(), true)?;
         board.set_nonblocking(true)?;
         if fs::symlink_metadata(name).is_ok_and(|found| found.is_symlink()) && !name.exists() {
             fs::remove_file(name)?;
@@ -48,7 +48,7 @@ impl Line {
         let closing = is_closing.clone();
         let pump = thread::spawn(move || {
             // An end that fails has nothing more to say; the emulator tells its own end over the link.
-            let _ = pump(&mut terminal.end, &board, &closing);
+            let _ = pump(terminal.end(), &board, &closing);
         });
         Ok(Self { name: name.to_owned(), terminal: path, is_closing, pump: Some(pump) })
     }

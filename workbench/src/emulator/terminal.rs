@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
@@ -10,10 +10,8 @@ use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 /// A terminal that lives while it is kept, whoever opens and closes its port meanwhile.
 #[derive(Debug)]
 pub struct PseudoTerminal {
-    /// The program's end.
-    pub end: File,
-    /// What others open.
-    pub path: PathBuf,
+    end: File,
+    path: PathBuf,
     /// Kept open, so that the program's end lives while nobody uses the port.
     _port: File,
 }
@@ -33,5 +31,15 @@ impl PseudoTerminal {
         settings.make_raw();
         tcsetattr(&port, OptionalActions::Now, &settings)?;
         Ok(Self { end: end.into(), path, _port: port })
+    }
+
+    /// The program's end.
+    pub fn end(&mut self) -> &mut File {
+        &mut self.end
+    }
+
+    /// What others open.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 }

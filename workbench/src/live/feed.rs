@@ -104,7 +104,8 @@ impl Feed {
             return None;
         }
         let fresh = (shown.next - seen.next).min(shown.rows.len() as u64) as usize;
-        let rows: Vec<Value> = shown.rows.range(shown.rows.len() - fresh..).copied().map(Row::into_json).collect();
+        let rows: Vec<Value> =
+            shown.rows.range(shown.rows.len() - fresh..).copied().map(Row::into_json).collect();
         let status = if shown.changes == seen.changes { Value::Null } else { shown.status.clone() };
         *seen = Seen { next: shown.next, changes: shown.changes };
         Some(json!({"rows": rows, "status": status}))

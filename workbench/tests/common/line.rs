@@ -22,11 +22,11 @@ impl Line {
     /// Gives every whole request, with its CRC, to `answer`; what that answers goes back.
     pub fn new(mut answer: impl FnMut(&[u8]) -> Vec<u8> + Send + 'static) -> Self {
         let mut terminal = PseudoTerminal::open().expect("a pseudo terminal");
-        let path = terminal.path.clone();
+        let path = terminal.path().to_owned();
         let stop = Arc::new(AtomicBool::new(false));
         let asked = stop.clone();
         let server = thread::spawn(move || {
-            let (mut request, end) = (Vec::new(), &mut terminal.end);
+            let (mut request, end) = (Vec::new(), terminal.end());
             while !asked.load(Ordering::Relaxed) {
                 let slice = Timespec { tv_sec: 0, tv_nsec: 10_000_000 };
                 if poll(&mut [PollFd::new(&*end, PollFlags::IN)], Some(&slice)).is_ok_and(|ready| ready == 0)

@@ -17,7 +17,7 @@ const EVERY: &str = "10";
 /// The poor model: plays and a gain, no more than two of them.
 const POOR: [&str; 4] = ["--model", "cpi", "--plays", "2"];
 /// Longest time for the board's answer: a machine that does much else keeps its emulator waiting. Unit: s.
-const PATIENCE_S: &str = "3";
+const PATIENCE_S: &str = "0.5";
 /// How long the whole should take, on a machine with nothing else to do. Unit: s.
 const GOAL_S: f64 = 180.0;
 

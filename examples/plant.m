@@ -6,12 +6,20 @@
 % Each line in is `time_s command_bar`, each line out `pressure_bar contraction_mm` at that time. Run with GNU Octave 7.3;
 % it uses nothing that MATLAB lacks, but has not been run there: MATLAB takes long to start (--plant-timeout-s 60), and must
 % print nothing else.
-in = fopen('/dev/stdin', 'r');
-out = fopen('/dev/stdout', 'w');
+if exist('OCTAVE_VERSION', 'builtin')
+  in = stdin; out = stdout;
+else
+  in = fopen('/dev/stdin', 'r'); out = fopen('/dev/stdout', 'w');
+end
 pressure_bar = 0; last_s = NaN;
 widths_bar = [0.05, 0.1, 0.2, 0.4]; states_bar = zeros(1, 4);
-line = fgetl(in);
-while ischar(line)
+while true
+  % Byte by byte: fgetl waits for the byte behind the line.
+  line = ''; byte = fread(in, 1);
+  while ~isempty(byte) && byte ~= 10
+    line(end + 1) = char(byte); byte = fread(in, 1);
+  end
+  if isempty(byte), break, end
   numbers = sscanf(line, '%f');
   time_s = numbers(1); command_bar = min(max(numbers(2), 0), 6);
   if ~isnan(last_s)
@@ -21,8 +29,5 @@ while ischar(line)
   states_bar = max(pressure_bar - widths_bar, min(pressure_bar + widths_bar, states_bar));
   felt_bar = mean(states_bar);
   fprintf(out, '%.9g %.9g\n', pressure_bar, 130 * felt_bar^2 / (felt_bar^2 + 4));
-  fflush(out);
-  line = fgetl(in);
+  if exist('OCTAVE_VERSION', 'builtin'), fflush(out); end
 end
-fclose(in);
-fclose(out);

@@ -1,7 +1,7 @@
 //! Registers read and written: a Modbus RTU client.
 //!
 //! # Lost answers
-//! A question whose answer does not come, or comes damaged, is asked again, [`TRIES`] times in all. That does no harm where
+//! A question whose answer does not come, or comes damaged, is asked again, `TRIES` times in all. That does no harm where
 //! a question leads to the same state however often it is heard: readings, and writings of values. What counts what it
 //! hears (a command, a push into a queue) is written by [`Client::write_once`], and whoever asks finds out by a reading
 //! whether it was heard ([`BusError::is_lost`]).

@@ -5,7 +5,7 @@
 //! in the file system, nothing left behind. QEMU's standard output is the firmware's log (defmt over semihosting),
 //! kept in an unnamed file and decoded when it is asked for.
 //!
-//! The users' bus is another pair, by a name in a directory of its own that goes at once; [`line`] makes a serial port of it,
+//! The users' bus is another pair, by a name in a directory of its own that goes at once; [`mod@line`] makes a serial port of it,
 //! by a [`terminal`], and [`real_time`] runs the board for those who use that.
 //!
 //! # Contract

@@ -1,7 +1,7 @@
 //! HTTP for one page: as little of it as a browser needs, a thread each connection.
 //!
 //! # Limits
-//! At most [`MOST`] connections at once, requests of at most [`LONGEST`] bytes that come within [`LIMIT`]; each connection
+//! At most `MOST` connections at once, requests of at most `LONGEST` bytes that come within `LIMIT`; each connection
 //! serves one request.
 
 use std::io::{self, BufRead, BufReader, Read, Write};

@@ -200,7 +200,8 @@ pub(super) fn moved(knots: &[f64], cause: Cause, driver: Driver, lambda: f64, ch
         _ => {
             let stroke = knots[knots.len() - 1] - knots[0];
             let largest = changes.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
-            vec![("fraction", largest / stroke.max(1e-9)), ("travel_mm", lambda.exp())]
+            // Positive where the first strokes are too short, as is usual.
+            vec![("fraction", -largest / stroke.max(1e-9)), ("travel_mm", lambda.exp())]
         }
     }
 }

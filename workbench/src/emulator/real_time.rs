@@ -1,7 +1,7 @@
 //! The emulated board as a board is: ticks that come by themselves, a plant at its valve, set points from its bus.
 //!
 //! The lock-step of the link, paced by the clock: a tick that is a little late is made up for at once, so that the ticks keep
-//! the time of the machine as long as that is fast enough. What is later than [`NOT_LATE`] is not made up for: the board's
+//! the time of the machine as long as that is fast enough. What is later than 50 ms is not made up for: the board's
 //! time then slips, which nobody on the bus notices, while a burst of ticks would run it out of set points. How late they
 //! came is told.
 

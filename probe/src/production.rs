@@ -27,7 +27,7 @@ const ANSWER_TICKS: u32 = 100_000;
 /// The stack, from memory.x.
 const STACK: u32 = 0x2000_0000;
 /// Its length. Unit: byte.
-pub const STACK_BYTES: u32 = 80 * 1024;
+pub const STACK_BYTES: u32 = 88 * 1024;
 /// The sectors of the parameter store, from memory.x.
 const STORE: u32 = 0x0800_4000;
 /// Unit: byte.

@@ -14,7 +14,7 @@ const AHEAD_S: f64 = 0.1;
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(table) = Table::parse(Path::new("reference.csv"), bytes) else { return };
-    let Ok(reference) = Reference::of(&table, 1000.0) else { return };
+    let Ok(reference) = Reference::of(&table, "reference_mm", 1000.0) else { return };
     assert!((1..=MOST_TICKS).contains(&reference.ticks()));
     let times: Vec<f64> = reference.samples(AHEAD_S).take(TICKS).map(|wanted| wanted.time_s).collect();
     assert_eq!(times.len(), reference.ticks().min(TICKS));

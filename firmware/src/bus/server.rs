@@ -49,6 +49,10 @@ impl Server {
 
     /// Carries out a frame whose CRC fits, and fills in the response; an empty one is not sent.
     pub fn answer(&mut self, bytes: &[u8], node: &mut impl Node, response: &mut Vec<u8, FRAME_BYTES>) {
+        // These are the functions of exceptions, which no request has.
+        if bytes.get(1).is_some_and(|function| *function >= 0x80) {
+            return;
+        }
         let mut frame = ModbusFrame::new(UNIT, bytes, ModbusProto::Rtu, response);
         let is_read = frame.parse().is_ok();
         if !is_read || !frame.processing_required && !frame.response_required {

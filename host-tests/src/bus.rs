@@ -1,11 +1,12 @@
 //! A board with its bus on the host, and the frames of a Modbus client.
 
 use firmware::bus::Bus;
+use firmware::law::paper_parameters;
 use firmware::node::{Node, carry_out};
 use firmware::store::Parameters;
 use firmware::{BlackBox, Capture, Control, LockStepBoard};
-use wire::registers::{Id, UNIT, Value};
-use wire::{Protection, Request, Response, TickReply, TickRequest};
+use wire::registers::{Exception, Id, UNIT, Value};
+use wire::{Configuration, Protection, Request, Response, TickReply, TickRequest, VERSION};
 
 /// Ticks of silence before a frame.
 const SILENCE_TICKS: u32 = 2;
@@ -46,6 +47,18 @@ impl BusBoard {
     pub fn new() -> Self {
         // The control keeps both for as long as the board runs.
         Self::with(Box::leak(Box::default()), Box::leak(Box::default()))
+    }
+
+    /// A board with the paper's model.
+    ///
+    /// # Panics
+    /// It does not take that.
+    pub fn configured() -> Self {
+        let mut board = Self::new();
+        let tracking = paper_parameters().expect("valid");
+        let configuration = Configuration { version: VERSION, tracking };
+        assert_eq!(board.request(&Request::Configure(configuration)), Response::Accepted);
+        board
     }
 
     /// The same board as it was when it was new.
@@ -202,6 +215,14 @@ impl Default for BusBoard {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// The answer of a board that refuses.
+///
+/// # Errors
+/// Always: the number of the exception.
+pub fn refused<T>(exception: Exception) -> Result<T, u8> {
+    Err(exception.number() as u8)
 }
 
 /// The frame of a request.

@@ -2,25 +2,14 @@
 
 use std::collections::HashSet;
 
-use firmware::law::{extended_parameters, paper_parameters};
-use host_tests::bus::{BusBoard, frame};
+use firmware::law::extended_parameters;
+use host_tests::bus::{BusBoard, frame, refused};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wire::registers::{
     Access, Command, Exception, GROUPS, Id, Kind, MOST_READ, MOST_WRITTEN, Register, TABLE, UNIT, Value,
 };
 use wire::{Configuration, Protection, Request, Response, VERSION};
-
-/// A board with the paper's model, ready.
-fn configured() -> BusBoard {
-    let mut board = BusBoard::new();
-    let tracking = paper_parameters().expect("valid");
-    assert_eq!(
-        board.request(&Request::Configure(Configuration { version: VERSION, tracking })),
-        Response::Accepted
-    );
-    board
-}
 
 /// Counters of the requests, and why the last one was refused.
 const OF_REQUESTS: [Id; 5] = [Id::BusFrames, Id::BusDamaged, Id::BusRefused, Id::UploadResult, Id::Message];
@@ -30,10 +19,6 @@ const SILENCE: [u8; 0] = [];
 
 fn order(board: &mut BusBoard, command: Command) -> Result<(), u8> {
     board.set(Id::Command, command.number().into())
-}
-
-fn refused<T>(exception: Exception) -> Result<T, u8> {
-    Err(exception.number() as u8)
 }
 
 /// Everything that the registers say, but for what tells of the bus's requests themselves.
@@ -46,7 +31,7 @@ fn contents(board: &mut BusBoard) -> Vec<(&'static str, Vec<u16>)> {
 
 #[test]
 fn every_register_is_read_by_either_function_and_in_any_company() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     for register in TABLE.iter().filter(|register| !OF_REQUESTS.contains(&register.id)) {
         let by_3 = board.read(register.address, register.words()).expect(register.name);
         let address = register.address.to_be_bytes();
@@ -74,7 +59,7 @@ fn every_written_register_reads_as_it_was_written_at_both_limits_and_refuses_wha
             continue;
         }
         for number in [min, max] {
-            let mut board = configured();
+            let mut board = BusBoard::configured();
             // Gains are checked together; the lowest command is below the highest.
             let wanted = match register.id {
                 Id::CommandMin => 0.5 * number.min(1.0),
@@ -84,7 +69,7 @@ fn every_written_register_reads_as_it_was_written_at_both_limits_and_refuses_wha
             assert_eq!(board.set(register.id, wanted), Ok(()), "{} = {wanted}", register.name);
             assert_eq!(board.get(register.id), Value::of_number(register.kind, wanted), "{}", register.name);
         }
-        let mut board = configured();
+        let mut board = BusBoard::configured();
         let before = contents(&mut board);
         for number in beyond(register.kind, min, max) {
             assert_eq!(
@@ -115,7 +100,7 @@ fn beyond(kind: Kind, min: f64, max: f64) -> Vec<f64> {
 
 #[test]
 fn addresses_without_a_register_and_what_is_only_read_are_refused() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     let before = contents(&mut board);
     for address in 0..=u16::MAX {
         let register = Register::at(address);
@@ -133,7 +118,7 @@ fn addresses_without_a_register_and_what_is_only_read_are_refused() {
 
 #[test]
 fn half_of_a_pair_is_not_written() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     for register in &TABLE {
         if matches!(register.access, Access::Write(..)) && register.kind.words() == 2 {
             for offset in 0..2 {
@@ -146,7 +131,7 @@ fn half_of_a_pair_is_not_written() {
 
 #[test]
 fn lengths_that_do_not_fit_are_refused() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     let [high, low] = Id::UploadWindow.register().address.to_be_bytes();
     let refusal = |function: u8| vec![function | 0x80, Exception::IllegalValue.number() as u8];
     for function in [3, 4] {
@@ -169,7 +154,7 @@ fn lengths_that_do_not_fit_are_refused() {
 
 #[test]
 fn functions_that_the_board_does_not_have_are_refused() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     for function in 1..=127 {
         if [3, 4, 6, 16].contains(&function) {
             continue;
@@ -191,7 +176,7 @@ fn functions_that_the_board_does_not_have_are_refused() {
 
 #[test]
 fn function_6_writes_a_register() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     let address = Id::Mode.register().address.to_be_bytes();
     let pdu = [&[6], &address[..], &[0, 2]].concat();
     assert_eq!(board.ask(&pdu), pdu);
@@ -212,7 +197,7 @@ fn orders_that_the_state_does_not_take_are_busy_and_change_nothing() {
     assert_eq!(board.set(Id::UploadOrder, 2.0), busy());
     assert_eq!(contents(&mut board), before);
 
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     order(&mut board, Command::Start).expect("ready");
     let before = contents(&mut board);
     for id in [Id::Kp, Id::VentedBar, Id::SetpointBar] {
@@ -226,7 +211,7 @@ fn orders_that_the_state_does_not_take_are_busy_and_change_nothing() {
 
 #[test]
 fn a_write_of_many_registers_is_refused_as_a_whole() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     order(&mut board, Command::Start).expect("ready");
     let before = contents(&mut board);
     // Mode and set point would do, the second start does not.
@@ -243,7 +228,7 @@ fn a_write_of_many_registers_is_refused_as_a_whole() {
 
 #[test]
 fn commands_lead_through_the_states() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     let mut step = |command, state| {
         order(&mut board, command).expect("taken");
         assert_eq!(board.number(Id::State), state, "{command:?}");
@@ -265,7 +250,7 @@ fn commands_lead_through_the_states() {
 
 #[test]
 fn a_set_point_drives_and_a_stop_vents_whatever_comes_with_it() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     order(&mut board, Command::Service).expect("ready");
     board.set(Id::SetpointBar, 2.0).expect("in service");
     (0..100).for_each(|_| _ = board.tick());
@@ -282,7 +267,7 @@ fn a_set_point_drives_and_a_stop_vents_whatever_comes_with_it() {
 
 #[test]
 fn gains_that_are_written_are_installed_and_kept() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     board.set(Id::Kp, 0.125).expect("taken");
     assert_eq!(board.parameters().tracking.as_ref().map(|tracking| tracking.pid.kp), Some(0.125));
     board.set(Id::VentedBar, 0.25).expect("taken");
@@ -304,7 +289,7 @@ fn gains_that_are_written_are_installed_and_kept() {
 
 #[test]
 fn a_broadcast_is_carried_out_and_not_answered() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     let [high, low] = Id::Mode.register().address.to_be_bytes();
     assert_eq!(board.send(&frame(0, &[6, high, low, 0, 1])), SILENCE);
     assert_eq!(board.number(Id::Mode), 1);
@@ -314,7 +299,7 @@ fn a_broadcast_is_carried_out_and_not_answered() {
 
 #[test]
 fn frames_for_others_are_met_with_silence() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     let before = contents(&mut board);
     let [high, low] = Id::Mode.register().address.to_be_bytes();
     for unit in 2..=255 {
@@ -327,7 +312,7 @@ fn frames_for_others_are_met_with_silence() {
 fn damaged_truncated_and_overlong_frames_are_met_with_silence_and_the_next_one_is_heard() {
     let [high, low] = Id::Mode.register().address.to_be_bytes();
     let good = frame(UNIT, &[16, high, low, 0, 1, 2, 0, 1]);
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     let damaged = (0..8 * good.len()).map(|bit| {
         let mut bytes = good.clone();
         bytes[bit / 8] ^= 1 << (bit % 8);
@@ -348,7 +333,7 @@ fn damaged_truncated_and_overlong_frames_are_met_with_silence_and_the_next_one_i
 #[test]
 fn random_frames_change_no_state_and_the_loop_goes_on() {
     let mut random = ChaCha8Rng::seed_from_u64(7);
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     order(&mut board, Command::Start).expect("ready");
     let before = (board.number(Id::State), contents(&mut board).len(), board.parameters().clone());
     let mut answered = HashSet::new();
@@ -370,7 +355,7 @@ fn random_frames_change_no_state_and_the_loop_goes_on() {
 
 #[test]
 fn a_silent_bus_acts_as_configured_and_any_frame_is_a_sign_of_life() {
-    let mut board = configured();
+    let mut board = BusBoard::configured();
     board.set(Id::BusSilent, 50.0).expect("vented");
     order(&mut board, Command::Start).expect("ready");
     for _ in 0..10 {

@@ -1,35 +1,20 @@
 //! The windows of the bus: a configuration in blocks, a stream of set points, the recorded loop.
 
 use firmware::law::{extended_parameters, paper_parameters, piecewise_parameters};
-use host_tests::bus::BusBoard;
+use host_tests::bus::{BusBoard, refused};
 use wire::registers::{
     CAPTURE_HEAD, CAPTURE_SAMPLES, Command, Exception, Id, QUEUE_POINTS, SAMPLE_REGISTERS, STREAM_POINTS,
     StreamOrder, StreamState, UPLOAD_BYTES, UPLOAD_REGISTERS, UploadOrder, UploadResult, Value, bytes_of,
     checksum, pack_bytes, unpack_sample,
 };
-use wire::{CaptureSample, Configuration, Request, Response, State, VERSION};
+use wire::{CaptureSample, Configuration, State, VERSION};
 
 type Tracking = model_core::TrackingParameters<f32, { wire::PLAYS }, { wire::DEAD_ZONES }>;
-
-fn refused<T>(exception: Exception) -> Result<T, u8> {
-    Err(exception.number() as u8)
-}
 
 fn encoded(version: u16, tracking: &Tracking) -> Vec<u8> {
     let mut buffer = [0; UPLOAD_BYTES];
     let configuration = Configuration { version, tracking: tracking.clone() };
     postcard::to_slice(&configuration, &mut buffer).expect("fits").to_vec()
-}
-
-/// A board that runs the paper's model.
-fn running() -> BusBoard {
-    let mut board = BusBoard::new();
-    let tracking = paper_parameters().expect("valid");
-    assert_eq!(
-        board.request(&Request::Configure(Configuration { version: VERSION, tracking })),
-        Response::Accepted
-    );
-    board
 }
 
 /// Offset and words of each block.
@@ -76,7 +61,7 @@ fn an_upload_that_breaks_off_at_any_block_leaves_the_old_model_running_and_a_rep
     for new in [piecewise_parameters(), extended_parameters()].map(|new| new.expect("valid")) {
         let bytes = encoded(VERSION, &new);
         let blocks = blocks(&bytes);
-        let mut board = running();
+        let mut board = BusBoard::configured();
         let old = board.parameters().clone();
         for broken_off in 0..=blocks.len() {
             board.set(Id::Command, Command::Start.number().into()).expect("ready");
@@ -124,7 +109,7 @@ fn a_commit_of_what_is_no_configuration_says_why_and_changes_nothing() {
         (encoded(VERSION, &too_high), UploadResult::Parameter, "command_max_bar is 9, must be 0 to 8"),
         (encoded(VERSION, &backwards), UploadResult::Parameter, "period_s"),
     ] {
-        let mut board = running();
+        let mut board = BusBoard::configured();
         let old = board.parameters().clone();
         assert_eq!(upload(&mut board, &bytes), refused(Exception::IllegalValue), "{result:?}");
         assert_eq!(board.number(Id::UploadResult), u32::from(result.number()));
@@ -138,7 +123,7 @@ fn a_commit_of_what_is_no_configuration_says_why_and_changes_nothing() {
 
 #[test]
 fn a_commit_while_tracking_is_busy() {
-    let mut board = running();
+    let mut board = BusBoard::configured();
     let (old, bytes) = (board.parameters().clone(), encoded(VERSION, &extended_parameters().expect("valid")));
     board.set(Id::Command, Command::Start.number().into()).expect("ready");
     assert_eq!(upload(&mut board, &bytes), refused(Exception::DeviceBusy));
@@ -148,7 +133,7 @@ fn a_commit_while_tracking_is_busy() {
 
 #[test]
 fn a_block_beyond_the_buffer_is_refused_and_one_up_to_its_end_is_not() {
-    let mut board = running();
+    let mut board = BusBoard::configured();
     let words = vec![0xABCD; UPLOAD_REGISTERS.into()];
     let last = UPLOAD_BYTES as u16 - 2 * UPLOAD_REGISTERS;
     assert_eq!(write_block(&mut board, &(last, words.clone())), Ok(()));
@@ -169,7 +154,7 @@ fn stream_order(board: &mut BusBoard, order: StreamOrder) -> Result<(), u8> {
 
 /// A board that tracks and has an interval of so many ticks.
 fn streaming(interval: u16) -> BusBoard {
-    let mut board = running();
+    let mut board = BusBoard::configured();
     board.set(Id::Command, Command::Start.number().into()).expect("ready");
     board.set(Id::StreamInterval, interval.into()).expect("idle");
     board
@@ -271,7 +256,7 @@ fn the_set_points_are_the_streams_while_it_plays_and_a_stop_clears_it() {
 
 #[test]
 fn in_the_service_state_the_stream_is_the_command_within_what_is_compiled_in() {
-    let mut board = running();
+    let mut board = BusBoard::configured();
     board.set(Id::Command, Command::Service.number().into()).expect("ready");
     board.set(Id::StreamInterval, 50.0).expect("idle");
     assert_eq!(push(&mut board, 0, &[0.0, 8.1]), refused(Exception::IllegalValue));
@@ -327,7 +312,7 @@ fn whoever_reads_on_follows_the_recording_without_loss_and_with_every_tick() {
 
 #[test]
 fn samples_that_were_lost_show_in_the_number_of_the_first() {
-    let mut board = running();
+    let mut board = BusBoard::configured();
     board.set(Id::CaptureEvery, 1.0).expect("any time");
     (0..1500).for_each(|_| _ = board.tick());
     let (first, _, samples) = window(&mut board, 100);

@@ -6,9 +6,9 @@
 use heapless::Vec;
 use wire::registers::{
     CAPTURE_SAMPLES, Exception, Id, Register, SAMPLE_REGISTERS, STREAM_POINTS, TRACE_ENTRY_REGISTERS,
-    UPLOAD_BYTES, VERSION, Value, mode_number, pack_bytes, pack_sample, pack_trace_entry,
+    UPLOAD_BYTES, VERSION, Value, mode_number, pack_bytes, pack_sample, pack_trace_entry, state_number,
 };
-use wire::{Captured, FaultRecord, Protection, State, Telemetry};
+use wire::{Captured, FaultRecord, Protection, Telemetry};
 
 use super::fields::{BoardParameters, CONTROLLER, of_controller, of_protection};
 use super::player::PlayerStatus;
@@ -175,11 +175,6 @@ fn status(server: &Server, telemetry: &Telemetry, outputs: &Outputs, id: Id) -> 
             _ => server.refused,
         }),
     }
-}
-
-/// The number of a state, its place in [`State::ALL`].
-fn state_number(state: State) -> u16 {
-    State::ALL.iter().position(|other| *other == state).unwrap_or(0) as u16
 }
 
 fn faults(telemetry: &Telemetry, record: Option<&FaultRecord>, id: Id, index: u16) -> Value {

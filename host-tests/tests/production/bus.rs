@@ -7,7 +7,9 @@ use firmware::law::extended_parameters;
 use host_tests::bus::frame;
 use libtest_mimic::Failed;
 use probe::STACK_BYTES;
-use wire::registers::{Id, UNIT, UPLOAD_BYTES, UPLOAD_REGISTERS, UploadOrder, Value, checksum, pack_bytes};
+use wire::registers::{
+    Id, UNIT, UPLOAD_BYTES, UPLOAD_REGISTERS, UploadOrder, Value, checksum, pack_bytes, state_number,
+};
 use wire::{Configuration, State, VERSION};
 
 use super::bench::Bench;
@@ -66,7 +68,7 @@ pub fn takes_an_upload() -> Result<(), Failed> {
     let mut image = OnBus { bench, bus };
     let [high, low] = Id::State.register().address.to_be_bytes();
     let state = |image: &mut OnBus| image.ask(&[3, high, low, 0, 1]);
-    let number = |state: State| State::ALL.iter().position(|other| *other == state).unwrap_or(0) as u8;
+    let number = |state| state_number(state) as u8;
     assert_eq!(state(&mut image)?, [3, 2, 0, number(State::Off)]);
 
     let mut buffer = [0; UPLOAD_BYTES];

@@ -22,7 +22,10 @@ mod table;
 mod value;
 mod windows;
 
-pub use names::{Command, Exception, StreamOrder, StreamState, UploadOrder, UploadResult, mode, mode_number};
+pub use names::{
+    Command, Exception, StreamOrder, StreamState, UploadOrder, UploadResult, mode, mode_number, state,
+    state_number,
+};
 pub use table::{GROUPS, Group, Id, TABLE};
 pub use value::{Kind, Value};
 pub use windows::{

@@ -2,6 +2,8 @@
 
 use model_core::Mode;
 
+use crate::State;
+
 /// Gives each variant of an enumeration its number, and finds it by that.
 macro_rules! numbered {
     ($(#[$doc:meta])* $name:ident { $($(#[$of:meta])* $variant:ident = $number:literal,)* }) => {
@@ -140,4 +142,14 @@ pub const fn mode_number(mode: Mode) -> u16 {
         Mode::FeedbackOnly => 2,
         Mode::Hold => 3,
     }
+}
+
+/// The state with a number, its place in [`State::ALL`].
+pub fn state(number: u16) -> Option<State> {
+    State::ALL.get(usize::from(number)).copied()
+}
+
+/// The number of a state.
+pub fn state_number(state: State) -> u16 {
+    State::ALL.iter().position(|other| *other == state).unwrap_or(0) as u16
 }

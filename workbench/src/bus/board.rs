@@ -3,12 +3,14 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use wire::registers::{Command, Id, VERSION, Value};
+use wire::registers::{Command, Id, VERSION, Value, state};
 use wire::{Fault, Scaling, State};
 
 use super::client::{Address, BusError, Client};
 use super::error::BoardError;
 
+/// A self-test takes no longer.
+const SELF_TEST: Duration = Duration::from_secs(12);
 /// How often a state is looked at that is waited for.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -34,6 +36,11 @@ impl Block {
     /// The value of a register of whole numbers.
     pub fn whole(&self, id: Id) -> u32 {
         self.number(id) as u32
+    }
+
+    /// The board's state; one that is not known is no state to drive in.
+    pub fn state(&self) -> State {
+        state(self.whole(Id::State) as u16).unwrap_or(State::Off)
     }
 }
 
@@ -128,7 +135,7 @@ impl Board {
     /// No answer.
     pub fn state(&mut self) -> Result<(State, Option<Fault>), BusError> {
         let block = self.read(Id::State, Id::Fault)?;
-        Ok((state(block.whole(Id::State)), Fault::of_code(block.whole(Id::Fault) as u8)))
+        Ok((block.state(), Fault::of_code(block.whole(Id::Fault) as u8)))
     }
 
     /// Gives an order whose effect is the state `then`. An order whose answer was lost is looked up.
@@ -151,12 +158,20 @@ impl Board {
         self.write(Id::Command, &[Command::Stop.number()])
     }
 
-    /// The state as soon as the self-test is over, or at last as it is.
+    /// Releases the latched fault; the board tests itself anew.
+    ///
+    /// # Errors
+    /// A refusal, or no answer.
+    pub fn acknowledge(&mut self) -> Result<(), BoardError> {
+        self.order(Command::Acknowledge, &[State::SelfTest, State::Off, State::Ready])
+    }
+
+    /// The state as soon as the self-test is over, or, when none takes that long, as it is.
     ///
     /// # Errors
     /// No answer; a fault that is latched.
-    pub fn settled(&mut self, limit: Duration) -> Result<State, BoardError> {
-        let deadline = Instant::now() + limit;
+    pub fn settled(&mut self) -> Result<State, BoardError> {
+        let deadline = Instant::now() + SELF_TEST;
         loop {
             let (state, fault) = self.state()?;
             if state == State::Fault {
@@ -194,9 +209,4 @@ fn identity(block: &Block) -> Option<Identity> {
         contraction: scaling(Id::ContractionZero, Id::ContractionGain)?,
         command: scaling(Id::CommandZero, Id::CommandGain)?,
     })
-}
-
-/// The state with a number; one that is not known is no state to drive in.
-pub fn state(number: u32) -> State {
-    State::ALL.get(number as usize).copied().unwrap_or(State::Off)
 }

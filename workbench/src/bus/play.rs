@@ -22,8 +22,6 @@ use crate::child::Stop;
 
 /// Set points a second. Slow enough for the bus to keep the queue full, fast enough for a straight line between two.
 pub const POINTS_PER_S: f64 = 100.0;
-/// How long a self-test may take before this program no longer waits for it.
-const SELF_TEST: Duration = Duration::from_secs(12);
 /// How long the muscle is held at the first reference before it moves on.
 const APPROACH: Duration = Duration::from_secs(1);
 /// A pause where the bus has nothing to do.
@@ -119,7 +117,7 @@ fn check_points(piece: &Piece) -> Result<(), BoardError> {
 
 /// Whether the board is in a state from which the points may drive it.
 fn check(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
-    let state = board.settled(SELF_TEST)?;
+    let state = board.settled()?;
     let needed = match (piece.drive, state) {
         (_, State::Ready) | (Drive::Valve, State::Off) => return Ok(()),
         (_, state) if state.is_driven() => "somebody else drives it: mgpi status --stop ends that",

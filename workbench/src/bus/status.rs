@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use wire::registers::Id;
 use wire::{FAULTS, Fault, State};
 
-use super::board::{Block, Board, Identity, state};
+use super::board::{Block, Board, Identity};
 use super::client::BusError;
 
 /// A board at a moment.
@@ -64,7 +64,7 @@ impl Status {
 
     /// The board's state.
     pub fn state(&self) -> State {
-        state(self.now.whole(Id::State))
+        self.now.state()
     }
 
     /// The fault that is latched.

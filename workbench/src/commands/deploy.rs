@@ -1,7 +1,6 @@
 //! `mgpi deploy`: a model to a board.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -14,9 +13,6 @@ use crate::bus::BoardError;
 use crate::bus::upload;
 use crate::model_file::ModelFile;
 use crate::pil::configuration;
-
-/// How long the board's self-test may take before its end is no longer waited for.
-const SELF_TEST: Duration = Duration::from_secs(12);
 
 /// Brings a model to a board: uploads, reads back, commits and verifies. Broken off, it changes nothing.
 #[derive(Args, Debug)]
@@ -58,7 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         bar.set_position(done as u64);
     })?;
     bar.finish_and_clear();
-    let state = board.settled(SELF_TEST)?;
+    let state = board.settled()?;
     if state != State::Ready {
         return Err(BoardError::State { state, needed: "and does not get ready: see mgpi status" }.into());
     }

@@ -1,8 +1,6 @@
 //! `mgpi status`: a board on a screen.
 
 use clap::Args;
-use wire::State;
-use wire::registers::Command;
 
 use super::port::PortArguments;
 use crate::Error;
@@ -35,7 +33,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         board.stop().map_err(BoardError::from)?;
     }
     if arguments.acknowledge {
-        board.order(Command::Acknowledge, &[State::SelfTest, State::Off, State::Ready])?;
+        board.acknowledge()?;
     }
     let status = Status::read(&mut board).map_err(BoardError::from)?;
     if arguments.json {

@@ -6,12 +6,11 @@ use std::time::Duration;
 
 use clap::Args;
 use wire::State;
-use wire::registers::{Command, Id};
+use wire::registers::Id;
 
 use super::port::PortArguments;
 use super::show::{ROW, Show};
 use crate::Error;
-use crate::bus::board::state;
 use crate::bus::{Board, BoardError};
 use crate::child::Stop;
 use crate::live::{Order, Row};
@@ -54,9 +53,7 @@ fn look(board: &mut Board, show: &mut Show) -> Result<(), BoardError> {
     for order in show.rows(board, std::iter::once(row))? {
         match order {
             Order::Stop => board.stop()?,
-            Order::Acknowledge => {
-                board.order(Command::Acknowledge, &[State::SelfTest, State::Off, State::Ready])?;
-            }
+            Order::Acknowledge => board.acknowledge()?,
         }
         show.look_soon();
     }
@@ -65,7 +62,7 @@ fn look(board: &mut Board, show: &mut Show) -> Result<(), BoardError> {
 
 fn row(board: &mut Board) -> Result<Row, BoardError> {
     let now = board.read(Id::State, Id::CommandBar)?;
-    let is_tracking = state(now.whole(Id::State)) == State::Tracking;
+    let is_tracking = now.state() == State::Tracking;
     Ok(Row {
         time_s: f64::from(now.whole(Id::Ticks)) * board.identity().period_s,
         reference_mm: is_tracking.then(|| now.number(Id::ReferenceMm)),

@@ -1,9 +1,9 @@
 //! The page: its frame here, what moves in `live.js`.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, html};
 
-use crate::report::page::STYLE;
-use crate::report::plot::{Style, colour_style};
+use crate::report::page::head;
+use crate::report::plot::Style;
 
 /// What draws the page.
 pub const SCRIPT: &str = include_str!("live.js");
@@ -58,13 +58,7 @@ pub fn page() -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                link rel="icon" href="data:,";
-                title { "Valve board" }
-                style { (PreEscaped(STYLE)) (PreEscaped(colour_style())) (PreEscaped(LIVE_STYLE)) }
-            }
+            (head("Valve board", LIVE_STYLE))
             body {
                 h1 { "Valve board" }
                 div.bar {

@@ -6,7 +6,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::plot::{Plot, colour_style};
 
 /// Readable on a phone and in print, light and dark.
-pub const STYLE: &str = "
+const STYLE: &str = "
 :root { color-scheme: light dark; --ink: #222; --paper: #fff; --faint: #666; --rule: #ccc }
 @media screen and (prefers-color-scheme: dark) {
   :root { --ink: #ddd; --paper: #161616; --faint: #999; --rule: #444 }
@@ -47,17 +47,26 @@ pub fn explained(plots: &[(Plot<'_>, &str)]) -> Markup {
     }
 }
 
+/// The head of a page, with what its look has beyond that of all.
+pub fn head(title: &str, style: &str) -> Markup {
+    html! {
+        head {
+            meta charset="utf-8";
+            meta name="viewport" content="width=device-width, initial-scale=1";
+            // Or a browser asks for an icon that is not there.
+            link rel="icon" href="data:,";
+            title { (title) }
+            style { (PreEscaped(STYLE)) (PreEscaped(colour_style())) (PreEscaped(style)) }
+        }
+    }
+}
+
 /// A page with a title and a body; `source` says where its numbers come from.
 pub fn page(title: &str, body: &Markup, source: &str) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(STYLE)) (PreEscaped(colour_style())) }
-            }
+            (head(title, ""))
             body {
                 h1 { (title) }
                 (body)

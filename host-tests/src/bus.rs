@@ -5,6 +5,8 @@ use firmware::law::paper_parameters;
 use firmware::node::{Node, carry_out};
 use firmware::store::Parameters;
 use firmware::{BlackBox, Capture, Control, LockStepBoard};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use wire::registers::{Exception, Id, UNIT, Value};
 use wire::{Configuration, Protection, Request, Response, TickReply, TickRequest, VERSION};
 
@@ -223,6 +225,21 @@ impl Default for BusBoard {
 /// Always: the number of the exception.
 pub fn refused<T>(exception: Exception) -> Result<T, u8> {
     Err(exception.number() as u8)
+}
+
+/// What is no request, for ever: three in four are bytes, the rest whole frames to the board that ask for something that
+/// it does not have.
+pub fn random_frames(seed: u64) -> impl Iterator<Item = Vec<u8>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    (0..).map(move |number| {
+        let mut bytes = vec![0; random.random_range(1..=300)];
+        random.fill_bytes(&mut bytes);
+        if number % 4 == 0 {
+            bytes.truncate(200);
+            bytes = frame(UNIT, &[&[random.random_range(17..=127)][..], &bytes].concat());
+        }
+        bytes
+    })
 }
 
 /// The frame of a request.

@@ -3,9 +3,7 @@
 use std::collections::HashSet;
 
 use firmware::law::extended_parameters;
-use host_tests::bus::{BusBoard, frame, refused};
-use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use host_tests::bus::{BusBoard, frame, random_frames, refused};
 use wire::registers::{
     Access, Command, Exception, GROUPS, Id, Kind, MOST_READ, MOST_WRITTEN, Register, TABLE, UNIT, Value,
 };
@@ -332,19 +330,11 @@ fn damaged_truncated_and_overlong_frames_are_met_with_silence_and_the_next_one_i
 
 #[test]
 fn random_frames_change_no_state_and_the_loop_goes_on() {
-    let mut random = ChaCha8Rng::seed_from_u64(7);
     let mut board = BusBoard::configured();
     order(&mut board, Command::Start).expect("ready");
     let before = (board.number(Id::State), contents(&mut board).len(), board.parameters().clone());
     let mut answered = HashSet::new();
-    for number in 0..1000 {
-        // Three in four are bytes; the rest are whole frames to the board that ask for something that it does not have.
-        let mut bytes = vec![0; random.random_range(1..=300)];
-        random.fill_bytes(&mut bytes);
-        if number % 4 == 0 {
-            bytes.truncate(200);
-            bytes = frame(UNIT, &[&[random.random_range(17..=127)][..], &bytes].concat());
-        }
+    for bytes in random_frames(7).take(1000) {
         answered.extend([board.send(&bytes), board.be_silent()].concat().get(1).copied());
     }
     assert!(answered.iter().all(|function| function & 0x80 != 0), "{answered:?}");

@@ -162,19 +162,33 @@ impl<F: NorFlash> ParameterStore<F> {
 
     /// The newest record of these sectors, if there is one, and what has kept others from being read.
     fn newest_in(&mut self, sectors: &[Sector]) -> (Option<Found>, Option<Failure>) {
-        let mut newest: Option<Found> = None;
+        let mut newest: Option<(u32, Sector)> = None;
         let mut failure = None;
         for &sector in sectors {
             let read = self.sectors.for_each(sector, &mut self.buffer, |bytes| {
-                if let Some(record) = record::decode(bytes)
-                    && newest.as_ref().is_none_or(|found| record.sequence > found.record.sequence)
+                if let Some(sequence) = record::sequence(bytes)
+                    && newest.is_none_or(|(highest, _)| sequence > highest)
                 {
-                    newest = Some(Found { record, sector });
+                    newest = Some((sequence, sector));
                 }
             });
             failure = failure.or(read.err());
         }
-        (newest, failure)
+        let found = newest.and_then(|(sequence, sector)| self.found(sequence, sector));
+        (found, failure)
+    }
+
+    /// The record with a number. Only it is decoded: with all that are in the way, a full store would take the board half a
+    /// second.
+    fn found(&mut self, sequence: u32, sector: Sector) -> Option<Found> {
+        let mut found = None;
+        // What cannot be read is behind it.
+        let _ = self.sectors.for_each(sector, &mut self.buffer, |bytes| {
+            if found.is_none() && record::sequence(bytes) == Some(sequence) {
+                found = record::decode(bytes).map(|record| Found { record, sector });
+            }
+        });
+        found
     }
 }
 

@@ -48,15 +48,25 @@ pub fn encode<'a>(sequence: u32, parameters: &Parameters, buffer: &'a mut [u8]) 
     postcard::to_slice(&(sequence, LAYOUT, parameters), buffer).ok().map(|bytes| &*bytes)
 }
 
+/// The number of a record; `None` if it has no sequence and layout.
+pub fn sequence(bytes: &[u8]) -> Option<u32> {
+    head(bytes).map(|(sequence, ..)| sequence)
+}
+
 /// Reads a record; `None` if it has no sequence and layout.
 pub fn decode(bytes: &[u8]) -> Option<Record> {
-    let ((sequence, layout), set) = postcard::take_from_bytes(bytes).ok()?;
+    let (sequence, layout, set) = head(bytes)?;
     let parameters = match layout {
         LAYOUT => whole(set),
         previous::LAYOUT => whole::<Previous>(set).map(Parameters::from),
         other => Err(LoadError::Layout(other)),
     };
     Some(Record { sequence, layout, parameters })
+}
+
+/// Sequence, layout, and what is behind them.
+fn head(bytes: &[u8]) -> Option<(u32, u16, &[u8])> {
+    postcard::take_from_bytes(bytes).ok().map(|((sequence, layout), set)| (sequence, layout, set))
 }
 
 /// The value that the bytes are, none left over.

@@ -4,13 +4,14 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 
 use firmware::law::extended_parameters;
-use host_tests::bus::frame;
+use host_tests::bus::{frame, random_frames};
+use host_tests::store::paper_set;
 use libtest_mimic::Failed;
 use probe::STACK_BYTES;
 use wire::registers::{
-    Id, UNIT, UPLOAD_BYTES, UPLOAD_REGISTERS, UploadOrder, Value, checksum, pack_bytes, state_number,
+    Command, Id, UNIT, UPLOAD_BYTES, UPLOAD_REGISTERS, UploadOrder, Value, checksum, pack_bytes, state_number,
 };
-use wire::{Configuration, State, VERSION};
+use wire::{Configuration, State, Telemetry, VERSION};
 
 use super::bench::Bench;
 
@@ -18,6 +19,11 @@ use super::bench::Bench;
 const ANSWER_TICKS: u32 = 10_000;
 /// What has to remain of the stack. Unit: byte.
 const STACK_LEFT: u32 = 8 * 1024;
+
+/// Random frames, the bytes of one that the image takes in a tick at the least, and the ticks of silence behind it.
+const FRAMES: usize = 200;
+const BYTES_OF_A_TICK: usize = 4;
+const SILENCE_TICKS: usize = 5;
 
 /// The image with somebody on its bus.
 struct OnBus {
@@ -61,6 +67,36 @@ impl OnBus {
     fn set(&mut self, id: Id, number: f64) -> Result<(), Failed> {
         self.write(id, &Value::of_number(id.register().kind, number).words().collect::<Vec<_>>())
     }
+}
+
+pub fn ticks_in_time_under_random_frames() -> Result<(), Failed> {
+    let (bench, bus) = Bench::with_bus(1)?;
+    let mut image = OnBus { bench, bus };
+    let tracking = paper_set().tracking.ok_or("no model")?;
+    image.bench.make_ready(Some(&Configuration { version: VERSION, tracking }))?;
+    image.set(Id::SetpointMm, 20.0)?;
+    image.set(Id::Command, Command::Start.number().into())?;
+    let mut answers = 0;
+    for (number, frame) in random_frames(7).take(FRAMES).enumerate() {
+        image.bus.write_all(&frame)?;
+        for _ in 0..frame.len() / BYTES_OF_A_TICK + SILENCE_TICKS {
+            image.bench.tick(Some)?;
+        }
+        let mut bytes = [0; 256];
+        while let Ok(count) = image.bus.read(&mut bytes) {
+            // Nothing but exceptions, and what is left of one.
+            assert!(count <= 5, "frame {number}: {:02x?}", &bytes[..count]);
+            answers += 1;
+        }
+    }
+    let Telemetry { state, fault, overruns, worst_tick_cycles, .. } = image.bench.telemetry()?;
+    println!(
+        "{FRAMES} random frames: {answers} answers, {overruns} overruns, at most {worst_tick_cycles} cycles a tick"
+    );
+    assert_eq!((state, fault, overruns), (State::Tracking, None, 0));
+    // To the whole ones: each frame was seen by itself.
+    assert_eq!(answers, FRAMES / 4);
+    Ok(())
 }
 
 pub fn takes_an_upload() -> Result<(), Failed> {

@@ -32,8 +32,13 @@ fn main() {
         trial("every_fault_that_samples_can_show_vents_the_production_image", faults::of_samples),
         trial("faults_of_the_processor_vent_reset_and_are_kept_until_acknowledged", faults::of_the_processor),
         trial("the_production_image_takes_an_upload_on_its_bus_within_its_stack", bus::takes_an_upload),
+        trial(
+            "random_frames_make_no_tick_of_the_production_image_late",
+            bus::ticks_in_time_under_random_frames,
+        ),
         trial("the_production_image_starts_with_what_is_stored", store::starts_with_what_is_stored),
         trial("a_store_that_cannot_be_read_is_the_fault_of_its_kind", store::faults),
+        trial("a_full_store_is_saved_into_before_a_task_is_missed", store::saves_in_time),
         trial(
             "a_configuration_that_cannot_be_stored_is_used_all_the_same",
             store::of_a_flash_that_does_not_keep,

@@ -2,10 +2,11 @@
 //! by the same store on the host, with the board's sectors.
 
 use firmware::store::{ParameterStore, Parameters};
+use firmware::watchdog::ALLOWANCE_TICKS;
 use host_tests::flash::MockFlash;
 use host_tests::store::{numbered, paper_set};
 use libtest_mimic::Failed;
-use wire::{Configuration, Fault, Request, State, VERSION};
+use wire::{Configuration, Fault, Request, State, Telemetry, VERSION};
 
 use super::bench::Bench;
 use super::faults::track;
@@ -45,6 +46,21 @@ pub fn faults() -> Result<(), Failed> {
         if state != State::Off {
             return Err(format!("{fault:?}: {state:?} after the acknowledgement").into());
         }
+    }
+    Ok(())
+}
+
+pub fn saves_in_time() -> Result<(), Failed> {
+    // Both sectors with as many records as there is room for, so that all there is to be read is read.
+    let full = (1..90).map(|number| numbered(number, paper_set())).chain([numbered(1000, paper_set())]);
+    let mut bench = Bench::with_store(5, &stored(full)?)?;
+    bench.make_ready(None)?;
+    let before = bench.telemetry()?.ticks;
+    bench.demand(&Request::Protect(numbered(1001, paper_set()).protection))?;
+    let Telemetry { state, fault, ticks, .. } = bench.telemetry()?;
+    println!("saving: at most {} ticks, of {ALLOWANCE_TICKS} that a task may be silent", ticks - before);
+    if (state, fault) != (State::Ready, None) {
+        return Err(format!("{state:?}, {fault:?} after {} ticks", ticks - before).into());
     }
     Ok(())
 }

@@ -37,7 +37,7 @@ enum Task {
     Firmware,
     /// Identify a muscle, run the firmware against it in closed loop, and write a report (about two minutes).
     Demo,
-    /// Go the whole way over the emulated board's bus: capture, identify, diagnose, deploy, track (under three minutes).
+    /// Go the whole way over the emulated board's bus: capture, identify, diagnose, deploy, track (about two minutes).
     Workflow,
     /// Run every command of the book in docs, in order.
     Book,

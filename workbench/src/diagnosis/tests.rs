@@ -6,6 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::cause::Cause;
 use super::reject::Unexplained;
+use super::valve::examine;
 use super::{Columns, Diagnosis, DiagnosisError, Verdict, diagnose};
 
 const STEP_S: f64 = 0.02;
@@ -212,4 +213,30 @@ fn too_few_rows_and_what_does_not_move_are_refused() {
     assert_eq!(diagnose(&still, &|_, _| ()).unwrap_err(), DiagnosisError::Still("input"));
     let still = Columns { output: vec![2.0; ROWS], ..all };
     assert_eq!(diagnose(&still, &|_, _| ()).unwrap_err(), DiagnosisError::Still("contraction"));
+}
+
+#[test]
+fn a_command_that_goes_on_between_the_recorded_rows_is_no_delay() {
+    // Each tenth tick is recorded: the pressure that is measured in it, then the command that is written in it.
+    let (tick_s, mut regulator) = (0.001, 0.0);
+    let ticks: Vec<[f64; 3]> = (0..40_000)
+        .map(|tick| {
+            let time_s = f64::from(tick) * tick_s;
+            let measured = regulator;
+            regulator += (command(time_s) - regulator) * -(-tick_s / 0.05f64).exp_m1();
+            [time_s, command(time_s), measured]
+        })
+        .collect();
+    let column = |place: usize| ticks.iter().step_by(10).map(|tick| tick[place]).collect::<Vec<f64>>();
+    let (time_s, pressure) = (column(0), column(2));
+    let columns = Columns {
+        scored: vec![true; time_s.len()],
+        output: pressure.clone(),
+        command: Some(column(1)),
+        input: pressure,
+        time_s,
+        ..Columns::default()
+    };
+    let found = examine(&columns, 0.002).expect("there is a command");
+    assert_eq!(found.causes, [], "{:?}", found.valve);
 }

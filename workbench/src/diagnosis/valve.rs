@@ -14,6 +14,9 @@ use super::output::low_pass;
 pub const ORDINARY_LAG_S: f64 = 0.07;
 /// Logarithm of the ratio of errors that an effect has to gain.
 const GAIN: f64 = 0.12;
+/// Up to here a delay is that of the recording, and not named: a row's command is written behind its sample, and acts by the
+/// next. Unit: row.
+const RECORDED_DELAY: f64 = 1.0;
 /// Rows that are compared, at most.
 const ROWS: usize = 20_000;
 /// Dead bands that are tried, between these shares of the command's span.
@@ -82,6 +85,7 @@ impl Valve {
 }
 
 /// The task: times, command and pressure.
+#[derive(Clone, Copy)]
 struct Task<'a> {
     time_s: &'a [f64],
     command: &'a [f64],
@@ -114,8 +118,12 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
     }
     let (valve, rmse_bar) = best;
     let mut causes: Vec<(Cause, f64)> = Vec::new();
+    let later = delayed(task.command, task.time_s, RECORDED_DELAY * task.step_s);
     for (cause, poorer) in valve.poorer() {
-        let without = task.polished(poorer).1;
+        let mut without = task.polished(poorer).1;
+        if cause == Cause::TransportDelay {
+            without = without.min(Task { command: &later, ..task }.polished(poorer).1);
+        }
         let gain = (without / rmse_bar).ln();
         if gain > GAIN {
             causes.push((cause, gain));

@@ -27,7 +27,7 @@ table { border-collapse: collapse; font-variant-numeric: tabular-nums }
 th, td { text-align: right; padding: .15rem .8rem; border-bottom: 1px solid var(--rule) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
 th[colspan] { text-align: center }
-.wide { overflow-x: auto } .best { font-weight: 600 } td:first-child { white-space: nowrap }
+.wide { overflow-x: auto } .wide th, .wide td { padding: .15rem .35rem } .best { font-weight: 600 } td:first-child { white-space: nowrap }
 .bars { max-width: 52rem } .bars ul { list-style: none; margin: .4rem 0; padding: 0 }
 .bars li { display: grid; grid-template-columns: minmax(7rem, 20rem) 1fr 4rem; gap: .1rem .6rem; align-items: center;
   break-inside: avoid; padding: .15rem 0 }
@@ -36,7 +36,9 @@ th[colspan] { text-align: center }
 @media (max-width: 40rem) { .bars li { grid-template-columns: 1fr 4rem } .bars li > * { grid-column: 2 }
   .bars li > svg { grid-column: 1 } .bars .name { grid-column: 1 / -1; grid-row: auto } } .verdict { font-size: 1.15rem; font-weight: 600; border-left: .3rem solid; padding-left: .8rem }
 dl { max-width: 42rem } dt { font-weight: 600 } dd { margin: 0 0 .6rem } code { overflow-wrap: anywhere }
-@media print { .hint { display: none } body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr } }
+@media print { .hint { display: none } body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr }
+  table { font-size: 9pt } td { white-space: nowrap } .wide { overflow: visible } .wide table { font-size: 6.5pt }
+  .wide th, .wide td { padding: .1rem .3rem } }
 ";
 const ZOOM: &str = include_str!("zoom.js");
 

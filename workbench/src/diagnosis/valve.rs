@@ -118,10 +118,14 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
     }
     let (valve, rmse_bar) = best;
     let mut causes: Vec<(Cause, f64)> = Vec::new();
-    let later = delayed(task.command, task.time_s, RECORDED_DELAY * task.step_s);
+    let recorded_s = RECORDED_DELAY * task.step_s;
+    let later = delayed(task.command, task.time_s, recorded_s);
     for (cause, poorer) in valve.poorer() {
         let mut without = task.polished(poorer).1;
         if cause == Cause::TransportDelay {
+            if valve.delay_s.is_some_and(|delay_s| delay_s <= recorded_s) {
+                continue;
+            }
             without = without.min(Task { command: &later, ..task }.polished(poorer).1);
         }
         let gain = (without / rmse_bar).ln();

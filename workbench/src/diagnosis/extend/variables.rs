@@ -27,6 +27,8 @@ pub struct Units {
 const DELAY_STEP_S: f64 = 0.01;
 /// A step of a share of the contraction, or of an amplitude as a share of the stroke.
 const SHARE_STEP: f64 = 0.02;
+/// What rises does so by this share of the mean at least: in the board's numbers, which hold sums, less would be lost.
+const FLATTEST: f64 = 1e-3;
 /// The largest exponent of a rate.
 const LARGEST_EXPONENT: f64 = 4.0;
 
@@ -83,6 +85,7 @@ fn visit_operator(
     let HostParameters::Cascade(cascade) = parameters else { return };
     match &mut cascade.envelope {
         EnvelopeParameters::PiecewiseLinear(envelope) => {
+            let least = FLATTEST * largest(&envelope.values) / envelope.values.len().max(1) as f64;
             let mut values = envelope.values.iter_mut();
             if let Some(first) = values.next() {
                 let (mut before, mut sum) = (*first, *first);
@@ -90,7 +93,7 @@ fn visit_operator(
                     let mut rise = *value - before;
                     before = *value;
                     logarithm(&mut rise, change);
-                    sum += rise;
+                    sum += rise.max(least);
                     *value = sum;
                 }
             }
@@ -145,6 +148,7 @@ fn visit_dead_zones(
             old += zones.weights[place];
             let mut next = old;
             logarithm(&mut next, change);
+            next = next.max(FLATTEST * units.stroke);
             zones.weights[place] = next - new;
             new = next;
         }
@@ -225,6 +229,21 @@ mod tests {
             let moved = with(&model, &UNITS, &moved);
             let differs = moved.parameters != model.parameters || moved.extensions != model.extensions;
             assert!(differs, "{variable}");
+        }
+    }
+
+    #[test]
+    fn no_variable_leads_to_an_operator_that_the_board_refuses() {
+        let model = model();
+        let variables = of(&Extension { extensions: Default::default(), ..model.clone() }, &UNITS);
+        for variable in 0..variables.len() {
+            let mut moved = variables.clone();
+            moved[variable] -= 30.0;
+            let moved = with(&model, &UNITS, &moved);
+            let on_the_board =
+                moved.parameters.convert::<f32, PLAYS, DEAD_ZONES>().expect("within its numbers");
+            let checked = model_core::Model::try_new(&on_the_board);
+            assert!(checked.is_ok(), "{variable}: {:?}", checked.err());
         }
     }
 

@@ -8,6 +8,9 @@ use super::signals::{Signals, hats};
 /// Curves over time that [`Form::Wander`] is made of.
 const WANDER: usize = 9;
 
+/// Steps of time that differ by no more than this are the same. Unit: s.
+pub const SAME_STEP_S: f64 = 1e-9;
+
 /// Columns of an effect for the scored rows, and whether their weights must not be negative.
 pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
     let of_rows = |value: &dyn Fn(usize) -> f64| signals.rows.iter().map(|row| value(row.at)).collect();
@@ -77,7 +80,7 @@ pub fn low_pass(values: &[f64], time_s: &[f64], time_constant_s: f64) -> Vec<f64
         .map(|(value, &time_s)| {
             let step_s = time_s - last_s;
             last_s = time_s;
-            if (step_s - known.0).abs() > 1e-9 {
+            if (step_s - known.0).abs() > SAME_STEP_S {
                 known = (step_s, -(-step_s / time_constant_s).exp_m1());
             }
             state += (value - state) * known.1;

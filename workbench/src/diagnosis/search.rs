@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::anatomy::spectrum::tones;
-use super::basis::Basis;
+use super::basis::{Basis, Weights};
 use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
@@ -101,7 +101,11 @@ impl<'a> Search<'a> {
         let (low, high) = range(&signals.input);
         let basis = Basis::new(low, high, true);
         let first = fit(signals, &basis, &[])?;
-        signals.set_simulated(&basis.simulate(&first.seen, &first.weights));
+        signals.set_simulated(&basis.simulate(
+            &first.seen.input,
+            first.seen.bend,
+            &Weights::new(&first.weights),
+        ));
         let signals = &*signals;
         let (basis, fit) = WIDTHS
             .into_par_iter()

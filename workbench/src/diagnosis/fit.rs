@@ -38,7 +38,7 @@ pub struct Fit {
 impl Fit {
     /// The weights of an effect's columns on the output.
     pub fn output_weights(&self, signals: &Signals, effect: usize) -> &[f64] {
-        let count = |effect: &Effect| output::columns(effect, signals).0.len();
+        let count = |effect: &Effect| output::count(effect, signals);
         let first = COLUMNS + self.effects[..effect].iter().map(count).sum::<usize>();
         &self.weights[first..first + count(&self.effects[effect])]
     }

@@ -23,20 +23,28 @@ const FLATTEST: f64 = 0.2;
 pub const COLUMNS: usize = CURVE + RADII * FEW;
 /// Those of a row that are not zero.
 pub const ENTRIES: usize = 2 + 2 * RADII;
+/// The sets of columns that may be those.
+pub const GROUPS: usize = (CURVE - 1) * (FEW - 1);
 
 /// A row of the baseline: which columns are not zero, and their values.
 #[derive(Clone, Copy, Debug)]
 pub struct Entries {
-    /// Columns.
-    pub columns: [u8; ENTRIES],
-    /// Their values.
+    /// The set of columns.
+    pub group: usize,
+    /// Their values, in the order of [`columns`].
     pub values: [f64; ENTRIES],
+}
+
+/// The columns of a group, in rising order.
+pub fn columns(group: usize) -> [usize; ENTRIES] {
+    let (knot, few) = (group / (FEW - 1), group % (FEW - 1));
+    std::array::from_fn(|i| if i < 2 { knot + i } else { CURVE + (i / 2 - 1) * FEW + few + i % 2 })
 }
 
 impl Entries {
     /// The row's value with these weights.
     pub fn sum(&self, weights: &[f64]) -> f64 {
-        self.columns.iter().zip(&self.values).map(|(&column, value)| weights[column as usize] * value).sum()
+        columns(self.group).iter().zip(&self.values).map(|(&column, value)| weights[column] * value).sum()
     }
 }
 
@@ -51,20 +59,16 @@ pub struct Seen {
     pub bend: f64,
 }
 
-impl Seen {
-    fn wider(&self, at: usize) -> f64 {
-        self.wider.get(at).copied().unwrap_or(1.0)
-    }
-}
-
 /// The memory of the baseline on its way through an input.
 #[derive(Clone, Copy, Debug)]
 pub struct Walk {
+    /// Each over its radius.
     stops: [f64; RADII],
-    /// The input, and what the stops saw of it.
-    last: f64,
-    last_place: f64,
-    bend: f64,
+    /// The knot to the left of the input, and the weight of the one to its right.
+    knot: usize,
+    share: f64,
+    /// What the stops see of the input.
+    place: f64,
 }
 
 /// The baseline's fixed parts.
@@ -75,9 +79,65 @@ pub struct Basis {
     knots: f64,
     /// What the stops see at the knots, as a share of the range, under a bend of 1.
     bent: [f64; CURVE],
-    radii: [f64; RADII],
+    /// One over each radius.
+    per_radius: [f64; RADII],
     /// Whether the muscle has been through its range before.
     preconditioned: bool,
+}
+
+/// The baseline under one bend of its envelope.
+#[derive(Clone, Copy, Debug)]
+pub struct Curved<'a> {
+    basis: &'a Basis,
+    /// What the stops see at the knots, as a share of the range.
+    places: [f64; CURVE],
+}
+
+/// Weights of the baseline, those of the stops side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    curve: [f64; CURVE],
+    stops: [[f64; RADII]; FEW],
+}
+
+impl Weights {
+    /// From a list that begins with those of the baseline.
+    pub fn new(all: &[f64]) -> Self {
+        Self {
+            curve: std::array::from_fn(|knot| all[knot]),
+            stops: std::array::from_fn(|few| std::array::from_fn(|i| all[CURVE + i * FEW + few])),
+        }
+    }
+
+    /// The sum at a place of a walk.
+    pub fn sum(&self, walk: &Walk) -> f64 {
+        let (few, share) = walk.few();
+        let (left, right) = (&self.stops[few], &self.stops[few + 1]);
+        let mut products = [0.0; RADII];
+        for i in 0..RADII {
+            products[i] = walk.stops[i] * (left[i] + share * (right[i] - left[i]));
+        }
+        let left = self.curve[walk.knot];
+        left + walk.share * (self.curve[walk.knot + 1] - left) + products.iter().sum::<f64>()
+    }
+}
+
+impl Walk {
+    /// The tent, of those that the stops are multiplied by, to the left of the place, and the weight of the right one.
+    fn few(&self) -> (usize, f64) {
+        hat::<FEW>(self.place * (FEW - 1) as f64)
+    }
+
+    /// The columns here.
+    fn entries(&self) -> Entries {
+        let (few, share) = self.few();
+        let mut values = [0.0; ENTRIES];
+        (values[0], values[1]) = (1.0 - self.share, self.share);
+        for (pair, stop) in values[2..].chunks_exact_mut(2).zip(&self.stops) {
+            (pair[0], pair[1]) = (stop * (1.0 - share), stop * share);
+        }
+        Entries { group: self.knot * (FEW - 1) + few, values }
+    }
 }
 
 impl Basis {
@@ -88,7 +148,7 @@ impl Basis {
             low,
             knots: (CURVE - 1) as f64 / span,
             bent: std::array::from_fn(straight),
-            radii: std::array::from_fn(|i| SMALLEST * RATIO.powi(i as i32)),
+            per_radius: std::array::from_fn(|i| 1.0 / (SMALLEST * RATIO.powi(i as i32))),
             preconditioned,
         }
     }
@@ -105,93 +165,104 @@ impl Basis {
         Self { bent: bent.map(|place| place / bent[CURVE - 1]), ..self }
     }
 
-    /// A walk from the start of a recording.
-    pub fn walk(&self, first: f64, bend: f64) -> Walk {
-        let stops = if self.preconditioned { self.radii.map(|radius| -radius) } else { [0.0; RADII] };
-        Walk { stops, last: first, last_place: self.place(first, bend), bend }
+    /// Under a bend of the envelope.
+    pub fn curved(&self, bend: f64) -> Curved<'_> {
+        let place = |knot| straight(knot) + bend * (self.bent[knot] - straight(knot));
+        Curved { basis: self, places: std::array::from_fn(place) }
     }
 
-    /// What the stops see of an input.
-    fn place(&self, u: f64, bend: f64) -> f64 {
-        let (left, share) = hat::<CURVE>((u - self.low) * self.knots);
-        let at = |knot: usize| straight(knot) + bend * (self.bent[knot] - straight(knot));
-        at(left) + (at(left + 1) - at(left)) * share
+    /// The columns of the scored rows.
+    pub fn entries(&self, seen: &Seen, rows: &[Row]) -> Vec<Entries> {
+        self.visit(seen, rows, Walk::entries)
     }
 
-    /// The columns of the next row of a walk, the radii times `wider`.
-    pub fn step(&self, walk: &mut Walk, u: f64, wider: f64) -> Entries {
-        self.advance(walk, u, wider);
-        self.entries(walk)
+    /// The sum with these weights, a value a scored row.
+    pub fn sums(&self, seen: &Seen, rows: &[Row], weights: &Weights) -> Vec<f64> {
+        self.visit(seen, rows, |walk| weights.sum(walk))
     }
 
-    fn advance(&self, walk: &mut Walk, u: f64, wider: f64) {
-        let place = self.place(u, walk.bend);
-        let change = place - walk.last_place;
-        (walk.last, walk.last_place) = (u, place);
-        for (stop, radius) in walk.stops.iter_mut().zip(&self.radii) {
-            // Comparisons, not `clamp`: these run side by side in a register.
-            let (moved, range) = (*stop + change, radius * wider);
-            let below = if moved > range { range } else { moved };
-            *stop = if below < -range { -range } else { below };
-        }
-    }
-
-    /// Goes through the whole input and hands the scored rows to `take`, with their place in `rows`.
-    pub fn run(&self, seen: &Seen, rows: &[Row], mut take: impl FnMut(usize, Entries)) {
-        self.visit(seen, rows, |row, walk| take(row, self.entries(walk)));
-    }
-
-    /// The sum with these weights, a value a row of the recording.
-    pub fn simulate(&self, seen: &Seen, weights: &[f64]) -> Vec<f64> {
-        let mut walk = self.walk(seen.input.first().copied().unwrap_or(0.0), seen.bend);
-        let row = |(at, &u): (usize, &f64)| self.step(&mut walk, u, seen.wider(at)).sum(weights);
-        seen.input.iter().enumerate().map(row).collect()
+    /// The sum with these weights at every value of an input that is all that the operators see.
+    pub fn simulate(&self, input: &[f64], bend: f64, weights: &Weights) -> Vec<f64> {
+        let curved = self.curved(bend);
+        let mut walk = curved.start(input.first().copied().unwrap_or(0.0));
+        let row = |&u| {
+            curved.advance(&mut walk, u, 1.0);
+            weights.sum(&walk)
+        };
+        input.iter().map(row).collect()
     }
 
     /// The state of every scored row: input as a share of its span, and the stops from -1 to 1.
     pub fn states(&self, seen: &Seen, rows: &[Row]) -> Vec<[f64; RADII + 1]> {
-        let per_unit = self.knots / (CURVE - 1) as f64;
-        let mut states = Vec::with_capacity(rows.len());
-        self.visit(seen, rows, |_, walk| {
-            let mut state = [walk.last * per_unit; RADII + 1];
-            for (place, (stop, radius)) in state[1..].iter_mut().zip(walk.stops.iter().zip(&self.radii)) {
-                *place = stop / radius;
-            }
-            states.push(state);
-        });
-        states
+        self.visit(seen, rows, |walk| {
+            let mut state = [(walk.knot as f64 + walk.share) / (CURVE - 1) as f64; RADII + 1];
+            state[1..].copy_from_slice(&walk.stops);
+            state
+        })
     }
 
-    fn visit(&self, seen: &Seen, rows: &[Row], mut take: impl FnMut(usize, &Walk)) {
-        let mut walk = self.walk(seen.input.first().copied().unwrap_or(0.0), seen.bend);
-        let mut next = 0;
-        for (at, &u) in seen.input.iter().enumerate() {
-            self.advance(&mut walk, u, seen.wider(at));
-            if rows.get(next).is_some_and(|row| row.at == at) {
-                take(next, &walk);
-                next += 1;
+    /// What `take` says at each scored row on the way through the whole input.
+    fn visit<T>(&self, seen: &Seen, rows: &[Row], take: impl Fn(&Walk) -> T) -> Vec<T> {
+        let curved = self.curved(seen.bend);
+        let mut walk = curved.start(seen.input.first().copied().unwrap_or(0.0));
+        let mut first = 0;
+        let mut all = Vec::with_capacity(rows.len());
+        for row in rows {
+            let way = first..row.at + 1;
+            first = way.end;
+            match seen.wider.get(way.clone()) {
+                Some(wider) => {
+                    seen.input[way].iter().zip(wider).for_each(|(&u, &w)| curved.advance(&mut walk, u, w));
+                }
+                None => seen.input[way].iter().for_each(|&u| curved.advance(&mut walk, u, 1.0)),
             }
+            all.push(take(&walk));
         }
+        all
+    }
+}
+
+impl Curved<'_> {
+    /// A walk from the first input of a recording.
+    pub fn start(&self, first: f64) -> Walk {
+        let stop = if self.basis.preconditioned { -1.0 } else { 0.0 };
+        let (knot, share, place) = self.place(first);
+        Walk { stops: [stop; RADII], knot, share, place }
     }
 
-    /// The columns of a row.
-    fn entries(&self, walk: &Walk) -> Entries {
-        let mut entries = Entries { columns: [0; ENTRIES], values: [0.0; ENTRIES] };
-        let mut put = |place: usize, column: usize, value: f64| {
-            entries.columns[place] = column as u8;
-            entries.values[place] = value;
-        };
-        let (left, share) = hat::<CURVE>((walk.last - self.low) * self.knots);
-        put(0, left, 1.0 - share);
-        put(1, left + 1, share);
-        let (left, share) = hat::<FEW>(walk.last_place * (FEW - 1) as f64);
-        for (i, (stop, radius)) in walk.stops.iter().zip(&self.radii).enumerate() {
-            let column = CURVE + i * FEW + left;
-            let value = stop / radius;
-            put(2 + 2 * i, column, value * (1.0 - share));
-            put(3 + 2 * i, column + 1, value * share);
+    /// Where an input lies between the knots, and what the stops see of it.
+    fn place(&self, u: f64) -> (usize, f64, f64) {
+        let (knot, share) = hat::<CURVE>((u - self.basis.low) * self.basis.knots);
+        let left = self.places[knot];
+        (knot, share, left + (self.places[knot + 1] - left) * share)
+    }
+
+    /// Goes on to an input, the radii times `wider`.
+    pub fn advance(&self, walk: &mut Walk, u: f64, wider: f64) {
+        let (knot, share, place) = self.place(u);
+        let change = place - walk.place;
+        for (stop, per_radius) in walk.stops.iter_mut().zip(&self.basis.per_radius) {
+            // Comparisons, not `clamp`: these run side by side in a register.
+            let moved = *stop + change * per_radius;
+            let below = if moved > wider { wider } else { moved };
+            *stop = if below < -wider { -wider } else { below };
         }
-        entries
+        (walk.knot, walk.share, walk.place) = (knot, share, place);
+    }
+
+    /// How much the sum with these weights rises with the input that a walk has gone to. Unit: output unit/input unit.
+    pub fn slope(&self, weights: &Weights, walk: &Walk, wider: f64) -> f64 {
+        let (few, share) = walk.few();
+        let (left, right) = (&weights.stops[few], &weights.stops[few + 1]);
+        let mut rises = [0.0; RADII];
+        for i in 0..RADII {
+            let difference = right[i] - left[i];
+            // A stop at its end does not move.
+            let rise = if walk.stops[i].abs() < wider { self.basis.per_radius[i] } else { 0.0 };
+            rises[i] = rise * (left[i] + share * difference) + (FEW - 1) as f64 * walk.stops[i] * difference;
+        }
+        let of = |values: &[f64; CURVE]| values[walk.knot + 1] - values[walk.knot];
+        (of(&weights.curve) + of(&self.places) * rises.iter().sum::<f64>()) * self.basis.knots
     }
 }
 
@@ -203,6 +274,7 @@ fn straight(knot: usize) -> f64 {
 /// The hat to the left of a value in units of the knots' distance, and the weight of the one to its right; straight on
 /// outside.
 fn hat<const K: usize>(place: f64) -> (usize, f64) {
-    let left = (place.max(0.0) as usize).min(K - 2);
-    (left, place - left as f64)
+    // By way of 32 bits, for which there is an instruction.
+    let left = (place as i32).clamp(0, K as i32 - 2);
+    (left as usize, place - f64::from(left))
 }

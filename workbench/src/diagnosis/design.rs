@@ -1,20 +1,25 @@
 //! The rows of a fit's columns, and their normal equations.
 //!
-//! The baseline's columns are sparse, a dozen of them in a row; those of the effects and the sensitivities are dense.
+//! The baseline's columns are sparse, a dozen of them in a row; those of the effects and the sensitivities are dense. Rows
+//! whose sparse columns are the same ones are summed up together, side by side, and are put in their places at the end.
+
+use std::ops::{Add, Sub};
 
 use nalgebra::{DMatrix, DVector};
 
-use super::basis::{Basis, COLUMNS, ENTRIES, Entries, Seen};
+use super::basis::{Basis, COLUMNS, ENTRIES, Entries, GROUPS, Seen, columns};
 use super::effect::Effect;
 use super::output;
 use super::signals::Signals;
 
 /// Ridge, as a share of a column's own square.
 const RIDGE: f64 = 1e-7;
+/// Products that are summed up side by side.
+const LANES: usize = 4;
 
-/// Rows of columns at one point of the parameters.
+/// Columns at one point of the parameters.
 pub(super) struct Design {
-    /// Those of the baseline.
+    /// Those of the baseline, row by row.
     pub(super) rows: Vec<Entries>,
     /// Those of the effects.
     pub(super) dense: Vec<Vec<f64>>,
@@ -24,7 +29,13 @@ pub(super) struct Design {
     pub(super) one_sign: Vec<bool>,
 }
 
-/// Normal equations.
+/// Those of a design and more.
+pub(super) struct Columns<'a> {
+    pub(super) rows: &'a [Entries],
+    pub(super) dense: Vec<&'a [f64]>,
+}
+
+/// Normal equations; of the matrix the upper triangle.
 #[derive(Clone)]
 pub(super) struct Normal {
     pub(super) matrix: DMatrix<f64>,
@@ -33,8 +44,7 @@ pub(super) struct Normal {
 
 impl Design {
     pub(super) fn new(signals: &Signals, basis: &Basis, effects: &[Effect], seen: &Seen) -> Self {
-        let mut rows = Vec::with_capacity(signals.rows.len());
-        basis.run(seen, &signals.rows, |_, entries| rows.push(entries));
+        let rows = basis.entries(seen, &signals.rows);
         let (mut dense, mut firsts, mut one_sign) = (Vec::new(), Vec::new(), Vec::new());
         for effect in effects {
             let (columns, positive) = output::columns(effect, signals);
@@ -50,20 +60,24 @@ impl Design {
         COLUMNS + self.dense.len()
     }
 
-    /// These rows with further columns.
-    pub(super) fn with_columns(&self, columns: &[Vec<f64>]) -> Self {
-        Self {
-            rows: self.rows.clone(),
-            dense: self.dense.iter().chain(columns).cloned().collect(),
-            firsts: Vec::new(),
-            one_sign: Vec::new(),
-        }
+    /// These and further ones.
+    pub(super) fn with<'a>(&'a self, further: &'a [Vec<f64>]) -> Columns<'a> {
+        Columns { rows: &self.rows, dense: self.dense.iter().chain(further).map(Vec::as_slice).collect() }
     }
+}
 
+impl Columns<'_> {
     /// The sum of a row with these weights.
     pub(super) fn predict(&self, row: usize, weights: &[f64]) -> f64 {
         self.rows[row].sum(weights)
             + self.dense.iter().zip(&weights[COLUMNS..]).map(|(column, w)| column[row] * w).sum::<f64>()
+    }
+
+    /// The places and the values of a row's columns that are not zero.
+    pub(super) fn of_row(&self, row: usize) -> impl Iterator<Item = (usize, f64)> {
+        let entries = &self.rows[row];
+        let dense = self.dense.iter().enumerate().map(move |(i, column)| (COLUMNS + i, column[row]));
+        columns(entries.group).into_iter().zip(entries.values).chain(dense)
     }
 
     /// The normal equations of the rows, each added to those that `part` names.
@@ -72,44 +86,64 @@ impl Design {
         target: impl Fn(usize) -> f64,
         part: impl Fn(usize) -> [bool; P],
     ) -> [Normal; P] {
-        let count = self.columns();
-        let dense = self.dense.len();
-        let empty = Normal { matrix: DMatrix::zeros(count, count), right: DVector::zeros(count) };
-        let mut parts: [Normal; P] = std::array::from_fn(|_| empty.clone());
-        let mut places = vec![0; ENTRIES + dense];
-        let mut values = vec![0.0; ENTRIES + dense];
-        for (i, place) in places[ENTRIES..].iter_mut().enumerate() {
-            *place = COLUMNS + i;
-        }
+        // The target is the last column.
+        let count = ENTRIES + self.dense.len() + 1;
+        let width = count.next_multiple_of(LANES);
+        let mut sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; GROUPS * count * width]);
+        let mut values = vec![0.0; width];
         for (row, entries) in self.rows.iter().enumerate() {
-            for i in 0..ENTRIES {
-                places[i] = entries.columns[i] as usize;
-                values[i] = entries.values[i];
-            }
+            values[..ENTRIES].copy_from_slice(&entries.values);
             for (value, column) in values[ENTRIES..].iter_mut().zip(&self.dense) {
                 *value = column[row];
             }
-            let wanted = target(row);
-            for (normal, _) in parts.iter_mut().zip(part(row)).filter(|(_, named)| *named) {
-                // The columns of a row are in rising order: the upper triangle, column by column.
-                for (j, (&place, &value)) in places.iter().zip(&values).enumerate() {
-                    normal.right[place] += value * wanted;
-                    let mut column = normal.matrix.column_mut(place);
-                    for (&other, &factor) in places[..=j].iter().zip(&values[..=j]) {
-                        column[other] += value * factor;
+            values[count - 1] = target(row);
+            for (sums, _) in sums.iter_mut().zip(part(row)).filter(|(_, named)| *named) {
+                let sums = sums[entries.group * count * width..].chunks_exact_mut(width);
+                for (j, (sums, &value)) in sums.zip(&values[..count]).enumerate() {
+                    let side_by_side = sums.as_chunks_mut::<LANES>().0.iter_mut();
+                    for (sums, factors) in side_by_side.zip(values.as_chunks::<LANES>().0).take(j / LANES + 1)
+                    {
+                        sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += value * factor);
                     }
                 }
             }
         }
-        parts
+        sums.map(|sums| self.in_place(&sums, count, width))
+    }
+
+    /// The sums of the groups, each in its place.
+    fn in_place(&self, sums: &[f64], count: usize, width: usize) -> Normal {
+        let all = COLUMNS + self.dense.len();
+        let mut normal = Normal { matrix: DMatrix::zeros(all, all), right: DVector::zeros(all) };
+        for (group, sums) in sums.chunks_exact(count * width).enumerate() {
+            let places: Vec<usize> = columns(group).into_iter().chain(COLUMNS..all).collect();
+            for (j, &place) in places.iter().enumerate() {
+                // The columns of a row are in rising order.
+                for (&other, sum) in places[..=j].iter().zip(&sums[j * width..]) {
+                    normal.matrix[(other, place)] += sum;
+                }
+                normal.right[place] += sums[(count - 1) * width + j];
+            }
+        }
+        normal
+    }
+}
+
+impl Add for &Normal {
+    type Output = Normal;
+    fn add(self, other: Self) -> Normal {
+        Normal { matrix: &self.matrix + &other.matrix, right: &self.right + &other.right }
+    }
+}
+
+impl Sub for &Normal {
+    type Output = Normal;
+    fn sub(self, other: Self) -> Normal {
+        Normal { matrix: &self.matrix - &other.matrix, right: &self.right - &other.right }
     }
 }
 
 impl Normal {
-    pub(super) fn less(&self, other: &Self) -> Self {
-        Self { matrix: &self.matrix - &other.matrix, right: &self.right - &other.right }
-    }
-
     /// The solution in the columns that are `free`, the others 0; and the factor of those columns.
     pub(super) fn solve(&self, free: &[usize]) -> Option<(Vec<f64>, nalgebra::Cholesky<f64, nalgebra::Dyn>)> {
         let count = free.len();

@@ -55,39 +55,62 @@ pub struct Stages {
     arrived: Arrived,
     /// Less what acts as a force.
     forced: Vec<f64>,
+    /// The power that a width rises with, and what it makes of the speed of every row; empty without such a width.
+    power: f64,
+    faster: Vec<f64>,
     /// Less what the widths add: what the operators see.
     pub seen: Seen,
 }
 
 impl Stages {
-    /// The input under these effects.
+    /// The input under these effects, one of which at most is a width that depends on a rate.
     pub fn new(signals: &Signals, effects: &[Effect]) -> Self {
-        Self::from_arrived(signals, effects, Arrived::new(signals, effects))
+        let arrived = Arrived::new(signals, effects);
+        let forced = forced(signals, effects, &arrived.input);
+        let (power, faster) = powers(signals, effects, &arrived.speed);
+        let seen = widened(signals, effects, &faster, forced.clone());
+        Self { arrived, forced, power, faster, seen }
     }
 
-    fn from_arrived(signals: &Signals, effects: &[Effect], arrived: Arrived) -> Self {
-        let mut forced = arrived.input.clone();
-        for effect in effects {
-            push(&mut forced, signals, effect);
-        }
-        let seen = widened(signals, effects, &arrived.speed, forced.clone());
-        Self { arrived, forced, seen }
-    }
-
-    /// What the operators see if the effect `changed` is as it stands in `effects`, and the others are as they were.
-    pub fn with(&self, signals: &Signals, effects: &[Effect], changed: usize) -> Seen {
-        match effects[changed].form {
-            Form::Lag | Form::Delay | Form::CreepOfInput => Self::new(signals, effects).seen,
+    /// What the operators see if the effect `changed` is as it stands in `effects`, and the others are as they were; None
+    /// if that is no other than before.
+    pub fn with(&self, signals: &Signals, effects: &[Effect], changed: usize) -> Option<Seen> {
+        let effect = &effects[changed];
+        match effect.form {
+            Form::Lag | Form::Delay | Form::CreepOfInput => Some(Self::new(signals, effects).seen),
             Form::Driven(_) | Form::Inertia => {
-                Self::from_arrived(signals, effects, self.arrived.clone()).seen
+                let forced = forced(signals, effects, &self.arrived.input);
+                Some(widened(signals, effects, &self.faster, forced))
+            }
+            Form::Friction(_) | Form::Thresholds(_) if effect.parameters[0].value != self.power => {
+                let (_, faster) = powers(signals, effects, &self.arrived.speed);
+                Some(widened(signals, effects, &faster, self.forced.clone()))
             }
             Form::Width | Form::Friction(_) | Form::Thresholds(_) => {
-                widened(signals, effects, &self.arrived.speed, self.forced.clone())
+                Some(widened(signals, effects, &self.faster, self.forced.clone()))
             }
-            Form::Envelope => Seen { bend: bend(effects), ..self.seen.clone() },
-            _ => self.seen.clone(),
+            Form::Envelope => Some(Seen { bend: bend(effects), ..self.seen.clone() }),
+            _ => None,
         }
     }
+}
+
+/// The input less what acts as a force.
+fn forced(signals: &Signals, effects: &[Effect], arrived: &[f64]) -> Vec<f64> {
+    let mut input = arrived.to_vec();
+    effects.iter().for_each(|effect| push(&mut input, signals, effect));
+    input
+}
+
+/// The power of the width that depends on a rate, and the speed of every row to it.
+fn powers(signals: &Signals, effects: &[Effect], arrived: &[f64]) -> (f64, Vec<f64>) {
+    let of_effect = |effect: &Effect| {
+        let (Form::Thresholds(rate) | Form::Friction(rate)) = effect.form else { return None };
+        let speeds = if rate == Rate::Input { arrived } else { signals.speed_of(rate) };
+        let power = effect.parameters[0].value;
+        Some((power, speeds.iter().map(|&speed| faster(signals, rate, power, speed)).collect()))
+    };
+    effects.iter().find_map(of_effect).unwrap_or_default()
 }
 
 /// Takes an effect that acts as a force off the input.
@@ -108,21 +131,17 @@ fn push(input: &mut [f64], signals: &Signals, effect: &Effect) {
 }
 
 /// The widths come last: they need what the operators see.
-fn widened(signals: &Signals, effects: &[Effect], arrived: &[f64], mut input: Vec<f64>) -> Seen {
-    let contraction = signals.speed_of(Rate::Contraction);
-    let of_effect = |effect: &Effect| {
-        let Form::Thresholds(rate) = effect.form else { return None };
-        let speed = if rate == Rate::Input { arrived } else { contraction };
-        Some(speed.iter().map(|&speed| wider(signals, effect, rate, speed)).collect())
-    };
-    let wider: Vec<f64> = effects.iter().find_map(of_effect).unwrap_or_default();
-    for effect in effects.iter().filter(|effect| matches!(effect.form, Form::Width | Form::Friction(_))) {
-        if effect.parameters[2..].iter().any(|strength| strength.value != 0.0) {
-            let of_row = |at: usize| {
-                let wider = wider.get(at).copied().unwrap_or(1.0);
-                Friction::of(signals, effect, at, wider, contraction[at])
-            };
-            resist(&mut input, of_row);
+fn widened(signals: &Signals, effects: &[Effect], faster: &[f64], mut input: Vec<f64>) -> Seen {
+    let thresholds = effects.iter().find(|effect| matches!(effect.form, Form::Thresholds(_)));
+    let wider: Vec<f64> = thresholds.map_or_else(Vec::new, |thresholds| {
+        let gain = thresholds.parameters[1].value;
+        faster.iter().map(|faster| 1.0 + gain * faster).collect()
+    });
+    for effect in effects {
+        match (effect.form, Friction::of(effect)) {
+            (Form::Width, Some(friction)) => friction.resist(&mut input, signals, &wider),
+            (_, Some(friction)) => friction.resist(&mut input, signals, faster),
+            _ => {}
         }
     }
     Seen { input, wider, bend: bend(effects) }
@@ -141,7 +160,7 @@ pub fn wider(signals: &Signals, thresholds: &Effect, rate: Rate, speed: f64) -> 
 }
 
 /// A speed, as a multiple of its typical value, to a power.
-fn faster(signals: &Signals, rate: Rate, power: f64, speed: f64) -> f64 {
+pub fn faster(signals: &Signals, rate: Rate, power: f64, speed: f64) -> f64 {
     (speed.abs() / signals.typical_speed(rate)).powf(power)
 }
 
@@ -150,54 +169,55 @@ fn subtract(input: &mut [f64], signals: &Signals, strengths: &[Parameter], drive
     if strengths.iter().all(|strength| strength.value == 0.0) {
         return;
     }
+    let strengths: [f64; TENTS] = std::array::from_fn(|tent| strengths[tent].value);
     for (at, u) in input.iter_mut().enumerate() {
-        *u -= strength(signals, strengths, at) * driver(at);
+        *u -= through(&signals.tents[at], &strengths) * driver(at);
     }
 }
 
-/// The strength of an effect at the contraction of a row.
-pub fn strength(signals: &Signals, strengths: &[Parameter], at: usize) -> f64 {
-    signals.tents[at].iter().zip(strengths).map(|(tent, strength)| tent * strength.value).sum()
+/// The strength of an effect where the tents have these weights.
+pub fn through(tents: &[f64; TENTS], strengths: &[f64; TENTS]) -> f64 {
+    tents.iter().zip(strengths).map(|(tent, strength)| tent * strength).sum()
 }
 
-/// What a width is at a row.
+/// A width: a stop of the operators' input that resists it.
 #[derive(Clone, Copy, Debug)]
 pub struct Friction {
-    /// Of the equivalent input, over the stop.
-    pub slope: f64,
+    /// Of the equivalent input, over the stop; one a tent.
+    strengths: [f64; TENTS],
     /// The stop's range to either side. Input unit.
     pub range: f64,
 }
 
 impl Friction {
-    /// That of an effect, if it is one, where the thresholds are `wider` and the contraction is so fast. Unit: output
-    /// unit/s.
-    pub fn of(signals: &Signals, effect: &Effect, at: usize, wider: f64, speed: f64) -> Option<Self> {
-        let times = match effect.form {
-            Form::Width => wider,
-            Form::Friction(rate) => faster(signals, rate, effect.parameters[0].value, speed),
-            _ => return None,
-        };
-        let range = effect.parameters[1].value.exp() * times;
-        Some(Self { slope: strength(signals, &effect.parameters[2..], at), range })
+    /// That of an effect, if it is one that has any strength.
+    pub fn of(effect: &Effect) -> Option<Self> {
+        if !matches!(effect.form, Form::Width | Form::Friction(_)) {
+            return None;
+        }
+        let strengths = std::array::from_fn(|tent| effect.parameters[2 + tent].value);
+        (strengths != [0.0; TENTS]).then(|| Self { strengths, range: effect.parameters[1].value.exp() })
     }
 
-    /// The stop after a step of the input to `wanted`, less what the friction adds, from the stop and the input before.
-    pub fn stop(&self, wanted: f64, stop: f64, last: f64) -> f64 {
-        // Inside the range stop = before + u - last and u + slope stop = wanted; else it is at its end.
-        ((stop + wanted - last) / (1.0 + self.slope)).clamp(-self.range, self.range)
+    /// The equivalent input over the stop at a row.
+    pub fn slope(&self, signals: &Signals, at: usize) -> f64 {
+        through(&signals.tents[at], &self.strengths)
     }
-}
 
-/// Takes off what a width adds, sample by sample.
-fn resist(input: &mut [f64], friction: impl Fn(usize) -> Option<Friction>) {
-    let mut stop = 0.0;
-    let mut last = input.first().copied().unwrap_or(0.0);
-    for (at, u) in input.iter_mut().enumerate() {
-        if let Some(friction) = friction(at) {
-            stop = friction.stop(*u, stop, last);
-            last = *u - friction.slope * stop;
-            *u = last;
+    /// Takes off what it adds, row by row, the range times `times`; empty for 1.
+    fn resist(&self, input: &mut [f64], signals: &Signals, times: &[f64]) {
+        // What the row before had: the stop, the input over it, the input before this friction was taken off.
+        let (mut stop, mut stiffness, mut wanted) = (0.0, 1.0, input.first().copied().unwrap_or(0.0));
+        for (at, u) in input.iter_mut().enumerate() {
+            let range = self.range * times.get(at).copied().unwrap_or(1.0);
+            let slope = self.slope(signals, at);
+            // Inside the range stop = before + u - last and u + slope stop = wanted; else it is at its end.
+            let less = 1.0 / (1.0 + slope);
+            let moved = stop * (stiffness * less) + (*u - wanted) * less;
+            let below = if moved > range { range } else { moved };
+            stop = if below < -range { -range } else { below };
+            (stiffness, wanted) = (1.0 + slope, *u);
+            *u -= slope * stop;
         }
     }
 }

@@ -6,7 +6,7 @@
 //! which for these is exact. At the end the same columns make the cross-validation cheap: each fold's fit is a solution of
 //! the normal equations less the fold's part.
 
-use super::basis::{Basis, COLUMNS, Seen};
+use super::basis::{Basis, COLUMNS, Seen, Weights};
 use super::design::{Design, Normal};
 use super::effect::{Effect, Form};
 use super::equivalent::Stages;
@@ -38,7 +38,7 @@ pub struct Fit {
 impl Fit {
     /// The weights of an effect's columns on the output.
     pub fn output_weights(&self, signals: &Signals, effect: usize) -> &[f64] {
-        let count = |effect: &Effect| output::columns(effect, signals).0.len();
+        let count = |effect: &Effect| output::count(effect, signals);
         let first = COLUMNS + self.effects[..effect].iter().map(count).sum::<usize>();
         &self.weights[first..first + count(&self.effects[effect])]
     }
@@ -72,7 +72,8 @@ impl Point {
         let stages = Stages::new(signals, &effects);
         let design = Design::new(signals, basis, &effects, &stages.seen);
         let target = |row: usize| signals.output[signals.rows[row].at];
-        let [normal] = design.normal(target, |_| [true]);
+        let columns = design.with(&[]);
+        let [normal] = columns.normal(target, |_| [true]);
         let mut free: Vec<usize> = (0..design.columns()).collect();
         let weights = loop {
             let (weights, _) = normal.solve(&free)?;
@@ -85,42 +86,43 @@ impl Point {
             }
         };
         let residual: Vec<f64> =
-            (0..design.rows.len()).map(|row| target(row) - design.predict(row, &weights)).collect();
+            (0..design.rows.len()).map(|row| target(row) - columns.predict(row, &weights)).collect();
         let squares = residual.iter().map(|e| e * e).sum();
         Some(Self { effects, stages, design, weights, free, residual, squares })
     }
 
     /// The change of the fitted values with every nonlinear parameter, as columns.
     pub(super) fn sensitivities(&self, signals: &Signals, basis: &Basis) -> Vec<Vec<f64>> {
-        let fitted: Vec<f64> =
-            signals.rows.iter().zip(&self.residual).map(|(row, e)| signals.output[row.at] - e).collect();
+        let weights = Weights::new(&self.weights);
+        // Summed up in the same way as what is compared with it: what changes nothing has a difference of exactly 0.
+        let here = basis.sums(&self.stages.seen, &signals.rows, &weights);
         let mut columns = Vec::new();
         for (i, effect) in self.effects.iter().enumerate() {
             for j in 0..effect.parameters.len() {
                 let mut moved = self.effects.clone();
                 let parameter = &mut moved[i].parameters[j];
-                if parameter.low == parameter.high {
-                    columns.push(vec![0.0; fitted.len()]);
-                    continue;
-                }
-                let step = if parameter.value + parameter.step > parameter.high {
-                    -parameter.step
-                } else {
-                    parameter.step
-                };
-                parameter.value += step;
-                let seen = self.stages.with(signals, &moved, i);
-                let mut column = vec![0.0; fitted.len()];
-                basis.run(&seen, &signals.rows, |row, entries| column[row] = entries.sum(&self.weights));
-                let own = output::columns(&moved[i], signals).0;
-                let first = self.design.firsts[i];
-                for (place, values) in self.design.dense.iter().enumerate() {
-                    let values = place.checked_sub(first).and_then(|k| own.get(k)).unwrap_or(values);
-                    let weight = self.weights[COLUMNS + place];
-                    column.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
-                }
-                for (value, at) in column.iter_mut().zip(&fitted) {
-                    *value = (*value - at) / step;
+                let mut column = vec![0.0; here.len()];
+                if parameter.low < parameter.high {
+                    let step = if parameter.value + parameter.step > parameter.high {
+                        -parameter.step
+                    } else {
+                        parameter.step
+                    };
+                    parameter.value += step;
+                    if let Some(seen) = self.stages.with(signals, &moved, i) {
+                        column = basis.sums(&seen, &signals.rows, &weights);
+                        column.iter_mut().zip(&here).for_each(|(there, here)| *there -= here);
+                    }
+                    let own = output::columns(&moved[i], signals).0;
+                    let before = self.design.firsts[i]..;
+                    let before =
+                        self.design.dense[before.clone()].iter().zip(&self.weights[COLUMNS..][before]);
+                    for (own, (before, weight)) in own.iter().zip(before) {
+                        for ((sum, there), here) in column.iter_mut().zip(own).zip(before) {
+                            *sum += weight * (there - here);
+                        }
+                    }
+                    column.iter_mut().for_each(|change| *change /= step);
                 }
                 columns.push(column);
             }
@@ -195,7 +197,7 @@ impl<'a> Descent<'a> {
 
 /// The Gauss-Newton step of the nonlinear parameters, within their bounds.
 fn step(point: &Point, sensitivities: &[Vec<f64>]) -> Option<Vec<f64>> {
-    let all = point.design.with_columns(sensitivities);
+    let all = point.design.with(sensitivities);
     let [normal] = all.normal(|row| point.residual[row], |_| [true]);
     let first = point.design.columns();
     let parameters: Vec<_> = point.effects.iter().flat_map(|effect| &effect.parameters).collect();
@@ -239,38 +241,29 @@ fn descend(signals: &Signals, basis: &Basis, point: &Point, step: &[f64]) -> Opt
 
 /// Residuals of each fold from a fit without it.
 fn cross_validate(signals: &Signals, point: Point, sensitivities: Vec<Vec<f64>>) -> Fit {
-    let all = point.design.with_columns(&sensitivities);
-    let part = |row: usize| -> [bool; FOLDS] {
+    let all = point.design.with(&sensitivities);
+    // Those of each fold, then those near its blocks.
+    let part = |row: usize| -> [bool; 2 * FOLDS] {
         let row = &signals.rows[row];
-        std::array::from_fn(|fold| row.fold() == fold || row.near == Some(fold))
+        std::array::from_fn(|i| if i < FOLDS { row.fold() == i } else { row.near == Some(i - FOLDS) })
     };
-    let parts: [Normal; FOLDS] = all.normal(|row| point.residual[row], part);
-    let [total] = all.normal(|row| point.residual[row], |_| [true]);
+    let parts = all.normal(|row| point.residual[row], part);
+    let (folds, near) = parts.split_at(FOLDS);
+    let total = folds[1..].iter().fold(folds[0].clone(), |sum, fold| &sum + fold);
     let free = point.movable(&total);
-    let mut place = vec![None; all.columns()];
+    let mut place = vec![None; COLUMNS + all.dense.len()];
     for (i, &column) in free.iter().enumerate() {
         place[column] = Some(i);
     }
     let (mut unseen, mut leverage) = (point.residual.clone(), vec![0.0; point.residual.len()]);
-    for (fold, held_out) in parts.iter().enumerate() {
-        let taught = total.less(held_out);
+    for (fold, (own, near)) in folds.iter().zip(near).enumerate() {
+        let taught = &(&total - own) - near;
         let Some((change, factor)) = taught.solve(&free) else { continue };
         let inverse = factor.inverse();
         for row in (0..unseen.len()).filter(|&row| signals.rows[row].fold() == fold) {
             unseen[row] -= all.predict(row, &change);
-            let entries = &all.rows[row];
-            let mut here: Vec<(usize, f64)> = entries
-                .columns
-                .iter()
-                .zip(&entries.values)
-                .filter_map(|(&column, &value)| Some((place[column as usize]?, value)))
-                .collect();
-            here.extend(
-                all.dense
-                    .iter()
-                    .enumerate()
-                    .filter_map(|(i, column)| Some((place[COLUMNS + i]?, column[row]))),
-            );
+            let here: Vec<(usize, f64)> =
+                all.of_row(row).filter_map(|(column, value)| Some((place[column]?, value))).collect();
             leverage[row] = here
                 .iter()
                 .map(|&(i, a)| a * here.iter().map(|&(j, b)| inverse[(i, j)] * b).sum::<f64>())

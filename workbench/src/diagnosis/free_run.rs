@@ -6,15 +6,17 @@
 //! At every row the operators' input is the root of a balance that rises with it; acceleration and rate by Newmark's
 //! rule of average acceleration, rate alone by backward differences: both stable at any step.
 
-use super::basis::{Basis, COLUMNS};
-use super::effect::{Driver, Effect, Form, Rate};
-use super::equivalent::{Arrived, Friction, bend, strength, wider};
+use super::basis::{Basis, COLUMNS, Curved, Walk, Weights};
+use super::effect::{Driver, Effect, Form, Parameter, Rate};
+use super::equivalent::{Arrived, Friction, bend, faster, through, wider};
 use super::fit::Fit;
-use super::output;
+use super::output::{self, SAME_STEP_S};
 use super::signals::{Signals, TENTS};
 
 /// Evaluations of the balance a row, at most.
 const EVALUATIONS: usize = 40;
+/// A balance is met within this; also the width of an interval that its root is known to lie in. Input or output unit.
+const CLOSE: f64 = 1e-7;
 
 /// A free run.
 pub struct FreeRun {
@@ -54,18 +56,24 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
             added.iter_mut().zip(column).for_each(|(sum, value)| *sum += weight * value);
         }
     }
-    let mut state = State::new(basis, &fit.effects, input.first().copied().unwrap_or(0.0), signals.output[0]);
+    let weights = Weights::new(&fit.weights);
+    let first = input.first().copied().unwrap_or(0.0);
+    let mut state = State::new(signals, basis.curved(bend(&fit.effects)), (&fit.effects, &weights), first);
     let mut behind = Motion { place: signals.output[0], rate: 0.0, acceleration: 0.0 };
     let mut slow = vec![signals.output[0]; creep.len()];
+    let (mut shares, mut shares_s) = (vec![0.0; creep.len()], 0.0);
     let mut run =
         FreeRun { scored: Vec::with_capacity(signals.rows.len()), all: Vec::with_capacity(input.len()) };
     for (at, (&pressure, &speed)) in input.iter().zip(&speed).enumerate() {
         let step_s = if at == 0 { 0.0 } else { signals.time_s[at] - signals.time_s[at - 1] };
-        let muscle = state.step(signals, basis, &fit.effects, &fit.weights, (at, pressure, speed, step_s));
+        let muscle = state.step(at, pressure, speed, step_s);
         let muscle = behind.follow(muscle, step_s, filter);
         // y (1 + sum c (1 - b)) = muscle + sum c (1 - b) slow, b the share that a low-pass takes up in this step.
+        if (step_s - shares_s).abs() > SAME_STEP_S {
+            shares_s = step_s;
+            shares = creep.iter().map(|(_, tau_s)| -(-step_s / tau_s).exp_m1()).collect();
+        }
         let (mut over, mut under) = (muscle, 1.0);
-        let shares: Vec<f64> = creep.iter().map(|(_, tau_s)| -(-step_s / tau_s).exp_m1()).collect();
         for (((weight, _), share), slow) in creep.iter().zip(&shares).zip(&slow) {
             over += weight * (1.0 - share) * slow;
             under += weight * (1.0 - share);
@@ -83,101 +91,156 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
     run
 }
 
-/// What a free run remembers.
-struct State {
-    walk: super::basis::Walk,
-    /// Stops of the widths, one an effect, and the input they last saw.
-    stops: Vec<f64>,
+/// What a free run goes through, and what it remembers.
+struct State<'a> {
+    signals: &'a Signals,
+    curved: Curved<'a>,
+    effects: &'a [Effect],
+    weights: &'a Weights,
+    /// Thresholds that are wider with a rate.
+    widening: Option<(&'a Effect, Rate)>,
+    widths: Vec<Width>,
+    walk: Walk,
     last_input: f64,
     motion: Motion,
     travel: f64,
+    /// How the balances of the input and of the contraction rose at the last root.
+    rises: [f64; 2],
 }
 
-impl State {
-    fn new(basis: &Basis, effects: &[Effect], input: f64, contraction: f64) -> Self {
+/// A width, its stop, and the power of the rate that its range follows.
+struct Width {
+    friction: Friction,
+    power: Option<f64>,
+    stop: f64,
+    /// At this row.
+    slope: f64,
+}
+
+impl Width {
+    fn of(effect: &Effect) -> Option<Self> {
+        let power = matches!(effect.form, Form::Friction(_)).then(|| effect.parameters[0].value);
+        Some(Self { friction: Friction::of(effect)?, power, stop: 0.0, slope: 0.0 })
+    }
+
+    /// The stop after a change of the input, where the thresholds are `wider` and the contraction is so fast. Unit: output
+    /// unit/s.
+    fn moved(&self, signals: &Signals, change: f64, wider: f64, rate: f64) -> f64 {
+        let times = self.power.map_or(wider, |power| faster(signals, Rate::Contraction, power, rate));
+        let range = self.friction.range * times;
+        (self.stop + change).min(range).max(-range)
+    }
+}
+
+/// Where a step may lead.
+struct Reached {
+    walk: Walk,
+    motion: Motion,
+    wider: f64,
+}
+
+impl<'a> State<'a> {
+    fn new(
+        signals: &'a Signals,
+        curved: Curved<'a>,
+        (effects, weights): (&'a [Effect], &'a Weights),
+        input: f64,
+    ) -> Self {
+        let widening = |effect: &'a Effect| match effect.form {
+            Form::Thresholds(rate) => Some((effect, rate)),
+            _ => None,
+        };
         Self {
-            walk: basis.walk(input, bend(effects)),
-            stops: vec![0.0; effects.len()],
+            signals,
+            curved,
+            effects,
+            weights,
+            widening: effects.iter().find_map(widening),
+            widths: effects.iter().filter_map(Width::of).collect(),
+            walk: curved.start(input),
             last_input: input,
-            motion: Motion { place: contraction, rate: 0.0, acceleration: 0.0 },
+            motion: Motion { place: signals.output[0], rate: 0.0, acceleration: 0.0 },
             travel: 0.0,
+            rises: [1.0; 2],
         }
     }
 
-    /// One row: its place, the pressure, its speed and the time since the row before. Returns the muscle's contraction.
-    fn step(
-        &mut self,
-        signals: &Signals,
-        basis: &Basis,
-        effects: &[Effect],
-        weights: &[f64],
-        (at, pressure, input_speed, step_s): (usize, f64, f64, f64),
-    ) -> f64 {
+    /// What is wanted of the operators' input at a row, viscosity, and mass. Units: those of the input, over the rate and
+    /// over the acceleration of the output.
+    fn forces(&self, at: usize, pressure: f64) -> (f64, f64, f64) {
         let (mut wanted, mut viscosity, mut mass) = (pressure, 0.0, 0.0);
-        for effect in effects {
+        let tents = &self.signals.tents[at];
+        let strength =
+            |parameters: &[Parameter]| through(tents, &std::array::from_fn(|tent| parameters[tent].value));
+        for effect in self.effects {
             let parameters = &effect.parameters;
             match effect.form {
-                Form::Driven(Driver::Rate) => viscosity += strength(signals, parameters, at),
+                Form::Driven(Driver::Rate) => viscosity += strength(parameters),
                 Form::Driven(Driver::WarmUp) => {
                     let settled = (-self.travel / parameters[0].value.exp()).exp();
-                    wanted -= strength(signals, &parameters[1..], at) * settled;
+                    wanted -= strength(&parameters[1..]) * settled;
                 }
                 Form::Driven(driver) => {
-                    wanted -= strength(signals, parameters, at) * output::driven(signals, driver, 1.0, at);
+                    wanted -= strength(parameters) * output::driven(self.signals, driver, 1.0, at);
                 }
                 Form::Inertia => {
-                    mass += strength(signals, &parameters[..TENTS], at);
-                    viscosity += strength(signals, &parameters[TENTS..], at);
+                    mass += strength(parameters);
+                    viscosity += strength(&parameters[TENTS..]);
                 }
                 _ => {}
             }
         }
-        let widening = effects.iter().find_map(|effect| match effect.form {
-            Form::Thresholds(rate) => Some((effect, rate)),
-            _ => None,
-        });
-        let follows = widening.is_some_and(|(_, rate)| rate == Rate::Contraction);
+        (wanted, viscosity, mass)
+    }
+
+    /// One row: its place, the pressure, its speed and the time since the row before. Returns the muscle's contraction.
+    fn step(&mut self, at: usize, pressure: f64, input_speed: f64, step_s: f64) -> f64 {
+        let signals = self.signals;
+        let (wanted, viscosity, mass) = self.forces(at, pressure);
+        self.widths.iter_mut().for_each(|width| width.slope = width.friction.slope(signals, at));
+        let follows = self.widening.is_some_and(|(_, rate)| rate == Rate::Contraction);
         let wider_at = |speed: f64| {
             let speed = if follows { speed } else { input_speed };
-            widening.map_or(1.0, |(effect, rate)| wider(signals, effect, rate, speed))
+            self.widening.map_or(1.0, |(effect, rate)| wider(signals, effect, rate, speed))
         };
-        // Thresholds that follow the speed of the contraction: the more it moves the less it moves, one root.
-        let answer = |u: f64| {
-            let of_wider = |wider: f64| basis.step(&mut self.walk.clone(), u, wider).sum(weights);
-            if !follows || step_s <= 0.0 {
-                return of_wider(wider_at(0.0));
-            }
-            root(self.motion.place, |y| y - of_wider(wider_at((y - self.motion.place) / step_s)))
+        let resting = wider_at(0.0);
+        let answer = |u: f64, wider: f64| {
+            let mut walk = self.walk;
+            self.curved.advance(&mut walk, u, wider);
+            (self.weights.sum(&walk), walk)
         };
+        let before = self.motion;
+        let [mut rise, mut rise_of_contraction] = self.rises;
+        let mut near = before.place;
         let balance = |u: f64| {
-            let y = answer(u);
-            let Motion { rate, acceleration, .. } = self.motion.to(y, step_s, mass > 0.0);
-            let wider = wider_at(rate);
-            let width: f64 = effects
-                .iter()
-                .zip(&self.stops)
-                .filter_map(|(effect, stop)| {
-                    let friction = Friction::of(signals, effect, at, wider, rate)?;
-                    let range = friction.range;
-                    Some(friction.slope * (stop + u - self.last_input).clamp(-range, range))
-                })
-                .sum();
-            (u + width + viscosity * rate + mass * acceleration - wanted, y)
+            let (y, walk) = if follows && step_s > 0.0 {
+                // Thresholds that follow the speed of the contraction: the more it moves the less it moves, one root.
+                let miss = |y: f64| {
+                    let (reached, walk) = answer(u, wider_at((y - before.place) / step_s));
+                    (y - reached, (y, walk))
+                };
+                root(near, &mut rise_of_contraction, miss).1
+            } else {
+                answer(u, resting)
+            };
+            near = y;
+            let motion = before.to(y, step_s, mass > 0.0);
+            let wider = if follows { wider_at(motion.rate) } else { resting };
+            let change = u - self.last_input;
+            let width = |width: &Width| width.slope * width.moved(signals, change, wider, motion.rate);
+            let width: f64 = self.widths.iter().map(width).sum();
+            let miss = u + width + viscosity * motion.rate + mass * motion.acceleration - wanted;
+            (miss, Reached { walk, motion, wider })
         };
-        let u = root(self.last_input, |u| balance(u).0);
-        let (_, y) = balance(u);
-        let rate = self.motion.to(y, step_s, mass > 0.0).rate;
-        let wider = wider_at(rate);
-        basis.step(&mut self.walk, u, wider);
-        for (effect, stop) in effects.iter().zip(&mut self.stops) {
-            if let Some(friction) = Friction::of(signals, effect, at, wider, rate) {
-                *stop = (*stop + u - self.last_input).clamp(-friction.range, friction.range);
-            }
+        let (u, Reached { walk, motion, wider }) = root(self.last_input, &mut rise, balance);
+        let change = u - self.last_input;
+        for width in &mut self.widths {
+            width.stop = width.moved(signals, change, wider, motion.rate);
         }
-        self.travel += if at == 0 { 0.0 } else { (y - self.motion.place).abs() };
-        self.last_input = u;
-        self.motion = self.motion.to(y, step_s, mass > 0.0);
-        y
+        self.travel += if at == 0 { 0.0 } else { (motion.place - self.motion.place).abs() };
+        (self.walk, self.last_input, self.motion) = (walk, u, motion);
+        self.rises = [rise, rise_of_contraction];
+        motion.place
     }
 }
 
@@ -220,36 +283,25 @@ impl Motion {
     }
 }
 
-/// The root of a function that rises, near `start`: a bracket by doubling, then the Illinois method.
-fn root(start: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let mut left = (start, f(start));
-    if left.1 == 0.0 {
-        return start;
-    }
-    let toward = -left.1.signum();
-    let mut width = left.1.abs().clamp(1e-9, 1.0);
-    let mut right = left;
-    let mut evaluations = 0;
-    while right.1.signum() == left.1.signum() && evaluations < EVALUATIONS {
-        left = right;
-        right = (left.0 + toward * width, 0.0);
-        right.1 = f(right.0);
-        width *= 2.0;
-        evaluations += 1;
-    }
-    while evaluations < EVALUATIONS && (right.0 - left.0).abs() > 1e-7 {
-        let next = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
-        let value = f(next);
-        evaluations += 1;
-        if value.abs() < 1e-7 {
-            return next;
-        }
-        if value.signum() == right.1.signum() {
-            left.1 *= 0.5;
+/// The root of a function that rises by at least as much as what it is of, near `start`, and what else the function says
+/// there: by secants, the first one with the rise of the last root, inside of what is known to enclose it.
+fn root<T>(start: f64, rise: &mut f64, mut f: impl FnMut(f64) -> (f64, T)) -> (f64, T) {
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    let (mut at, (mut value, mut there)) = (start, f(start));
+    for _ in 1..EVALUATIONS {
+        if value > 0.0 {
+            high = at;
         } else {
-            left = right;
+            low = at;
         }
-        right = (next, value);
+        if value.abs() < CLOSE || high - low < CLOSE {
+            break;
+        }
+        let secant = at - value / *rise;
+        let next = if low < secant && secant < high { secant } else { 0.5 * (low + high) };
+        let (next_value, next_there) = f(next);
+        *rise = ((next_value - value) / (next - at)).max(1.0);
+        (at, value, there) = (next, next_value, next_there);
     }
-    right.0
+    (at, there)
 }

@@ -3,10 +3,13 @@
 use std::f64::consts::TAU;
 
 use super::effect::{Driver, Effect, Form};
-use super::signals::{Signals, hats};
+use super::signals::{Signals, TENTS, hats};
 
 /// Curves over time that [`Form::Wander`] is made of.
 const WANDER: usize = 9;
+
+/// Steps of time that differ by no more than this are the same. Unit: s.
+pub const SAME_STEP_S: f64 = 1e-9;
 
 /// Columns of an effect for the scored rows, and whether their weights must not be negative.
 pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
@@ -21,13 +24,13 @@ pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
             let column = |tent: usize| -> Vec<f64> {
                 of_rows(&|at| signals.tents[at][tent] * driven(signals, driver, lambda, at))
             };
-            ((0..super::signals::TENTS).map(column).collect(), false)
+            ((0..TENTS).map(column).collect(), false)
         }
         Form::OutputLag => (vec![of_rows(&|at| -signals.rate[at])], true),
         Form::OutputInertia => {
             (vec![of_rows(&|at| -signals.acceleration[at]), of_rows(&|at| -signals.rate[at])], true)
         }
-        Form::Creep => (creep(signals), true),
+        Form::Creep => (signals.slow.clone(), true),
         Form::Drift => (vec![of_rows(&|at| time(at) / duration_s - 0.5)], false),
         Form::Tone => {
             let phase = |at: usize| TAU * parameter(0) * time(at);
@@ -55,16 +58,16 @@ pub fn driven(signals: &Signals, driver: Driver, lambda: f64, at: usize) -> f64 
     }
 }
 
-/// What has not come yet of the output, by each low-pass.
-fn creep(signals: &Signals) -> Vec<Vec<f64>> {
-    signals
-        .creep_s
-        .iter()
-        .map(|&tau_s| {
-            let slow = low_pass(&signals.output, &signals.time_s, tau_s);
-            signals.rows.iter().map(|row| slow[row.at] - signals.output[row.at]).collect()
-        })
-        .collect()
+/// How many columns an effect puts on the output.
+pub fn count(effect: &Effect, signals: &Signals) -> usize {
+    match effect.form {
+        Form::Added(_) => TENTS,
+        Form::OutputLag | Form::Drift | Form::Step => 1,
+        Form::OutputInertia | Form::Tone => 2,
+        Form::Creep => signals.slow.len(),
+        Form::Wander => WANDER - 1,
+        _ => 0,
+    }
 }
 
 /// A first-order low-pass from rest at the first value, exact for values that are held.
@@ -77,7 +80,7 @@ pub fn low_pass(values: &[f64], time_s: &[f64], time_constant_s: f64) -> Vec<f64
         .map(|(value, &time_s)| {
             let step_s = time_s - last_s;
             last_s = time_s;
-            if (step_s - known.0).abs() > 1e-9 {
+            if (step_s - known.0).abs() > SAME_STEP_S {
                 known = (step_s, -(-step_s / time_constant_s).exp_m1());
             }
             state += (value - state) * known.1;

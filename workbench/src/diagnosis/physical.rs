@@ -3,7 +3,7 @@
 //! An equivalent input becomes a change of contraction by the slope of the fitted loop, where it slides: at mid stroke,
 //! or where the effect's tents stand.
 
-use super::basis::Seen;
+use super::basis::Weights;
 use super::cause::Cause;
 use super::effect::{Driver, Effect, Form, Rate};
 use super::equivalent::bend;
@@ -28,8 +28,7 @@ pub(super) struct Loop {
 impl Loop {
     pub(super) fn of(search: &Search<'_>, fit: &Fit) -> Self {
         Self::new(range(&search.signals.input), |input| {
-            let seen = Seen { input: input.to_vec(), wider: Vec::new(), bend: bend(&fit.effects) };
-            search.basis.simulate(&seen, &fit.weights)
+            search.basis.simulate(input, bend(&fit.effects), &Weights::new(&fit.weights))
         })
     }
 

@@ -6,8 +6,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::basis::{Basis, COLUMNS};
-use super::design::Design;
+use super::basis::{Basis, COLUMNS, Weights};
 use super::effect::{Effect, Form};
 use super::fit::{Fit, Point};
 use super::output;
@@ -18,8 +17,10 @@ pub struct Screen<'a> {
     signals: &'a Signals,
     basis: &'a Basis,
     point: Point,
-    /// The fitted columns and the sensitivities of the fitted effects.
-    all: Design,
+    weights: Weights,
+    sensitivities: Vec<Vec<f64>>,
+    /// The baseline's part of the fitted values, a value a scored row.
+    fitted: Vec<f64>,
     free: Vec<usize>,
     factor: Cholesky<f64, Dyn>,
 }
@@ -28,11 +29,13 @@ impl<'a> Screen<'a> {
     /// Prepares a fit.
     pub fn new(signals: &'a Signals, basis: &'a Basis, fit: &Fit) -> Option<Self> {
         let point = Point::new(signals, basis, fit.effects.clone())?;
-        let all = point.design.with_columns(&point.sensitivities(signals, basis));
-        let [normal] = all.normal(|row| point.residual[row], |_| [true]);
+        let sensitivities = point.sensitivities(signals, basis);
+        let [normal] = point.design.with(&sensitivities).normal(|row| point.residual[row], |_| [true]);
         let free = point.movable(&normal);
         let (_, factor) = normal.solve(&free)?;
-        Some(Self { signals, basis, point, all, free, factor })
+        let weights = Weights::new(&point.weights);
+        let fitted = basis.sums(&point.stages.seen, &signals.rows, &weights);
+        Some(Self { signals, basis, point, weights, sensitivities, fitted, free, factor })
     }
 
     /// By how much the effect would lower the sum of squares, as a share of it.
@@ -63,35 +66,31 @@ impl<'a> Screen<'a> {
         let mut effects = self.point.effects.clone();
         effects.retain(|other| effect.form != Form::Delay || other.form != Form::Delay);
         effects.push(effect.clone());
-        let seen = self.point.stages.with(self.signals, &effects, effects.len() - 1);
-        let mut column = vec![0.0; self.all.rows.len()];
-        self.basis.run(&seen, &self.signals.rows, |row, entries| {
-            column[row] = entries.sum(&self.point.weights) - self.all.rows[row].sum(&self.point.weights);
-        });
+        let Some(seen) = self.point.stages.with(self.signals, &effects, effects.len() - 1) else {
+            return vec![0.0; self.fitted.len()];
+        };
+        let mut column = self.basis.sums(&seen, &self.signals.rows, &self.weights);
+        column.iter_mut().zip(&self.fitted).for_each(|(there, here)| *there -= here);
         column
     }
 
     fn reduction(&self, columns: &[Vec<f64>], bounded: &[bool]) -> Option<f64> {
         let count = columns.len();
-        let mut place = vec![None; self.all.columns()];
+        let all = self.point.design.with(&self.sensitivities);
+        let mut place = vec![None; COLUMNS + all.dense.len()];
         for (i, &column) in self.free.iter().enumerate() {
             place[column] = Some(i);
         }
         let mut cross = DMatrix::<f64>::zeros(self.free.len(), count);
         let mut own = DMatrix::<f64>::zeros(count, count);
         let mut right = DVector::<f64>::zeros(count);
-        for (row, entries) in self.all.rows.iter().enumerate() {
+        for (row, residual) in self.point.residual.iter().enumerate() {
             for (j, column) in columns.iter().enumerate() {
                 let value = column[row];
-                right[j] += value * self.point.residual[row];
-                for (&place_of, entry) in entries.columns.iter().zip(&entries.values) {
-                    if let Some(i) = place[place_of as usize] {
+                right[j] += value * residual;
+                for (at, entry) in all.of_row(row) {
+                    if let Some(i) = place[at] {
                         cross[(i, j)] += entry * value;
-                    }
-                }
-                for (k, dense) in self.all.dense.iter().enumerate() {
-                    if let Some(i) = place[COLUMNS + k] {
-                        cross[(i, j)] += dense[row] * value;
                     }
                 }
                 for k in 0..=j {

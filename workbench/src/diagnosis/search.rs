@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::anatomy::spectrum::tones;
-use super::basis::Basis;
+use super::basis::{Basis, Weights};
 use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
@@ -101,7 +101,11 @@ impl<'a> Search<'a> {
         let (low, high) = range(&signals.input);
         let basis = Basis::new(low, high, true);
         let first = fit(signals, &basis, &[])?;
-        signals.set_simulated(&basis.simulate(&first.seen, &first.weights));
+        signals.set_simulated(&basis.simulate(
+            &first.seen.input,
+            first.seen.bend,
+            &Weights::new(&first.weights),
+        ));
         let signals = &*signals;
         let (basis, fit) = WIDTHS
             .into_par_iter()
@@ -213,21 +217,25 @@ impl<'a> Search<'a> {
     /// `progress` is called with the share of the work that is done.
     pub fn run(&self, progress: &(dyn Fn(f64) + Sync)) -> (Candidate, Vec<Vec<Candidate>>) {
         let sizes = self.beam(progress);
-        let mut best = self.baseline.clone();
-        for size in &sizes {
-            match size.first() {
-                Some(set) if best.evidence(set) >= BETTER && self.is_needed(set) => best = set.clone(),
-                _ => break,
+        let mut best = (self.baseline.clone(), Vec::new());
+        for set in sizes.iter().map_while(|size| size.first()) {
+            if best.0.evidence(set) < BETTER {
+                break;
             }
+            let without = self.without_each(set);
+            if self.dropped(set, &without).is_some() {
+                break;
+            }
+            best = (set.clone(), without);
         }
         for _ in 0..LARGEST {
-            let changed = self.swapped(&best).into_iter().chain(self.dropped(&best)).next();
-            match changed {
-                Some(set) => best = set,
-                None => break,
-            }
+            let (set, without) = &best;
+            let changed = self.swapped(set, without).or_else(|| self.dropped(set, without).cloned());
+            let Some(set) = changed else { break };
+            let without = self.without_each(&set);
+            best = (set, without);
         }
-        (best, sizes)
+        (best.0, sizes)
     }
 
     /// Whether a set is worth its last cause beside the others.
@@ -242,34 +250,33 @@ impl<'a> Search<'a> {
         without.evidence(set) >= needed && gain >= GAIN && (without.causes.is_empty() || share >= SHARE)
     }
 
-    /// Whether a set is worth each of its causes.
-    fn is_needed(&self, set: &Candidate) -> bool {
-        self.dropped(set).is_none()
+    /// A set without each of its causes in turn.
+    fn without_each(&self, set: &Candidate) -> Vec<Option<Candidate>> {
+        set.causes.par_iter().map(|&cause| self.without(set, cause)).collect()
     }
 
     /// The set without its most needless cause, if that is not worth its place.
-    fn dropped(&self, set: &Candidate) -> Option<Candidate> {
-        let without: Vec<Candidate> =
-            set.causes.par_iter().filter_map(|&cause| self.without(set, cause)).collect();
-        let least = without.into_iter().min_by(|one, other| one.cost().total_cmp(&other.cost()))?;
-        (!self.is_worth(&least, set)).then_some(least)
+    fn dropped<'b>(&self, set: &Candidate, without: &'b [Option<Candidate>]) -> Option<&'b Candidate> {
+        let least = without.iter().flatten().min_by(|one, other| one.cost().total_cmp(&other.cost()))?;
+        (!self.is_worth(least, set)).then_some(least)
     }
 
     /// The best set with one cause exchanged for a close rival, if that is better.
-    fn swapped(&self, set: &Candidate) -> Option<Candidate> {
-        let swaps: Vec<(Cause, Cause)> = set
+    fn swapped(&self, set: &Candidate, without: &[Option<Candidate>]) -> Option<Candidate> {
+        let swaps: Vec<(&Candidate, Cause)> = set
             .causes
             .iter()
-            .flat_map(|&cause| cause.rivals().iter().map(move |&rival| (cause, rival)))
+            .zip(without)
+            .filter_map(|(cause, without)| Some((cause, without.as_ref()?)))
+            .flat_map(|(cause, without)| cause.rivals().iter().map(move |&rival| (without, rival)))
             .filter(|(_, rival)| self.examinable.contains(rival) && !set.causes.contains(rival))
             .collect();
         swaps
             .par_iter()
-            .filter_map(|&(cause, rival)| {
-                let kept =
-                    if set.causes.len() > 1 { self.without(set, cause)? } else { self.baseline.clone() };
-                let starts = self.starts(&kept, rival);
-                self.race(self.runners(&kept, rival, starts)).into_iter().next()
+            .filter_map(|&(without, rival)| {
+                let kept = if set.causes.len() > 1 { without } else { &self.baseline };
+                let starts = self.starts(kept, rival);
+                self.race(self.runners(kept, rival, starts)).into_iter().next()
             })
             .min_by(|one, other| one.cost().total_cmp(&other.cost()))
             .filter(|other| other.cost() < set.cost() - 1e-3)

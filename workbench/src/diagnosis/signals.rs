@@ -12,6 +12,7 @@ use super::Columns;
 use super::anatomy::noise::{self, NoiseFloor};
 use super::anatomy::steps;
 use super::effect::Rate;
+use super::output::low_pass;
 use crate::numbers::{quantiles, range, root_mean_square, travel};
 
 /// Most rows that are scored in the search.
@@ -74,6 +75,8 @@ pub struct Signals {
     pub input_span: f64,
     /// Time constants that a creep is made of, on a logarithmic grid. Unit: s.
     pub creep_s: Vec<f64>,
+    /// What has not come yet of the output, by a low-pass of each: a value a scored row. Output unit.
+    pub slow: Vec<Vec<f64>>,
     /// Way of the contraction so far. Output unit.
     pub travel: Vec<f64>,
     /// The recorded load less its mean. Unit: N.
@@ -113,9 +116,15 @@ impl Signals {
         let (rows, blocks) = rows(time_s, scored);
         let (lowest, highest) = range(input);
         let duration_s = time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0);
+        let creep_s = creep_s((5.0 * step_s).max(0.1), duration_s / 3.0);
+        let slow = |&tau_s: &f64| -> Vec<f64> {
+            let slow = low_pass(output, time_s, tau_s);
+            rows.iter().map(|row| slow[row.at] - output[row.at]).collect()
+        };
         Self {
             input_span: (highest - lowest).max(1e-9),
-            creep_s: creep_s((5.0 * step_s).max(0.1), duration_s / 3.0),
+            slow: creep_s.iter().map(slow).collect(),
+            creep_s,
             travel: travel(&smooth, 4.0 * noise),
             tents: output.iter().map(|&y| hats(&knots, y)).collect(),
             load: varying(columns.load_n.as_deref()),

@@ -49,9 +49,10 @@ impl Tuned {
     fn tuned(self, signals: &Signals, basis: &Basis) -> Self {
         let at = |factors: [f64; 2]| Self::of(signals, basis, scaled(signals, &self.fit, factors));
         let mut factors = [0.0; 2];
-        let mut best = at(factors);
+        let mut best: Option<Self> = None;
         for _ in 0..STEPS {
-            let step = step(&best.errors, |place| {
+            let here = best.as_ref().unwrap_or(&self);
+            let step = step(&here.errors, |place| {
                 let mut moved = factors;
                 moved[place] += DIFFERENCE;
                 at(moved).errors
@@ -59,16 +60,16 @@ impl Tuned {
             let Some(step) = step else { break };
             let next_factors = [factors[0] + step[0], factors[1] + step[1]];
             let next = at(next_factors);
-            let (before, after) = (best.squares(), next.squares());
+            let (before, after) = (here.squares(), next.squares());
             if after >= before {
                 break;
             }
-            (factors, best) = (next_factors, next);
+            (factors, best) = (next_factors, Some(next));
             if before - after < ENOUGH * before {
                 break;
             }
         }
-        best
+        best.unwrap_or(self)
     }
 }
 
@@ -116,7 +117,7 @@ fn scaled(signals: &Signals, fit: &Fit, factors: [f64; 2]) -> Fit {
     let mut scaled = fit.clone();
     let mut place = COLUMNS;
     for effect in &mut scaled.effects {
-        let count = output::columns(effect, signals).0.len();
+        let count = output::count(effect, signals);
         let weights = &mut scaled.weights[place..place + count];
         place += count;
         match (effect.form, weights) {

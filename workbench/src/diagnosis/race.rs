@@ -14,6 +14,11 @@ const HEAT: usize = 3;
 const FINISHERS: usize = 3;
 /// Sets that are fitted to the end.
 const SETS: usize = 8;
+/// A start whose sum of squares is more than so many times the best one's is not fitted to the end: running free costs a
+/// set less than that. Of single causes all are, since a pair may begin with any.
+const BEHIND: f64 = 4.0;
+/// Fits of a set whose sums of squares differ by less than this share have come to the same place.
+const SAME: f64 = 1e-3;
 /// Sets, beside the best one, that are tried with its nuisances.
 const BORROWERS: usize = 2;
 /// Delays that a pair begins from lie from the first to below the second. Unit: s.
@@ -75,6 +80,8 @@ impl Search<'_> {
         };
         let mut running: Vec<(Vec<Cause>, Descent<'_>)> = runners.into_par_iter().filter_map(heat).collect();
         running.sort_by(|one, other| one.1.squares().total_cmp(&other.1.squares()));
+        let best = running.first().map_or(0.0, |(_, descent)| descent.squares());
+        running.retain(|(causes, descent)| causes.len() == 1 || descent.squares() <= BEHIND * best);
         let mut sets: Vec<(Vec<Cause>, usize)> = Vec::new();
         running.retain(|(causes, _)| match sets.iter_mut().find(|(set, _)| is_same(set, causes)) {
             Some((_, count)) => {
@@ -86,7 +93,18 @@ impl Search<'_> {
                 sets.len() <= SETS
             }
         });
-        let mut found: Vec<Candidate> = running
+        running.par_iter_mut().for_each(|(_, descent)| descent.advance_to_end());
+        // In order, so that it is always the same one that stays.
+        let mut arrived: Vec<(Vec<Cause>, Descent<'_>)> = Vec::new();
+        for (causes, descent) in running {
+            let is_there = |(others, other): &(Vec<Cause>, Descent<'_>)| {
+                *others == causes && other.is_at(&descent, SAME)
+            };
+            if !arrived.iter().any(is_there) {
+                arrived.push((causes, descent));
+            }
+        }
+        let mut found: Vec<Candidate> = arrived
             .into_par_iter()
             .map(|(causes, descent)| self.candidate(causes, descent.finish()))
             .collect();

@@ -117,6 +117,11 @@ impl Cause {
         self == Self::TransportDelay || self.resists_motion()
     }
 
+    /// Whether a misfit of the hysteresis' shape looks like it: it changes the loop's width.
+    pub fn is_near_shape(self) -> bool {
+        self == Self::RateDependentWidth
+    }
+
     /// Whether it resists motion by a law over the rate: three forms of much the same.
     pub fn resists_motion(self) -> bool {
         matches!(self, Self::ViscousLag | Self::Inertia | Self::RateDependentWidth)

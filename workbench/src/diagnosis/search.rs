@@ -176,7 +176,8 @@ impl<'a> Search<'a> {
         let (fit, free) = if swing::has_mass(&fit) {
             swing::tuned(self.signals, &self.basis, fit)
         } else if is_fed_back {
-            swing::errors(self.signals, &self.basis, fit)
+            let errors = swing::errors(self.signals, &self.basis, &fit);
+            (fit, errors)
         } else {
             let residual = fit.residual.clone();
             (fit, residual)
@@ -243,8 +244,8 @@ impl<'a> Search<'a> {
         let square = |set: &Candidate| set.score.mean().powi(2);
         let share = (square(without) - square(set)) / square(&self.baseline);
         let last = set.causes.iter().find(|cause| !without.causes.contains(cause));
-        let is_sharp = last.is_some_and(|cause| cause.is_fast() && *cause != Cause::RateDependentWidth);
-        let least = if is_sharp { EVIDENCE_OF_FAST } else { EVIDENCE };
+        let is_distinct = last.is_some_and(|cause| cause.is_fast() && !cause.is_near_shape());
+        let least = if is_distinct { EVIDENCE_OF_FAST } else { EVIDENCE };
         let needed = least + MORE * self.baseline.evidence(without).max(0.0);
         let gain = without.score.gain(&set.score);
         without.evidence(set) >= needed && gain >= GAIN && (without.causes.is_empty() || share >= SHARE)

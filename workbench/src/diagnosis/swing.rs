@@ -35,10 +35,9 @@ struct Tuned {
 
 impl Tuned {
     fn of(signals: &Signals, basis: &Basis, fit: Fit) -> Self {
-        let FreeRun { scored, all } = free_run(signals, basis, &fit);
-        let rows = signals.rows.iter().zip(&scored);
-        let errors = rows.map(|(row, simulated)| signals.output[row.at] - simulated).collect();
-        Self { fit, all, errors }
+        let run = free_run(signals, basis, &fit);
+        let errors = of_run(signals, &run);
+        Self { fit, all: run.all, errors }
     }
 
     fn squares(&self) -> f64 {
@@ -74,9 +73,13 @@ impl Tuned {
 }
 
 /// Measured less simulated where a fit runs free, a value a scored row. Output unit.
-pub fn errors(signals: &Signals, basis: &Basis, fit: Fit) -> (Fit, Vec<f64>) {
-    let Tuned { fit, errors, .. } = Tuned::of(signals, basis, fit);
-    (fit, errors)
+pub fn errors(signals: &Signals, basis: &Basis, fit: &Fit) -> Vec<f64> {
+    of_run(signals, &free_run(signals, basis, fit))
+}
+
+fn of_run(signals: &Signals, run: &FreeRun) -> Vec<f64> {
+    let rows = signals.rows.iter().zip(&run.scored);
+    rows.map(|(row, simulated)| signals.output[row.at] - simulated).collect()
 }
 
 /// A fit with mass that runs free as well as it can, and its errors then: tuned, fitted anew with the motion of that run in

@@ -294,7 +294,8 @@ fn root<T>(start: f64, rise: &mut f64, mut f: impl FnMut(f64) -> (f64, T)) -> (f
         } else {
             low = at;
         }
-        if value.abs() < CLOSE || high - low < CLOSE {
+        // A run that has gone out of all bounds stays there.
+        if value.abs() < CLOSE || high - low < CLOSE || !value.is_finite() {
             break;
         }
         let secant = at - value / *rise;

@@ -47,16 +47,19 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
     let states = basis.states(seen, &signals.rows);
     let every = states.len().div_ceil(ROWS).max(1);
     let apart_s = APART * signals.duration_s();
+    let time_s = |i: usize| signals.time_s[signals.rows[i].at];
+    // By input, so that the states that may be the same stand together.
+    let mut by_input: Vec<usize> = (0..states.len()).step_by(every).collect();
+    by_input.sort_by(|&i, &j| states[i][0].total_cmp(&states[j][0]));
+    let near = |i: usize, j: usize| INPUT_WEIGHT * (states[i][0] - states[j][0]).abs() < SAME;
     let mut differences = Vec::new();
-    for i in (0..states.len()).step_by(every) {
-        let time_s = signals.time_s[signals.rows[i].at];
+    for (place, &i) in by_input.iter().enumerate() {
+        let (before, after) = by_input.split_at(place);
+        let before = before.iter().rev().take_while(|&&j| near(i, j));
         let mut nearest = (SAME, None);
-        for j in (0..states.len()).step_by(every) {
-            if (signals.time_s[signals.rows[j].at] - time_s).abs() < apart_s {
-                continue;
-            }
+        for &j in before.chain(after.iter().take_while(|&&j| near(i, j))) {
             let away = distance(&states[i], &states[j], nearest.0);
-            if away < nearest.0 {
+            if away < nearest.0 && (time_s(j) - time_s(i)).abs() >= apart_s {
                 nearest = (away, Some(j));
             }
         }
@@ -64,7 +67,7 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
             differences.push((residual[i] - residual[j]).powi(2));
         }
     }
-    let matched = differences.len() as f64 / states.len().div_ceil(every) as f64;
+    let matched = differences.len() as f64 / by_input.len() as f64;
     if differences.len() < PAIRS || matched < MATCHED {
         return None;
     }

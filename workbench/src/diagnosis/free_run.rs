@@ -306,3 +306,47 @@ fn root<T>(start: f64, rise: &mut f64, mut f: impl FnMut(f64) -> (f64, T)) -> (f
     }
     (at, there)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Kinks, and slopes from 1 to 1000.
+    fn kinked(u: f64) -> f64 {
+        u - 0.3 + 999.0 * (u - 0.29).max(0.0) + 5.0 * (u + 1.0).clamp(-0.1, 0.1)
+    }
+
+    #[test]
+    fn a_root_is_found_across_kinks_whatever_the_last_rise() {
+        for start in [-3.0, 0.0, 0.4, 7.0] {
+            for last in [1.0, 30.0, 5e4] {
+                let mut rise = last;
+                let (u, value) = root(start, &mut rise, |u| (kinked(u), kinked(u)));
+                assert!(value.abs() < 1e3 * CLOSE, "from {start}, rise {last}: {value} at {u}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_root_of_a_straight_line_whose_rise_is_known_takes_two_evaluations() {
+        let mut evaluations = 0;
+        let line = |u: f64| {
+            evaluations += 1;
+            (40.0 * (u - 0.7), ())
+        };
+        let (u, ()) = root(0.0, &mut 40.0, line);
+        assert!((u - 0.7).abs() < CLOSE);
+        assert_eq!(evaluations, 2);
+    }
+
+    #[test]
+    fn what_is_out_of_all_bounds_is_not_searched_on() {
+        let mut evaluations = 0;
+        let nowhere = |_: f64| {
+            evaluations += 1;
+            (f64::NAN, ())
+        };
+        root(0.0, &mut 1.0, nowhere);
+        assert_eq!(evaluations, 1);
+    }
+}

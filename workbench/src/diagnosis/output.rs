@@ -88,3 +88,31 @@ pub fn low_pass(values: &[f64], time_s: &[f64], time_constant_s: f64) -> Vec<f64
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::Columns;
+    use crate::diagnosis::cause::Cause;
+
+    #[test]
+    fn an_effect_puts_as_many_columns_on_the_output_as_are_counted() {
+        let time_s: Vec<f64> = (0..600).map(|row| f64::from(row) * 0.1).collect();
+        let input: Vec<f64> = time_s.iter().map(|t| 3.0 + 2.0 * (0.4 * t).sin()).collect();
+        let recorded = Columns {
+            output: input.iter().map(|u| 20.0 * u).collect(),
+            scored: vec![true; time_s.len()],
+            load_n: Some(time_s.clone()),
+            temperature_c: Some(time_s.clone()),
+            time_s,
+            input,
+            ..Columns::default()
+        };
+        let signals = Signals::new(&recorded);
+        let starts = Cause::ALL.into_iter().flat_map(|cause| Effect::starts(cause, &signals));
+        let others = [Effect::tone(0.5, &signals), Effect::step(30.0), Effect::wander()];
+        for effect in starts.chain(others) {
+            assert_eq!(count(&effect, &signals), columns(&effect, &signals).0.len(), "{:?}", effect.form);
+        }
+    }
+}

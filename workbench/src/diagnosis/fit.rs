@@ -188,20 +188,9 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Goes on to where another step gains too little.
-    pub fn advance_to_end(&mut self) {
-        self.advance(STEPS);
-    }
-
-    /// Whether another one has the same effects and, but for this share, the same sum of squares.
-    pub fn is_at(&self, other: &Self, share: f64) -> bool {
-        let forms = |descent: &Self| -> Vec<Form> { descent.point.effects.iter().map(|e| e.form).collect() };
-        forms(self) == forms(other) && (self.squares() - other.squares()).abs() < share * self.squares()
-    }
-
     /// The fit at the end of the way, tried on rows that it has not seen.
     pub fn finish(mut self) -> Fit {
-        self.advance_to_end();
+        self.advance(STEPS);
         cross_validate(self.signals, self.point, self.sensitivities)
     }
 }

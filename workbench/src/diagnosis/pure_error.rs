@@ -56,15 +56,16 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
     for (place, &i) in by_input.iter().enumerate() {
         let (before, after) = by_input.split_at(place);
         let before = before.iter().rev().take_while(|&&j| near(i, j));
-        let mut nearest = (SAME, None);
+        // Of several that are as near, as of readings on a grid there are many, the earliest.
+        let mut nearest = (SAME, usize::MAX);
         for &j in before.chain(after.iter().take_while(|&&j| near(i, j))) {
-            let away = distance(&states[i], &states[j], nearest.0);
-            if away < nearest.0 && (time_s(j) - time_s(i)).abs() >= apart_s {
-                nearest = (away, Some(j));
+            let away = distance(&states[i], &states[j], nearest.0.next_up());
+            if (away, j) < nearest && (time_s(j) - time_s(i)).abs() >= apart_s {
+                nearest = (away, j);
             }
         }
-        if let Some(j) = nearest.1 {
-            differences.push((residual[i] - residual[j]).powi(2));
+        if let Some(there) = residual.get(nearest.1) {
+            differences.push((residual[i] - there).powi(2));
         }
     }
     let matched = differences.len() as f64 / by_input.len() as f64;

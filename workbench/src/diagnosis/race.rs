@@ -17,8 +17,6 @@ const SETS: usize = 8;
 /// A start whose sum of squares is more than so many times the best one's is not fitted to the end: running free costs a
 /// set less than that. Of single causes all are, since a pair may begin with any.
 const BEHIND: f64 = 4.0;
-/// Fits of a set whose sums of squares differ by less than this share have come to the same place.
-const SAME: f64 = 1e-3;
 /// Sets, beside the best one, that are tried with its nuisances.
 const BORROWERS: usize = 2;
 /// Delays that a pair begins from lie from the first to below the second. Unit: s.
@@ -93,18 +91,7 @@ impl Search<'_> {
                 sets.len() <= SETS
             }
         });
-        running.par_iter_mut().for_each(|(_, descent)| descent.advance_to_end());
-        // In order, so that it is always the same one that stays.
-        let mut arrived: Vec<(Vec<Cause>, Descent<'_>)> = Vec::new();
-        for (causes, descent) in running {
-            let is_there = |(others, other): &(Vec<Cause>, Descent<'_>)| {
-                *others == causes && other.is_at(&descent, SAME)
-            };
-            if !arrived.iter().any(is_there) {
-                arrived.push((causes, descent));
-            }
-        }
-        let mut found: Vec<Candidate> = arrived
+        let mut found: Vec<Candidate> = running
             .into_par_iter()
             .map(|(causes, descent)| self.candidate(causes, descent.finish()))
             .collect();

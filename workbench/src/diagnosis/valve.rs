@@ -20,7 +20,12 @@ const RECORDED_DELAY: f64 = 1.0;
 /// Rows that are compared, at most.
 const ROWS: usize = 20_000;
 /// Dead bands that are tried, between these shares of the command's span.
-const BANDS: (usize, f64, f64) = (28, 0.003, 0.3);
+const BANDS: (usize, f64, f64) = (240, 0.003, 0.3);
+/// Lags that they are tried with, beside the one found without: that stands in for the band. Unit: s.
+const LAGS_S: [f64; 3] = [0.02, 0.05, 0.12];
+/// How many of them are gone on from, so many places apart.
+const BEGINNINGS: usize = 4;
+const APART: f64 = 4.0;
 /// Iterations for lag, delay and limit.
 const ITERATIONS: usize = 12;
 
@@ -201,20 +206,38 @@ impl Task<'_> {
             let span = self.command.iter().copied().fold(f64::NEG_INFINITY, f64::max)
                 - self.command.iter().copied().fold(f64::INFINITY, f64::min);
             for form in [BandForm::Hold, BandForm::Backlash] {
-                let at = |place: f64| {
+                let at = |place: f64, lag_s: f64| {
                     let share = BANDS.1 * (BANDS.2 / BANDS.1).powf(place / (BANDS.0 - 1) as f64);
-                    Valve { band: Some((form, share * span)), ..*valve }
+                    Valve { band: Some((form, share * span)), lag_s, ..*valve }
                 };
-                let quick = |valve: Valve| self.error(&valve.simulate(self.time_s, self.command));
-                let rough = (0..BANDS.0)
-                    .map(|i| i as f64)
-                    .min_by(|&one, &other| quick(at(one)).total_cmp(&quick(at(other))))
-                    .unwrap_or(0.0);
+                let mut rough: Vec<(f64, f64, f64)> = (0..BANDS.0)
+                    .flat_map(|place| {
+                        LAGS_S.into_iter().chain([valve.lag_s]).map(move |lag_s| (place as f64, lag_s))
+                    })
+                    .map(|(place, lag_s)| {
+                        let simulated = at(place, lag_s).simulate(self.time_s, self.command);
+                        (self.error(&simulated), place, lag_s)
+                    })
+                    .collect();
+                rough.sort_by(|one, other| one.0.total_cmp(&other.0));
+                let mut begun: Vec<f64> = Vec::new();
+                rough.retain(|&(_, place, _)| {
+                    let is_new =
+                        begun.len() < BEGINNINGS && begun.iter().all(|other| (other - place).abs() > APART);
+                    if is_new {
+                        begun.push(place);
+                    }
+                    is_new
+                });
+                let found =
+                    rough.into_iter().map(|(_, place, lag_s)| (place, self.polished(at(place, lag_s))));
+                let Some(mut best) = found.min_by(|one, other| one.1.1.total_cmp(&other.1.1)) else {
+                    continue;
+                };
                 // Ever finer around the best, lag and all refitted.
-                let mut best = (rough, self.polished(at(rough)));
-                for step in [0.6, 0.36, 0.2, 0.12, 0.07, 0.04, 0.02, 0.01] {
+                for step in [3.0, 1.8, 1.0, 0.6, 0.36, 0.2, 0.12, 0.07] {
                     for place in [best.0 - step, best.0 + step] {
-                        let other = self.polished(at(place));
+                        let other = self.polished(at(place, best.1.0.lag_s));
                         if other.1 < best.1.1 {
                             best = (place, other);
                         }

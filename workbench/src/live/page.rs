@@ -1,6 +1,6 @@
 //! The page: its frame here, what moves in `live.js`.
 
-use maud::{DOCTYPE, Markup, html};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::report::page::head;
 use crate::report::plot::Style;
@@ -55,10 +55,12 @@ fn plot(id: &str, caption: &str, x: &str, y: &str, lines: &[(&str, Style)]) -> M
 pub fn page() -> String {
     let contraction = [("measured", Style::Measured), ("wanted", Style::Model)];
     let pressure = [("measured", Style::Measured), ("command", Style::Model)];
+    // Without the icon a browser would ask for one that is not there.
+    let beyond = html! { link rel="icon" href="data:,"; style { (PreEscaped(LIVE_STYLE)) } };
     html! {
         (DOCTYPE)
         html lang="en" {
-            (head("Valve board", LIVE_STYLE))
+            (head("Valve board", &beyond))
             body {
                 h1 { "Valve board" }
                 div.bar {

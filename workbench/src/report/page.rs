@@ -49,16 +49,15 @@ pub fn explained(plots: &[(Plot<'_>, &str)]) -> Markup {
     }
 }
 
-/// The head of a page, with what its look has beyond that of all.
-pub fn head(title: &str, style: &str) -> Markup {
+/// The head of a page, with what it has beyond that of all.
+pub fn head(title: &str, beyond: &Markup) -> Markup {
     html! {
         head {
             meta charset="utf-8";
             meta name="viewport" content="width=device-width, initial-scale=1";
-            // Or a browser asks for an icon that is not there.
-            link rel="icon" href="data:,";
             title { (title) }
-            style { (PreEscaped(STYLE)) (PreEscaped(colour_style())) (PreEscaped(style)) }
+            style { (PreEscaped(STYLE)) (PreEscaped(colour_style())) }
+            (beyond)
         }
     }
 }
@@ -68,7 +67,7 @@ pub fn page(title: &str, body: &Markup, source: &str) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
-            (head(title, ""))
+            (head(title, &html! {}))
             body {
                 h1 { (title) }
                 (body)

@@ -4,11 +4,14 @@
 //! pressure. A lag is always part of it; a delay, a dead band and a limit are added while each makes the error clearly
 //! smaller. The muscle is then modelled from the measured pressure, whatever the valve does.
 
+use rayon::prelude::*;
+
 use super::Columns;
 use super::anatomy::steps;
 use super::cause::Cause;
 use super::equivalent::delayed;
 use super::output::low_pass;
+use crate::numbers::range;
 
 /// A lag up to here is that of any proportional regulator, and not named. Unit: s.
 pub const ORDINARY_LAG_S: f64 = 0.07;
@@ -203,50 +206,51 @@ impl Task<'_> {
             all.push(self.polished(Valve { supply_bar: Some(highest - self.noise), ..*valve }));
         }
         if valve.band.is_none() {
-            let span = self.command.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-                - self.command.iter().copied().fold(f64::INFINITY, f64::min);
-            for form in [BandForm::Hold, BandForm::Backlash] {
-                let at = |place: f64, lag_s: f64| {
-                    let share = BANDS.1 * (BANDS.2 / BANDS.1).powf(place / (BANDS.0 - 1) as f64);
-                    Valve { band: Some((form, share * span)), lag_s, ..*valve }
-                };
-                let mut rough: Vec<(f64, f64, f64)> = (0..BANDS.0)
-                    .flat_map(|place| {
-                        LAGS_S.into_iter().chain([valve.lag_s]).map(move |lag_s| (place as f64, lag_s))
-                    })
-                    .map(|(place, lag_s)| {
-                        let simulated = at(place, lag_s).simulate(self.time_s, self.command);
-                        (self.error(&simulated), place, lag_s)
-                    })
-                    .collect();
-                rough.sort_by(|one, other| one.0.total_cmp(&other.0));
-                let mut begun: Vec<f64> = Vec::new();
-                rough.retain(|&(_, place, _)| {
-                    let is_new =
-                        begun.len() < BEGINNINGS && begun.iter().all(|other| (other - place).abs() > APART);
-                    if is_new {
-                        begun.push(place);
-                    }
-                    is_new
-                });
-                let found =
-                    rough.into_iter().map(|(_, place, lag_s)| (place, self.polished(at(place, lag_s))));
-                let Some(mut best) = found.min_by(|one, other| one.1.1.total_cmp(&other.1.1)) else {
-                    continue;
-                };
-                // Ever finer around the best, lag and all refitted.
-                for step in [3.0, 1.8, 1.0, 0.6, 0.36, 0.2, 0.12, 0.07] {
-                    for place in [best.0 - step, best.0 + step] {
-                        let other = self.polished(at(place, best.1.0.lag_s));
-                        if other.1 < best.1.1 {
-                            best = (place, other);
-                        }
-                    }
-                }
-                all.push(best.1);
-            }
+            all.extend(
+                [BandForm::Hold, BandForm::Backlash].into_iter().filter_map(|form| self.banded(valve, form)),
+            );
         }
         all
+    }
+
+    /// The valve with a dead band. Its stairs fit at the right band only, and the lag that was found without it stands in for
+    /// it: so bands are tried closely, each with several lags, and the best few are polished.
+    fn banded(&self, valve: &Valve, form: BandForm) -> Option<(Valve, f64)> {
+        let (low, high) = range(self.command);
+        let at = |place: f64, lag_s: f64| {
+            let share = BANDS.1 * (BANDS.2 / BANDS.1).powf(place / (BANDS.0 - 1) as f64);
+            Valve { band: Some((form, share * (high - low))), lag_s, ..*valve }
+        };
+        let lags = LAGS_S.into_iter().chain([valve.lag_s]);
+        let mut tried: Vec<(f64, f64, f64)> = (0..BANDS.0)
+            .into_par_iter()
+            .flat_map_iter(|place| lags.clone().map(move |lag_s| (place as f64, lag_s)))
+            .map(|(place, lag_s)| {
+                let simulated = at(place, lag_s).simulate(self.time_s, self.command);
+                (self.error(&simulated), place, lag_s)
+            })
+            .collect();
+        tried.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let mut begun: Vec<(f64, f64)> = Vec::new();
+        for (_, place, lag_s) in tried {
+            if begun.iter().all(|(other, _)| (other - place).abs() > APART) {
+                begun.push((place, lag_s));
+            }
+        }
+        let begun = begun.into_iter().take(BEGINNINGS);
+        let mut best = begun
+            .map(|(place, lag_s)| (place, self.polished(at(place, lag_s))))
+            .min_by(|one, other| one.1.1.total_cmp(&other.1.1))?;
+        // Ever finer around the best, lag and all refitted.
+        for step in [3.0, 1.8, 1.0, 0.6, 0.36, 0.2, 0.12, 0.07] {
+            for place in [best.0 - step, best.0 + step] {
+                let other = self.polished(at(place, best.1.0.lag_s));
+                if other.1 < best.1.1 {
+                    best = (place, other);
+                }
+            }
+        }
+        Some(best.1)
     }
 
     /// Lag, delay and limit by Gauss-Newton with differences.

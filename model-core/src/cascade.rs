@@ -21,6 +21,7 @@ use crate::convert;
 use crate::dead_zone::{DeadZoneParameters, DeadZones};
 use crate::envelope::{AnyEnvelope, Envelope, EnvelopeParameters};
 use crate::error::{InputError, ParameterError, finite_input};
+use crate::few_plays::Ends;
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
 use crate::play::{PlayBank, PlayParameters, Reached};
 use crate::range::Range;
@@ -135,15 +136,12 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
 
     fn inverse(&self) -> Result<Self::Inverse, ParameterError> {
         let v = |x| self.envelope.value(x);
+        let (low, high) = (v(self.input_range.min()), v(self.input_range.max()));
+        let plays = self.plays.inverse()?;
         Ok(InverseCascade {
-            plays: self.plays.inverse()?,
-            inner_range: Range::try_new(
-                v(self.input_range.min()),
-                v(self.input_range.max()),
-                "envelope range",
-                "",
-            )?,
-            has_few: self.plays.has_few() && self.dead_zones.curve().has_few(),
+            inner_ends: plays.ends(Range::try_new(low, high, "envelope range", "")?),
+            plays,
+            has_few_zones: self.dead_zones.curve().has_few(),
             forward: self.clone(),
         })
     }
@@ -155,10 +153,10 @@ pub struct InverseCascade<T, E, const N: usize, const M: usize> {
     forward: Cascade<T, E, N, M>,
     /// The inverse of the forward model's plays.
     plays: PlayBank<T, N>,
-    /// The image of the input range under the envelope.
-    inner_range: Range<T>,
-    /// Whether the curves of plays and dead zones have few segments, see [`crate::curve`].
-    has_few: bool,
+    /// Of its moves: the image of the input range under the envelope.
+    inner_ends: Ends<T>,
+    /// Whether the curve of the dead zones has few segments, see [`crate::curve`].
+    has_few_zones: bool,
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, E, N, M> {
@@ -170,30 +168,14 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
     /// The step for an output that is known to be finite.
     #[inline(always)]
     pub(crate) fn answer(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
-        if self.has_few { self.answer_with::<true, true>(state, y) } else { self.answer_by_loops(state, y) }
-    }
-
-    /// Apart, lest it costs the other case registers.
-    #[inline(never)]
-    fn answer_by_loops(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
-        // The memory of few plays is searched as that of few, whatever the dead zones.
-        if self.plays.has_few() {
-            self.answer_with::<false, true>(state, y)
+        let dead_zones = self.forward.dead_zones.curve();
+        let u = if self.has_few_zones {
+            dead_zones.segment_of::<true>(y).inverse(y)
         } else {
-            self.answer_with::<false, false>(state, y)
-        }
-    }
-
-    /// `FEW_ZONES`: whether the curve of the dead zones has few segments. `FEW`: whether the plays are few.
-    #[inline(always)]
-    fn answer_with<const FEW_ZONES: bool, const FEW: bool>(
-        &self,
-        state: &mut HysteresisState<T, N>,
-        y: T,
-    ) -> T {
-        let u = self.forward.dead_zones.curve().segment_of::<FEW_ZONES>(y).inverse(y);
+            dead_zones.inverse(y)
+        };
         let (rising, ends) = (state.plays.goes_up_to(u), &self.forward.input_range);
-        match self.plays.move_within::<FEW>(&mut state.plays, u, rising, &self.inner_range) {
+        match self.plays.move_within(&mut state.plays, u, rising, &self.inner_ends) {
             Reached::Inside(v) => ends.limit(self.forward.envelope.inverse_inside(v)),
             // The end itself, whatever the envelope's rounding.
             Reached::End(_) if rising => ends.max(),

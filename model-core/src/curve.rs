@@ -166,6 +166,11 @@ impl<T: Real> Segment<T> {
         self.slope
     }
 
+    /// One over the slope.
+    pub(crate) fn reciprocal_slope(&self) -> T {
+        self.reciprocal_slope
+    }
+
     /// y at x, on the straight line through the segment.
     #[inline(always)]
     pub(crate) fn value(&self, x: T) -> T {

@@ -27,15 +27,16 @@ use heapless::Vec;
 
 use crate::curve::{MonotoneCurve, Segment};
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
+use crate::few_plays::{Ends, FEW_PLAYS, FewPlays};
 use crate::play_move::Target;
+use crate::play_state::Memory;
 use crate::range::Range;
 use crate::real::Real;
-use crate::turn_stack::FEW_TURNS;
-use crate::turning_points::{Turn, admissible};
+use crate::turning_points::{Turn, TurningPoints, admissible};
 
 pub(crate) use crate::play_move::Reached;
 pub use crate::play_parameters::PlayParameters;
-pub use crate::turning_points::PlayState;
+pub use crate::play_state::PlayState;
 
 /// A validated bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,13 +48,16 @@ pub struct PlayBank<T, const N: usize> {
     /// Where a falling move that drives all plays can be thought to come from: the last segment's line goes through it.
     /// A rising one comes from the same point on the other side of 0.
     pub(crate) origin_of_all: Turn<T>,
+    /// The same bank, where it has at most [`FEW_PLAYS`].
+    few: FewPlays<T>,
 }
 
 impl<T: Real, const N: usize> PlayBank<T, N> {
     fn new(curve: MonotoneCurve<T, N>) -> Self {
         let all = *curve.segment(curve.len() - 1);
         let (v, u) = all.start();
-        Self { curve, all, origin_of_all: Turn { v: half(v), u: half(u), driven: 0 } }
+        let origin_of_all = Turn { v: half(v), u: half(u), driven: 0 };
+        Self { few: FewPlays::new(&curve), curve, all, origin_of_all }
     }
 
     /// # Errors
@@ -76,12 +80,6 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             curve.bend(point, slope, Check::at("partial sums of q and play weights", i, ""))?;
         }
         Ok(Self::new(curve))
-    }
-
-    /// Whether the curve [has few](MonotoneCurve::has_few) segments, and there is room for the search among the turning
-    /// points that goes with it.
-    pub(crate) fn has_few(&self) -> bool {
-        N >= FEW_TURNS && self.curve.has_few()
     }
 
     /// Number of plays.
@@ -131,10 +129,19 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         Ok(self.state_with(|play| outputs.get(play).copied().unwrap_or(T::ZERO), v))
     }
 
-    /// The state at the input `v` with these outputs of the plays: a history of one turning point for each, from the
-    /// largest threshold on.
+    /// The state at the input `v` with these outputs of the plays.
     fn state_with(&self, output: impl Fn(usize) -> T, v: T) -> PlayState<T, N> {
-        let mut state = PlayState::new(Turn { v, u: T::ZERO, driven: 0 }, false, self.has_few());
+        let memory = if self.len() <= FEW_PLAYS {
+            Memory::Few(FewPlays::state_with(output, v))
+        } else {
+            Memory::Many(self.turning_points_with(output, v))
+        };
+        PlayState { memory }
+    }
+
+    /// A history of one turning point for each play, from the largest threshold on.
+    fn turning_points_with(&self, output: impl Fn(usize) -> T, v: T) -> TurningPoints<T, N> {
+        let mut state = TurningPoints::new(Turn { v, u: T::ZERO, driven: 0 }, false);
         // What the plays of the larger thresholds add to u.
         let mut still = T::ZERO;
         for play in (0..self.len()).rev() {
@@ -155,6 +162,13 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The outputs of the plays, by rising threshold.
     pub fn outputs(&self, state: &PlayState<T, N>) -> Vec<T, N> {
         let mut outputs: Vec<T, N> = Vec::new();
+        let state = match &state.memory {
+            Memory::Few(few) => {
+                outputs.extend(few.iter().take(self.len()).copied());
+                return outputs;
+            }
+            Memory::Many(many) => many,
+        };
         for threshold in self.thresholds() {
             let _ = outputs.push(state.last.v - if state.rising { threshold } else { -threshold });
         }
@@ -184,15 +198,20 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
         let to = Target { v, end: None };
-        let reached = match (rising, self.has_few()) {
-            (true, true) => self.drive::<true, true>(state, to),
-            (true, false) => self.drive::<true, false>(state, to),
-            (false, true) => self.drive::<false, true>(state, to),
-            (false, false) => self.drive::<false, false>(state, to),
+        let reached = match (&mut state.memory, rising) {
+            (Memory::Few(few), true) => return self.few.drive::<true>(few, v),
+            (Memory::Few(few), false) => return self.few.drive::<false>(few, v),
+            (Memory::Many(many), true) => self.drive::<true>(many, to),
+            (Memory::Many(many), false) => self.drive::<false>(many, to),
         };
         match reached {
             Reached::Inside(u) | Reached::End(u) => u,
         }
+    }
+
+    /// How far a move may go for u to stay within `range`.
+    pub(crate) fn ends(&self, range: Range<T>) -> Ends<T> {
+        self.few.ends(range)
     }
 
     /// As [`advance_toward`](Self::advance_toward), but goes no farther than u stays within the range: the input
@@ -204,30 +223,45 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         rising: bool,
         range: &Range<T>,
     ) -> T {
-        let reached = if self.has_few() {
-            self.move_within::<true>(state, v, rising, range)
-        } else {
-            self.move_within::<false>(state, v, rising, range)
+        let reached = match (&mut state.memory, rising) {
+            (Memory::Few(few), true) => self.few.drive_to_end::<true>(few, v, range),
+            (Memory::Few(few), false) => self.few.drive_to_end::<false>(few, v, range),
+            (Memory::Many(many), _) => self.move_many_within(many, v, rising, range),
         };
         match reached {
             Reached::Inside(u) | Reached::End(u) => u,
         }
     }
 
-    /// [`advance_within`](Self::advance_within), with what has been reached. `FEW`: whether the bank
-    /// [has few](Self::has_few).
+    /// [`advance_within`](Self::advance_within) from a state that no jumps led to, with what has been reached.
     #[inline(always)]
-    pub(crate) fn move_within<const FEW: bool>(
+    pub(crate) fn move_within(
         &self,
         state: &mut PlayState<T, N>,
+        v: T,
+        rising: bool,
+        ends: &Ends<T>,
+    ) -> Reached<T> {
+        match (&mut state.memory, rising) {
+            (Memory::Few(few), true) => self.few.drive_within::<true>(few, v, ends),
+            (Memory::Few(few), false) => self.few.drive_within::<false>(few, v, ends),
+            (Memory::Many(many), _) => self.move_many_within(many, v, rising, &ends.range),
+        }
+    }
+
+    /// Apart, lest it costs the others registers.
+    #[inline(never)]
+    fn move_many_within(
+        &self,
+        state: &mut TurningPoints<T, N>,
         v: T,
         rising: bool,
         range: &Range<T>,
     ) -> Reached<T> {
         if rising {
-            self.drive::<true, FEW>(state, Target { v, end: Some(range.max()) })
+            self.drive::<true>(state, Target { v, end: Some(range.max()) })
         } else {
-            self.drive::<false, FEW>(state, Target { v, end: Some(range.min()) })
+            self.drive::<false>(state, Target { v, end: Some(range.min()) })
         }
     }
 
@@ -245,7 +279,11 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// The state that the inverse bank has where this bank has `state`.
     pub fn inverse_state(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
-        state.inverted()
+        let memory = match &state.memory {
+            Memory::Few(few) => Memory::Few(self.few.inverse_state(few)),
+            Memory::Many(many) => Memory::Many(many.inverted()),
+        };
+        PlayState { memory }
     }
 }
 

@@ -139,7 +139,7 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
         let (low, high) = (v(self.input_range.min()), v(self.input_range.max()));
         let plays = self.plays.inverse()?;
         Ok(InverseCascade {
-            inner_ends: plays.ends(Range::try_new(low, high, "envelope range", "")?),
+            inner_ends: plays.ends(Range::try_new(low, high, "envelope range", "")?, self.envelope.values()),
             plays,
             has_few_zones: self.dead_zones.curve().has_few(),
             forward: self.clone(),
@@ -149,12 +149,13 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
 
 /// The inverse of a [`Cascade`].
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)] // In this order what every sample needs is within the reach of a load, 1020 bytes: else each costs an addition.
 pub struct InverseCascade<T, E, const N: usize, const M: usize> {
-    forward: Cascade<T, E, N, M>,
+    /// Of the plays' moves: the image of the input range under the envelope.
+    inner_ends: Ends<T>,
     /// The inverse of the forward model's plays.
     plays: PlayBank<T, N>,
-    /// Of its moves: the image of the input range under the envelope.
-    inner_ends: Ends<T>,
+    forward: Cascade<T, E, N, M>,
     /// Whether the curve of the dead zones has few segments, see [`crate::curve`].
     has_few_zones: bool,
 }
@@ -174,11 +175,21 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
         } else {
             dead_zones.inverse(y)
         };
-        let (rising, ends) = (state.plays.goes_up_to(u), &self.forward.input_range);
-        match self.plays.move_within(&mut state.plays, u, rising, &self.inner_ends) {
+        if !self.plays.stays_within(&state.plays, u, &self.inner_ends) {
+            return self.answer_near_end(state, u);
+        }
+        let v = self.plays.advance(&mut state.plays, u);
+        self.forward.input_range.limit(self.forward.envelope.inverse_inside(v))
+    }
+
+    /// The answer where u may be beyond what can be reached. Apart, lest it costs the other case registers.
+    #[inline(never)]
+    fn answer_near_end(&self, state: &mut HysteresisState<T, N>, u: T) -> T {
+        let ends = &self.forward.input_range;
+        match self.plays.move_within(&mut state.plays, u, &self.inner_ends) {
             Reached::Inside(v) => ends.limit(self.forward.envelope.inverse_inside(v)),
             // The end itself, whatever the envelope's rounding.
-            Reached::End(_) if rising => ends.max(),
+            Reached::End(v) if v == self.inner_ends.range.max() => ends.max(),
             Reached::End(_) => ends.min(),
         }
     }
@@ -199,8 +210,8 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<
         self.forward.dead_zones.value(state.plays.input())
     }
 
-    /// Equation (17).
-    #[inline(always)]
+    /// Equation (17). Apart: in one function with the rest of a controller there are too few registers.
+    #[inline(never)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         Ok(self.answer(state, finite_input(y)?))
     }

@@ -6,14 +6,14 @@
 //! What the driven ones give is one straight line, u = (q + p₁ + … + pₖ) v ∓ (p₁ r₁ + … + pₖ rₖ), to which the sum
 //! of those left is added. So every play costs a store or a product, whichever k is, and no comparison of its own.
 //!
-//! There are always ten: those beyond the parameters' have an infinite threshold, which nothing drives, and no weight.
+//! There are always ten: those beyond the parameters' repeat the last one without weight.
 //! For more plays the turning points are cheaper ([`crate::turning_points`]).
 //!
 //! # Ends of the range
 //! A move may be told not to go farther than u stays within a range. How far that is depends on the plays that are left. Where
-//! v is so far inside that it does not matter what is left ([`Ends`]), nothing is looked at; elsewhere the end is
-//! computed, from the largest play on: at once where all are driven at the end, as they are once a muscle has been
-//! through its range; else at a dozen instructions for each play that is not.
+//! v is inside whatever is left ([`Ends`]), nothing is looked at. Beyond, the end is that where all plays are driven, if
+//! they are then: so it is once a muscle has been through its range, for no move takes that back. A muscle that
+//! has not costs a dozen instructions more for each play that is not driven.
 
 use core::array;
 
@@ -51,8 +51,6 @@ pub(crate) struct Outputs<T> {
     outputs: [T; FEW_PLAYS],
     /// The last input.
     pub(crate) v: T,
-    /// Whether the input rose, or rested after it had risen.
-    pub(crate) rising: bool,
 }
 
 /// How far a bank may move.
@@ -60,7 +58,7 @@ pub(crate) struct Outputs<T> {
 pub(crate) struct Ends<T> {
     /// Of u.
     pub(crate) range: Range<T>,
-    /// Between these v no state leads out of the range; none where the first is above the second.
+    /// Strictly between these v no state leads out of the range; none where the first is not below the second.
     inside: (T, T),
 }
 
@@ -78,10 +76,8 @@ impl<T: Real> FewPlays<T> {
                 moment: half * (slope * bend - u),
             }
         };
-        let threshold =
-            |play| if play + 1 < curve.len() { half * segment(play + 1).start().0 } else { T::INFINITY };
         Self {
-            thresholds: array::from_fn(threshold),
+            thresholds: array::from_fn(|play| half * segment(play + 1).start().0),
             weights: array::from_fn(|play| segment(play + 1).slope() - segment(play).slope()),
             direct: line(0),
             driven: array::from_fn(|play| line(play + 1)),
@@ -90,7 +86,7 @@ impl<T: Real> FewPlays<T> {
 
     /// The state with these outputs at the input `v`.
     pub(crate) fn state_with(output: impl Fn(usize) -> T, v: T) -> Outputs<T> {
-        Outputs { outputs: array::from_fn(output), v, rising: true }
+        Outputs { outputs: array::from_fn(output), v }
     }
 
     /// The state of the inverse bank: its outputs are the u at which the last turn of each play would be its output.
@@ -106,30 +102,31 @@ impl<T: Real> FewPlays<T> {
         inverse
     }
 
-    /// How far this bank may move for u to stay within `range`.
+    /// How far this bank may move for u to stay within `range`, and, roundings included, within `domain` all the more.
     ///
-    /// Over all states of a bank at v, u differs from (q + Σ pᵢ) v by at most the sum of |pᵢ + … + pₙ| (rᵢ - rᵢ₋₁).
-    pub(crate) fn ends(&self, range: Range<T>) -> Ends<T> {
+    /// Over all states of a bank at v, u lies beyond what it is where all plays are driven by at most
+    /// 2 Σ max(pᵢ + … + pₙ, 0) (rᵢ - rᵢ₋₁).
+    pub(crate) fn ends(&self, range: Range<T>, domain: (T, T)) -> Ends<T> {
         let [.., all] = self.driven;
-        let (mut spread, mut scale, mut last) = (T::ZERO, self.direct.slope, (T::ZERO, self.direct.slope));
+        let (mut excess, mut scale, mut last) = (T::ZERO, self.direct.slope, (T::ZERO, self.direct.slope));
         for ((&threshold, &weight), line) in self.thresholds.iter().zip(&self.weights).zip(&self.driven) {
-            if threshold < T::INFINITY {
-                spread += (all.slope - last.1).abs() * (threshold - last.0);
-                scale += weight.abs();
-                last = (threshold, line.slope);
-            }
+            let sum = (all.slope - last.1).at_least(T::ZERO);
+            excess += (sum + sum) * (threshold - last.0);
+            scale += weight.abs();
+            last = (threshold, line.slope);
         }
-        let farthest = range.min().abs() + range.max().abs() + spread;
+        let farthest = range.min().abs() + range.max().abs() + excess;
         // More than the sums can lose by roundings.
         let margin = T::from_f64(32.0) * T::EPSILON * scale * (farthest * all.reciprocal_slope + last.0);
-        let end = |u: T| u * all.reciprocal_slope;
-        Ends { inside: (end(range.min() + (spread + margin)), end(range.max() - (spread + margin))), range }
+        let lowest = range.min().at_least(domain.0 + margin) + excess;
+        let highest = range.max().at_most(domain.1 - margin) - excess;
+        Ends { inside: (all.input_at::<false>(lowest), all.input_at::<true>(highest)), range }
     }
 
     /// Moves to `v` in one direction, and answers u.
     #[inline(always)]
     pub(crate) fn drive<const RISING: bool>(&self, state: &mut Outputs<T>, v: T) -> T {
-        (state.v, state.rising) = (v, RISING);
+        state.v = v;
         let outputs = &mut state.outputs;
         let drives = |outputs: &[T; FEW_PLAYS], play: usize| {
             let play = outputs.get(play).zip(self.thresholds.get(play));
@@ -175,27 +172,17 @@ impl<T: Real> FewPlays<T> {
     /// Drives the first `K` plays and leaves the others.
     #[inline(always)]
     fn drive_first<const K: usize, const RISING: bool>(&self, outputs: &mut [T; FEW_PLAYS], v: T) -> T {
-        for (z, &threshold) in outputs.iter_mut().zip(&self.thresholds).take(K) {
-            *z = go::<T, RISING>(v, -threshold);
-        }
         let line = self.driven.get(K.wrapping_sub(1)).unwrap_or(&self.direct);
-        let driven = go::<T, RISING>(line.slope * v, -line.moment);
-        outputs.iter().zip(&self.weights).skip(K).fold(driven, |u, (&z, &weight)| u + weight * z)
-    }
-
-    /// As [`drive`](Self::drive), but goes no farther than the ends.
-    #[inline(always)]
-    pub(crate) fn drive_within<const RISING: bool>(
-        &self,
-        state: &mut Outputs<T>,
-        v: T,
-        ends: &Ends<T>,
-    ) -> Reached<T> {
-        if if RISING { v < ends.inside.1 } else { v > ends.inside.0 } {
-            Reached::Inside(self.drive::<RISING>(state, v))
-        } else {
-            self.drive_to_end::<RISING>(state, v, &ends.range)
+        let mut u = go::<T, RISING>(line.slope * v, -line.moment);
+        let plays = outputs.iter_mut().zip(&self.thresholds).zip(&self.weights).enumerate();
+        for (play, ((z, &threshold), &weight)) in plays {
+            if play < K {
+                *z = go::<T, RISING>(v, -threshold);
+            } else {
+                u += weight * *z;
+            }
         }
+        u
     }
 
     /// As [`drive`](Self::drive), but goes no farther than u stays within a range, wherever `v` is.
@@ -207,6 +194,15 @@ impl<T: Real> FewPlays<T> {
         range: &Range<T>,
     ) -> Reached<T> {
         let u_end = if RISING { range.max() } else { range.min() };
+        let ([.., all], [.., last], [.., threshold]) = (&self.driven, &state.outputs, &self.thresholds);
+        let end_of_all = all.input_at::<RISING>(u_end);
+        if !passes::<T, RISING>(end_of_all, v)
+            && !passes::<T, RISING>(*last, go::<T, RISING>(end_of_all, -*threshold))
+        {
+            state.v = end_of_all;
+            self.drive_first::<FEW_PLAYS, RISING>(&mut state.outputs, end_of_all);
+            return Reached::End(u_end);
+        }
         let end = self.input_at::<RISING>(&state.outputs, u_end);
         let is_beyond = passes::<T, RISING>(v, end);
         let u = self.drive::<RISING>(state, if is_beyond { end } else { v });
@@ -233,6 +229,14 @@ impl<T: Real> Line<T> {
     /// The v at which it reaches `u` in one direction.
     fn input_at<const RISING: bool>(&self, u: T) -> T {
         go::<T, RISING>(u, self.moment) * self.reciprocal_slope
+    }
+}
+
+impl<T: Real> Ends<T> {
+    /// Whether `v` is surely inside.
+    #[inline(always)]
+    pub(crate) fn surely_contain(&self, v: T) -> bool {
+        v > self.inside.0 && v < self.inside.1
     }
 }
 

@@ -40,7 +40,10 @@ pub use crate::play_state::PlayState;
 
 /// A validated bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)] // As for `InverseCascade`.
 pub struct PlayBank<T, const N: usize> {
+    /// The same bank, where it has at most [`FEW_PLAYS`].
+    few: FewPlays<T>,
     /// C: how far u moves when v moves from a turning point. Its i-th bend is at twice the i-th threshold.
     pub(crate) curve: MonotoneCurve<T, N>,
     /// The last segment of the curve, on which all plays are driven.
@@ -48,8 +51,6 @@ pub struct PlayBank<T, const N: usize> {
     /// Where a falling move that drives all plays can be thought to come from: the last segment's line goes through it.
     /// A rising one comes from the same point on the other side of 0.
     pub(crate) origin_of_all: Turn<T>,
-    /// The same bank, where it has at most [`FEW_PLAYS`].
-    few: FewPlays<T>,
 }
 
 impl<T: Real, const N: usize> PlayBank<T, N> {
@@ -132,7 +133,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The state at the input `v` with these outputs of the plays.
     fn state_with(&self, output: impl Fn(usize) -> T, v: T) -> PlayState<T, N> {
         let memory = if self.len() <= FEW_PLAYS {
-            Memory::Few(FewPlays::state_with(output, v))
+            let last = self.len().saturating_sub(1);
+            Memory::Few(FewPlays::state_with(|play| output(play.min(last)), v))
         } else {
             Memory::Many(self.turning_points_with(output, v))
         };
@@ -189,29 +191,28 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     }
 
     /// [`step`](Self::step) for an input that is known to be finite.
+    #[inline(always)]
     pub(crate) fn advance(&self, state: &mut PlayState<T, N>, v: T) -> T {
-        let rising = state.goes_up_to(v);
-        self.advance_toward(state, v, rising)
+        match &mut state.memory {
+            Memory::Few(few) if v >= few.v => self.few.drive::<true>(few, v),
+            Memory::Few(few) => self.few.drive::<false>(few, v),
+            Memory::Many(many) => self.advance_many(many, v, many.goes_up_to(v), None).output(),
+        }
     }
 
     /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps, against the
     /// direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
-        let to = Target { v, end: None };
-        let reached = match (&mut state.memory, rising) {
-            (Memory::Few(few), true) => return self.few.drive::<true>(few, v),
-            (Memory::Few(few), false) => return self.few.drive::<false>(few, v),
-            (Memory::Many(many), true) => self.drive::<true>(many, to),
-            (Memory::Many(many), false) => self.drive::<false>(many, to),
-        };
-        match reached {
-            Reached::Inside(u) | Reached::End(u) => u,
+        match (&mut state.memory, rising) {
+            (Memory::Few(few), true) => self.few.drive::<true>(few, v),
+            (Memory::Few(few), false) => self.few.drive::<false>(few, v),
+            (Memory::Many(many), _) => self.advance_many(many, v, rising, None).output(),
         }
     }
 
-    /// How far a move may go for u to stay within `range`.
-    pub(crate) fn ends(&self, range: Range<T>) -> Ends<T> {
-        self.few.ends(range)
+    /// How far a move may go for u to stay within `range`, and, roundings included, within `domain` all the more.
+    pub(crate) fn ends(&self, range: Range<T>, domain: (T, T)) -> Ends<T> {
+        self.few.ends(range, domain)
     }
 
     /// As [`advance_toward`](Self::advance_toward), but goes no farther than u stays within the range: the input
@@ -223,45 +224,47 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         rising: bool,
         range: &Range<T>,
     ) -> T {
-        let reached = match (&mut state.memory, rising) {
+        self.reach_within(state, v, rising, range).output()
+    }
+
+    /// [`advance_within`](Self::advance_within), with what has been reached.
+    fn reach_within(&self, state: &mut PlayState<T, N>, v: T, rising: bool, range: &Range<T>) -> Reached<T> {
+        match (&mut state.memory, rising) {
             (Memory::Few(few), true) => self.few.drive_to_end::<true>(few, v, range),
             (Memory::Few(few), false) => self.few.drive_to_end::<false>(few, v, range),
-            (Memory::Many(many), _) => self.move_many_within(many, v, rising, range),
-        };
-        match reached {
-            Reached::Inside(u) | Reached::End(u) => u,
+            (Memory::Many(many), _) => self.advance_many(many, v, rising, Some(range)),
         }
     }
 
-    /// [`advance_within`](Self::advance_within) from a state that no jumps led to, with what has been reached.
+    /// Whether [`advance`](Self::advance) stays surely within the ends, from a state that no jumps led to. Of many plays
+    /// it is not known.
     #[inline(always)]
-    pub(crate) fn move_within(
-        &self,
-        state: &mut PlayState<T, N>,
-        v: T,
-        rising: bool,
-        ends: &Ends<T>,
-    ) -> Reached<T> {
-        match (&mut state.memory, rising) {
-            (Memory::Few(few), true) => self.few.drive_within::<true>(few, v, ends),
-            (Memory::Few(few), false) => self.few.drive_within::<false>(few, v, ends),
-            (Memory::Many(many), _) => self.move_many_within(many, v, rising, &ends.range),
-        }
+    pub(crate) fn stays_within(&self, state: &PlayState<T, N>, v: T, ends: &Ends<T>) -> bool {
+        matches!(state.memory, Memory::Few(_)) && ends.surely_contain(v)
     }
 
-    /// Apart, lest it costs the others registers.
+    /// As [`advance`](Self::advance), but stays within the ends wherever `v` is.
+    pub(crate) fn move_within(&self, state: &mut PlayState<T, N>, v: T, ends: &Ends<T>) -> Reached<T> {
+        let rising = match &state.memory {
+            Memory::Few(few) => v >= few.v,
+            Memory::Many(many) => many.goes_up_to(v),
+        };
+        self.reach_within(state, v, rising, &ends.range)
+    }
+
+    /// Apart, lest it costs few plays registers.
     #[inline(never)]
-    fn move_many_within(
+    fn advance_many(
         &self,
         state: &mut TurningPoints<T, N>,
         v: T,
         rising: bool,
-        range: &Range<T>,
+        range: Option<&Range<T>>,
     ) -> Reached<T> {
         if rising {
-            self.drive::<true>(state, Target { v, end: Some(range.max()) })
+            self.drive::<true>(state, Target { v, end: range.map(Range::max) })
         } else {
-            self.drive::<false>(state, Target { v, end: Some(range.min()) })
+            self.drive::<false>(state, Target { v, end: range.map(Range::min) })
         }
     }
 

@@ -21,6 +21,14 @@ pub(crate) enum Reached<T> {
     End(T),
 }
 
+impl<T> Reached<T> {
+    pub(crate) fn output(self) -> T {
+        match self {
+            Self::Inside(u) | Self::End(u) => u,
+        }
+    }
+}
+
 /// The heights of the turning points that a move leaves, see [`TurnStack`].
 #[derive(Clone, Copy)]
 struct Kept {

@@ -36,14 +36,4 @@ impl<T: Real, const N: usize> PlayState<T, N> {
             (memory, other) => memory.clone_from(other),
         }
     }
-
-    /// Whether `v` is above where the input stands; where it is neither above nor below, whether the input rose before.
-    #[inline(always)]
-    pub(crate) fn goes_up_to(&self, v: T) -> bool {
-        let (last, rising) = match &self.memory {
-            Memory::Few(few) => (few.v, few.rising),
-            Memory::Many(many) => (many.last.v, many.rising),
-        };
-        if rising { v >= last } else { v > last }
-    }
 }

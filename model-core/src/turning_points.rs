@@ -74,6 +74,11 @@ impl<T: Real, const N: usize> TurningPoints<T, N> {
         if RISING { (&mut self.lows, &mut self.highs) } else { (&mut self.highs, &mut self.lows) }
     }
 
+    /// Whether `v` is above where the input stands; where it is neither above nor below, whether the input rose before.
+    pub(crate) fn goes_up_to(&self, v: T) -> bool {
+        if self.rising { v >= self.last.v } else { v > self.last.v }
+    }
+
     /// Adds the innermost turning point: a low where the input rises from it. Whether it found a place.
     pub(crate) fn push(&mut self, turn: Turn<T>) -> bool {
         if self.rising { self.lows.push(turn) } else { self.highs.push(turn) }

@@ -105,6 +105,14 @@ impl<T: Real> Envelope<T> for AnyEnvelope<T> {
         }
     }
 
+    fn values(&self) -> (T, T) {
+        match self {
+            Self::Identity(envelope) => envelope.values(),
+            Self::Tanh(envelope) => envelope.values(),
+            Self::PiecewiseLinear(envelope) => envelope.values(),
+        }
+    }
+
     fn least_slope(&self, range: &Range<T>) -> T {
         match self {
             Self::Identity(envelope) => envelope.least_slope(range),

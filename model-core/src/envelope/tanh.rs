@@ -74,6 +74,10 @@ impl<T: Real> Envelope<T> for TanhEnvelope<T> {
         T::atanh_of_ratio((c0 + v) - c3, (c0 - v) + c3) * self.reciprocal_c1 + self.centre
     }
 
+    fn values(&self) -> (T, T) {
+        (self.low, self.high)
+    }
+
     /// γ' = c0 c1 (1 - tanh²) has its least value at one of the ends.
     fn least_slope(&self, range: &Range<T>) -> T {
         let TanhParameters { c0, c1, c2, .. } = self.parameters;

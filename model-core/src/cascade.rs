@@ -23,7 +23,7 @@ use crate::envelope::{AnyEnvelope, Envelope, EnvelopeParameters};
 use crate::error::{InputError, ParameterError, finite_input};
 use crate::few_plays::Ends;
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
-use crate::play::{PlayBank, PlayParameters, Reached};
+use crate::play::{PlayBank, PlayParameters, PlayState, Reached};
 use crate::range::Range;
 use crate::real::Real;
 
@@ -80,6 +80,25 @@ pub struct Cascade<T, E, const N: usize, const M: usize> {
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M> {
+    /// With an envelope of a kind that is known at compile time, in the place of the parameters' own: its inverse takes fewer
+    /// instructions, the fewer the smaller the capacities.
+    ///
+    /// # Errors
+    /// The first parameter that no invertible model can be made of.
+    pub fn with_envelope(
+        envelope: E,
+        parameters: &CascadeParameters<T, N, M>,
+    ) -> Result<Self, ParameterError> {
+        let CascadeParameters { plays, dead_zones, input_min, input_max, preconditioned, .. } = parameters;
+        Ok(Self {
+            envelope,
+            plays: PlayBank::try_new(plays)?,
+            dead_zones: DeadZones::try_new(dead_zones)?,
+            input_range: Range::try_new(*input_min, *input_max, "input range", "input unit")?,
+            preconditioned: *preconditioned,
+        })
+    }
+
     /// The bank of plays.
     pub fn plays(&self) -> &PlayBank<T, N> {
         &self.plays
@@ -95,15 +114,7 @@ impl<T: Real, const N: usize, const M: usize> Cascade<T, AnyEnvelope<T>, N, M> {
     /// # Errors
     /// The first parameter that no invertible model can be made of.
     pub fn try_new(parameters: &CascadeParameters<T, N, M>) -> Result<Self, ParameterError> {
-        let CascadeParameters { envelope, plays, dead_zones, input_min, input_max, preconditioned } =
-            parameters;
-        Ok(Self {
-            envelope: AnyEnvelope::try_new(envelope)?,
-            plays: PlayBank::try_new(plays)?,
-            dead_zones: DeadZones::try_new(dead_zones)?,
-            input_range: Range::try_new(*input_min, *input_max, "input range", "input unit")?,
-            preconditioned: *preconditioned,
-        })
+        Self::with_envelope(AnyEnvelope::try_new(&parameters.envelope)?, parameters)
     }
 }
 
@@ -141,7 +152,6 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
         Ok(InverseCascade {
             inner_ends: plays.ends(Range::try_new(low, high, "envelope range", "")?, self.envelope.values()),
             plays,
-            has_few_zones: self.dead_zones.curve().has_few(),
             forward: self.clone(),
         })
     }
@@ -156,8 +166,6 @@ pub struct InverseCascade<T, E, const N: usize, const M: usize> {
     /// The inverse of the forward model's plays.
     plays: PlayBank<T, N>,
     forward: Cascade<T, E, N, M>,
-    /// Whether the curve of the dead zones has few segments, see [`crate::curve`].
-    has_few_zones: bool,
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, E, N, M> {
@@ -169,24 +177,17 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
     /// The step for an output that is known to be finite.
     #[inline(always)]
     pub(crate) fn answer(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
-        let dead_zones = self.forward.dead_zones.curve();
-        let u = if self.has_few_zones {
-            dead_zones.segment_of::<true>(y).inverse(y)
-        } else {
-            dead_zones.inverse(y)
-        };
-        if !self.plays.stays_within(&state.plays, u, &self.inner_ends) {
-            return self.answer_near_end(state, u);
-        }
-        let v = self.plays.advance(&mut state.plays, u);
-        self.forward.input_range.limit(self.forward.envelope.inverse_inside(v))
+        let u = self.forward.dead_zones.inverse(y);
+        let inside = |v| self.forward.input_range.limit(self.forward.envelope.inverse_inside(v));
+        let near_end = |plays: &mut PlayState<T, N>| self.answer_near_end(plays, u);
+        self.plays.advance_inside(&mut state.plays, u, &self.inner_ends, inside, near_end)
     }
 
     /// The answer where u may be beyond what can be reached. Apart, lest it costs the other case registers.
     #[inline(never)]
-    fn answer_near_end(&self, state: &mut HysteresisState<T, N>, u: T) -> T {
+    fn answer_near_end(&self, plays: &mut PlayState<T, N>, u: T) -> T {
         let ends = &self.forward.input_range;
-        match self.plays.move_within(&mut state.plays, u, &self.inner_ends) {
+        match self.plays.advance_near_end(plays, u, &self.inner_ends) {
             Reached::Inside(v) => ends.limit(self.forward.envelope.inverse_inside(v)),
             // The end itself, whatever the envelope's rounding.
             Reached::End(v) if v == self.inner_ends.range.max() => ends.max(),
@@ -210,8 +211,8 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<
         self.forward.dead_zones.value(state.plays.input())
     }
 
-    /// Equation (17). Apart: in one function with the rest of a controller there are too few registers.
-    #[inline(never)]
+    /// Equation (17).
+    #[inline(always)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         Ok(self.answer(state, finite_input(y)?))
     }

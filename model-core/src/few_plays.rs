@@ -59,7 +59,7 @@ pub(crate) struct Ends<T> {
     /// Of u.
     pub(crate) range: Range<T>,
     /// Strictly between these v no state leads out of the range; none where the first is not below the second.
-    inside: (T, T),
+    pub(crate) inside: (T, T),
 }
 
 impl<T: Real> FewPlays<T> {
@@ -229,14 +229,6 @@ impl<T: Real> Line<T> {
     /// The v at which it reaches `u` in one direction.
     fn input_at<const RISING: bool>(&self, u: T) -> T {
         go::<T, RISING>(u, self.moment) * self.reciprocal_slope
-    }
-}
-
-impl<T: Real> Ends<T> {
-    /// Whether `v` is surely inside.
-    #[inline(always)]
-    pub(crate) fn surely_contain(&self, v: T) -> bool {
-        v > self.inside.0 && v < self.inside.1
     }
 }
 

@@ -236,15 +236,37 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// Whether [`advance`](Self::advance) stays surely within the ends, from a state that no jumps led to. Of many plays
-    /// it is not known.
+    /// As [`advance`](Self::advance), but stays within the ends; from a state that no jumps led to. Hands u to `inside`, or
+    /// leaves the move to `near_end` where it might not stay within: with many plays always, but few plays are the faster for
+    /// not having to say afterwards which it was.
     #[inline(always)]
-    pub(crate) fn stays_within(&self, state: &PlayState<T, N>, v: T, ends: &Ends<T>) -> bool {
-        matches!(state.memory, Memory::Few(_)) && ends.surely_contain(v)
+    pub(crate) fn advance_inside<A>(
+        &self,
+        state: &mut PlayState<T, N>,
+        v: T,
+        ends: &Ends<T>,
+        inside: impl Fn(T) -> A,
+        near_end: impl FnOnce(&mut PlayState<T, N>) -> A,
+    ) -> A {
+        let (low, high) = ends.inside;
+        match &mut state.memory {
+            Memory::Few(few) if v >= few.v => {
+                if v < high {
+                    return inside(self.few.drive::<true>(few, v));
+                }
+            }
+            Memory::Few(few) => {
+                if v > low {
+                    return inside(self.few.drive::<false>(few, v));
+                }
+            }
+            Memory::Many(_) => {}
+        }
+        near_end(state)
     }
 
     /// As [`advance`](Self::advance), but stays within the ends wherever `v` is.
-    pub(crate) fn move_within(&self, state: &mut PlayState<T, N>, v: T, ends: &Ends<T>) -> Reached<T> {
+    pub(crate) fn advance_near_end(&self, state: &mut PlayState<T, N>, v: T, ends: &Ends<T>) -> Reached<T> {
         let rising = match &state.memory {
             Memory::Few(few) => v >= few.v,
             Memory::Many(many) => many.goes_up_to(v),

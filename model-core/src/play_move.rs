@@ -76,9 +76,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
         let Target { v, end } = to;
         let kept = Self::kept::<RISING>(state, |turn| if RISING { turn.v <= v } else { turn.v >= v });
-        let branch = self.branch::<RISING>(state, kept, |from| {
-            self.curve.segment_at::<false>(way::<T, RISING>(from.v, v))
-        });
+        let branch =
+            self.branch::<RISING>(state, kept, |from| self.curve.segment_at(way::<T, RISING>(from.v, v)));
         let u = go::<T, RISING>(branch.from.u, branch.segment.value(way::<T, RISING>(branch.from.v, v)));
         if let Some(end) = end
             && if RISING { u >= end } else { u <= end }
@@ -101,9 +100,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         {
             kept = Self::kept::<RISING>(state, |turn| if RISING { turn.u <= end } else { turn.u >= end });
         }
-        let branch = self.branch::<RISING>(state, kept, |from| {
-            self.curve.segment_of::<false>(way::<T, RISING>(from.u, end))
-        });
+        let branch =
+            self.branch::<RISING>(state, kept, |from| self.curve.segment_of(way::<T, RISING>(from.u, end)));
         let v = go::<T, RISING>(branch.from.v, branch.segment.inverse(way::<T, RISING>(branch.from.u, end)));
         branch.leave::<RISING, N>(state, v, end);
     }

@@ -77,13 +77,13 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
 
     /// y at x.
     pub fn value(&self, x: T) -> T {
-        self.segment_at(x).value(x)
+        self.search(|segment| segment.x <= x).value(x)
     }
 
     /// x at y.
     #[inline(always)]
     pub fn inverse(&self, y: T) -> T {
-        self.segment_of(y).inverse(y)
+        self.search(|segment| segment.y <= y).inverse(y)
     }
 
     /// The smallest slope.
@@ -107,16 +107,16 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
         self.segments.get(place).unwrap_or(&self.last)
     }
 
-    /// The segment that x lies on.
+    /// The segment that x lies on, of a curve of many segments.
     #[inline(always)]
     pub(crate) fn segment_at(&self, x: T) -> &Segment<T> {
-        self.search(|segment| segment.x <= x)
+        self.search_many(|segment| segment.x <= x)
     }
 
-    /// The segment that y lies on.
+    /// The segment that y lies on, of a curve of many segments.
     #[inline(always)]
     pub(crate) fn segment_of(&self, y: T) -> &Segment<T> {
-        self.search(|segment| segment.y <= y)
+        self.search_many(|segment| segment.y <= y)
     }
 
     /// The last segment that has started; the first where none has.
@@ -127,11 +127,17 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
         {
             return halve(few, started).unwrap_or(first);
         }
-        self.search_many(started)
+        self.search_many_apart(started)
     }
 
     /// Apart, lest it costs few segments registers.
     #[inline(never)]
+    fn search_many_apart(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
+        self.search_many(started)
+    }
+
+    /// [`search`](Self::search), whatever the number of segments.
+    #[inline(always)]
     fn search_many(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
         if started(&self.last) {
             return &self.last;

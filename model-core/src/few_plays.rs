@@ -89,7 +89,7 @@ impl<T: Real> FewPlays<T> {
         Outputs { outputs: array::from_fn(output), v }
     }
 
-    /// The state of the inverse bank: its outputs are the u at which the last turn of each play would be its output.
+    /// The state that the inverse bank has where this bank has `state`.
     pub(crate) fn inverse_state(&self, state: &Outputs<T>) -> Outputs<T> {
         let mut inverse = state.clone();
         let mut still = T::ZERO;
@@ -196,6 +196,7 @@ impl<T: Real> FewPlays<T> {
         let u_end = if RISING { range.max() } else { range.min() };
         let ([.., all], [.., last], [.., threshold]) = (&self.driven, &state.outputs, &self.thresholds);
         let end_of_all = all.input_at::<RISING>(u_end);
+        // A muscle that has been through its range takes this way.
         if !passes::<T, RISING>(end_of_all, v)
             && !passes::<T, RISING>(*last, go::<T, RISING>(end_of_all, -*threshold))
         {
@@ -204,6 +205,7 @@ impl<T: Real> FewPlays<T> {
             return Reached::End(u_end);
         }
         let end = self.input_at::<RISING>(&state.outputs, u_end);
+        // Roundings may lead a move to just before the end beyond it.
         let is_beyond = passes::<T, RISING>(v, end);
         let u = self.drive::<RISING>(state, if is_beyond { end } else { v });
         if is_beyond || !passes::<T, RISING>(u_end, u) { Reached::End(u_end) } else { Reached::Inside(u) }

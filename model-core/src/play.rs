@@ -4,7 +4,7 @@
 //! zᵢ ← max(v - rᵢ, min(v + rᵢ, zᵢ)), equation (7) with one envelope; the sum is equation (6).
 //!
 //! # Design
-//! No play is kept by itself. From a turning point (v₀, u₀) on, play i is driven once v is more than 2 rᵢ away from v₀, so
+//! Up to ten plays are kept by their outputs (`few_plays`). Of more, none is kept by itself: from a turning point (v₀, u₀) on, play i is driven once v is more than 2 rᵢ away from v₀, so
 //! that u moves along one curve, whatever went before:
 //!
 //! u = u₀ ± C(|v - v₀|), C(Δ) = q Δ + Σ pᵢ max(Δ - 2 rᵢ, 0),
@@ -15,8 +15,8 @@
 //! u = (q + Σ pᵢ) v ∓ Σ pᵢ rᵢ.
 //!
 //! # The inverse
-//! v and u change places: the inverse curve, and the same turning points with both coordinates exchanged. It is a bank
-//! again, that of equations (18), (19) and (21). The paper is silent about the state of the inverse; a zero in its place
+//! v and u change places: the inverse curve, and the same turning points with both coordinates exchanged; of few plays
+//! the outputs q zᵢ + p₁ zᵢ + … + pᵢ zᵢ + pᵢ₊₁ zᵢ₊₁ + … + pₙ zₙ. It is a bank again, that of equations (18), (19) and (21). The paper is silent about the state of the inverse; a zero in its place
 //! costs up to 0.7 bar until it is wiped out.
 //!
 //! # Validity

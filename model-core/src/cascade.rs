@@ -188,7 +188,7 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
     fn answer_near_end(&self, plays: &mut PlayState<T, N>, u: T) -> T {
         let ends = &self.forward.input_range;
         match self.plays.advance_near_end(plays, u, &self.inner_ends) {
-            Reached::Inside(v) => ends.limit(self.forward.envelope.inverse_inside(v)),
+            Reached::Inside(v) => ends.limit(self.forward.envelope.inverse(v)),
             // The end itself, whatever the envelope's rounding.
             Reached::End(v) if v == self.inner_ends.range.max() => ends.max(),
             Reached::End(_) => ends.min(),

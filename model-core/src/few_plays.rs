@@ -102,7 +102,8 @@ impl<T: Real> FewPlays<T> {
         inverse
     }
 
-    /// How far this bank may move for u to stay within `range`, and, roundings included, within `domain` all the more.
+    /// How far this bank may move for u to stay within `range`. Where its roundings could lead out of the wider `domain`, no
+    /// move is surely inside.
     ///
     /// Over all states of a bank at v, u lies beyond what it is where all plays are driven by at most
     /// 2 Σ max(pᵢ + … + pₙ, 0) (rᵢ - rᵢ₋₁).
@@ -118,9 +119,13 @@ impl<T: Real> FewPlays<T> {
         let farthest = range.min().abs() + range.max().abs() + excess;
         // More than the sums can lose by roundings.
         let margin = T::from_f64(32.0) * T::EPSILON * scale * (farthest * all.reciprocal_slope + last.0);
-        let lowest = range.min().at_least(domain.0 + margin) + excess;
-        let highest = range.max().at_most(domain.1 - margin) - excess;
-        Ends { inside: (all.input_at::<false>(lowest), all.input_at::<true>(highest)), range }
+        let is_apart = range.min() - margin > domain.0 && range.max() + margin < domain.1;
+        let inside = if is_apart {
+            (all.input_at::<false>(range.min() + excess), all.input_at::<true>(range.max() - excess))
+        } else {
+            (T::INFINITY, -T::INFINITY)
+        };
+        Ends { range, inside }
     }
 
     /// Moves to `v` in one direction, and answers u.

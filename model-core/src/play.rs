@@ -210,7 +210,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// How far a move may go for u to stay within `range`, and, roundings included, within `domain` all the more.
+    /// How far a move may go for u to stay within `range`. Where roundings could lead out of the wider `domain`, no move is
+    /// surely inside.
     pub(crate) fn ends(&self, range: Range<T>, domain: (T, T)) -> Ends<T> {
         self.few.ends(range, domain)
     }

@@ -21,7 +21,7 @@ use crate::order::BoardTracking;
 pub type BoardInverse = InverseModel<f32, PLAYS, DEAD_ZONES>;
 
 /// Knots of the piecewise-linear envelope that is measured.
-const MEASURED_KNOTS: u8 = 16;
+pub const MEASURED_KNOTS: usize = 8;
 
 /// The paper's model and gains on a proportional valve, at the board's tick: what the law is measured with.
 ///
@@ -40,25 +40,36 @@ pub fn paper_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, 
     })
 }
 
-/// The same with a piecewise-linear envelope, through points of the tabled one, evenly spaced over its inputs.
+/// The same with a piecewise-linear envelope.
 ///
 /// # Errors
 /// None in practice, see [`paper::mgpi`].
 pub fn piecewise_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, ParameterError> {
     let model = paper::mgpi()?.convert()?;
-    let tabled = AnyEnvelope::try_new(&model.envelope)?;
-    let step = (model.input_max - model.input_min) / f32::from(MEASURED_KNOTS - 1);
-    let mut knots = PiecewiseLinearParameters { inputs: heapless::Vec::new(), values: heapless::Vec::new() };
-    for knot in 0..MEASURED_KNOTS {
-        let input = model.input_min + step * f32::from(knot);
-        // There is room for more.
-        let _ = knots.inputs.push(input).and_then(|()| knots.values.push(tabled.value(input)));
-    }
-    let envelope = EnvelopeParameters::PiecewiseLinear(knots);
+    let envelope = EnvelopeParameters::PiecewiseLinear(measured_knots(&model)?);
     Ok(TrackingParameters {
         model: ModelParameters::Cascade(CascadeParameters { envelope, ..model }),
         ..paper_parameters()?
     })
+}
+
+/// The piecewise-linear envelope that is measured: through [`MEASURED_KNOTS`] points of the model's own, evenly spaced over
+/// its inputs. `K`: at least as many.
+///
+/// # Errors
+/// None in practice: the model's envelope is valid.
+pub fn measured_knots<const N: usize, const M: usize, const K: usize>(
+    model: &CascadeParameters<f32, N, M>,
+) -> Result<PiecewiseLinearParameters<f32, K>, ParameterError> {
+    let own = AnyEnvelope::try_new(&model.envelope)?;
+    let step = (model.input_max - model.input_min) / (MEASURED_KNOTS - 1) as f32;
+    let mut knots = PiecewiseLinearParameters { inputs: heapless::Vec::new(), values: heapless::Vec::new() };
+    for knot in 0..MEASURED_KNOTS {
+        let input = model.input_min + step * knot as f32;
+        // There is room.
+        let _ = knots.inputs.push(input).and_then(|()| knots.values.push(own.value(input)));
+    }
+    Ok(knots)
 }
 
 /// The same with every extension, each about as strong as muscles and valves have it.

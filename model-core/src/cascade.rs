@@ -21,8 +21,9 @@ use crate::convert;
 use crate::dead_zone::{DeadZoneParameters, DeadZones};
 use crate::envelope::{AnyEnvelope, Envelope, EnvelopeParameters};
 use crate::error::{InputError, ParameterError, finite_input};
+use crate::few_plays::Ends;
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
-use crate::play::{PlayBank, PlayParameters, Reached};
+use crate::play::{PlayBank, PlayParameters, PlayState, Reached};
 use crate::range::Range;
 use crate::real::Real;
 
@@ -79,6 +80,25 @@ pub struct Cascade<T, E, const N: usize, const M: usize> {
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M> {
+    /// With an envelope of a kind that is known at compile time, in the place of the parameters' own: its inverse takes fewer
+    /// instructions, the fewer the smaller the capacities.
+    ///
+    /// # Errors
+    /// The first parameter that no invertible model can be made of.
+    pub fn with_envelope(
+        envelope: E,
+        parameters: &CascadeParameters<T, N, M>,
+    ) -> Result<Self, ParameterError> {
+        let CascadeParameters { plays, dead_zones, input_min, input_max, preconditioned, .. } = parameters;
+        Ok(Self {
+            envelope,
+            plays: PlayBank::try_new(plays)?,
+            dead_zones: DeadZones::try_new(dead_zones)?,
+            input_range: Range::try_new(*input_min, *input_max, "input range", "input unit")?,
+            preconditioned: *preconditioned,
+        })
+    }
+
     /// The bank of plays.
     pub fn plays(&self) -> &PlayBank<T, N> {
         &self.plays
@@ -94,15 +114,7 @@ impl<T: Real, const N: usize, const M: usize> Cascade<T, AnyEnvelope<T>, N, M> {
     /// # Errors
     /// The first parameter that no invertible model can be made of.
     pub fn try_new(parameters: &CascadeParameters<T, N, M>) -> Result<Self, ParameterError> {
-        let CascadeParameters { envelope, plays, dead_zones, input_min, input_max, preconditioned } =
-            parameters;
-        Ok(Self {
-            envelope: AnyEnvelope::try_new(envelope)?,
-            plays: PlayBank::try_new(plays)?,
-            dead_zones: DeadZones::try_new(dead_zones)?,
-            input_range: Range::try_new(*input_min, *input_max, "input range", "input unit")?,
-            preconditioned: *preconditioned,
-        })
+        Self::with_envelope(AnyEnvelope::try_new(&parameters.envelope)?, parameters)
     }
 }
 
@@ -135,15 +147,11 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
 
     fn inverse(&self) -> Result<Self::Inverse, ParameterError> {
         let v = |x| self.envelope.value(x);
+        let (low, high) = (v(self.input_range.min()), v(self.input_range.max()));
+        let plays = self.plays.inverse()?;
         Ok(InverseCascade {
-            plays: self.plays.inverse()?,
-            inner_range: Range::try_new(
-                v(self.input_range.min()),
-                v(self.input_range.max()),
-                "envelope range",
-                "",
-            )?,
-            has_few: self.plays.has_few() && self.dead_zones.curve().has_few(),
+            inner_ends: plays.ends(Range::try_new(low, high, "envelope range", "")?, self.envelope.values()),
+            plays,
             forward: self.clone(),
         })
     }
@@ -151,14 +159,13 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
 
 /// The inverse of a [`Cascade`].
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)] // In this order what every sample needs is within the reach of a load, 1020 bytes: else each costs an addition.
 pub struct InverseCascade<T, E, const N: usize, const M: usize> {
-    forward: Cascade<T, E, N, M>,
+    /// Of the plays' moves: the image of the input range under the envelope.
+    inner_ends: Ends<T>,
     /// The inverse of the forward model's plays.
     plays: PlayBank<T, N>,
-    /// The image of the input range under the envelope.
-    inner_range: Range<T>,
-    /// Whether the curves of plays and dead zones have few segments, see [`crate::curve`].
-    has_few: bool,
+    forward: Cascade<T, E, N, M>,
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, E, N, M> {
@@ -170,33 +177,20 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
     /// The step for an output that is known to be finite.
     #[inline(always)]
     pub(crate) fn answer(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
-        if self.has_few { self.answer_with::<true, true>(state, y) } else { self.answer_by_loops(state, y) }
+        let u = self.forward.dead_zones.inverse(y);
+        let inside = |v| self.forward.input_range.limit(self.forward.envelope.inverse_inside(v));
+        let near_end = |plays: &mut PlayState<T, N>| self.answer_near_end(plays, u);
+        self.plays.advance_inside(&mut state.plays, u, &self.inner_ends, inside, near_end)
     }
 
-    /// Apart, lest it costs the other case registers.
+    /// The answer where u may be beyond what can be reached. Apart, lest it costs the other case registers.
     #[inline(never)]
-    fn answer_by_loops(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
-        // The memory of few plays is searched as that of few, whatever the dead zones.
-        if self.plays.has_few() {
-            self.answer_with::<false, true>(state, y)
-        } else {
-            self.answer_with::<false, false>(state, y)
-        }
-    }
-
-    /// `FEW_ZONES`: whether the curve of the dead zones has few segments. `FEW`: whether the plays are few.
-    #[inline(always)]
-    fn answer_with<const FEW_ZONES: bool, const FEW: bool>(
-        &self,
-        state: &mut HysteresisState<T, N>,
-        y: T,
-    ) -> T {
-        let u = self.forward.dead_zones.curve().segment_of::<FEW_ZONES>(y).inverse(y);
-        let (rising, ends) = (state.plays.goes_up_to(u), &self.forward.input_range);
-        match self.plays.move_within::<FEW>(&mut state.plays, u, rising, &self.inner_range) {
-            Reached::Inside(v) => ends.limit(self.forward.envelope.inverse_inside(v)),
+    fn answer_near_end(&self, plays: &mut PlayState<T, N>, u: T) -> T {
+        let ends = &self.forward.input_range;
+        match self.plays.advance_near_end(plays, u, &self.inner_ends) {
+            Reached::Inside(v) => ends.limit(self.forward.envelope.inverse(v)),
             // The end itself, whatever the envelope's rounding.
-            Reached::End(_) if rising => ends.max(),
+            Reached::End(v) if v == self.inner_ends.range.max() => ends.max(),
             Reached::End(_) => ends.min(),
         }
     }

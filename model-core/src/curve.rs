@@ -4,14 +4,14 @@
 //!
 //! # The search
 //! Unused places of the array hold segments that never start, so that its length is a constant. Up to 16 segments, which
-//! is more than ten operators need, it is halved in four steps without a branch; more cost a loop. Who evaluates several
-//! curves in a row can decide that once for all of them, by the parameter `FEW` of the searching functions.
+//! is more than ten operators need, it is halved without a branch, in four steps, or in fewer where the array is
+//! shorter; more segments cost a loop.
 
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
 /// Up to this many segments the search is unrolled. A power of two.
-pub(crate) const FEW_SEGMENTS: usize = 16;
+const FEW_SEGMENTS: usize = 16;
 
 /// A straight piece of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,19 +72,18 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
         Self { segments: self.segments.map(Segment::inverted), last: self.last.inverted(), len: self.len }
     }
 
-    /// Whether the unrolled search can be used.
-    pub(crate) fn has_few(&self) -> bool {
-        K >= FEW_SEGMENTS && self.len <= FEW_SEGMENTS
-    }
+    /// So many places the unrolled search looks at.
+    const FEW: usize = if K < FEW_SEGMENTS { K } else { FEW_SEGMENTS };
 
     /// y at x.
     pub fn value(&self, x: T) -> T {
-        if self.has_few() { self.segment_at::<true>(x) } else { self.segment_at::<false>(x) }.value(x)
+        self.search(|segment| segment.x <= x).value(x)
     }
 
     /// x at y.
+    #[inline(always)]
     pub fn inverse(&self, y: T) -> T {
-        if self.has_few() { self.segment_of::<true>(y) } else { self.segment_of::<false>(y) }.inverse(y)
+        self.search(|segment| segment.y <= y).inverse(y)
     }
 
     /// The smallest slope.
@@ -108,24 +107,38 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
         self.segments.get(place).unwrap_or(&self.last)
     }
 
-    /// The segment that x lies on. `FEW`: whether the curve [has few](Self::has_few).
+    /// The segment that x lies on, of a curve of many segments.
     #[inline(always)]
-    pub(crate) fn segment_at<const FEW: bool>(&self, x: T) -> &Segment<T> {
-        self.search::<FEW>(|segment| segment.x <= x)
+    pub(crate) fn segment_at(&self, x: T) -> &Segment<T> {
+        self.search_many(|segment| segment.x <= x)
     }
 
-    /// The segment that y lies on. `FEW`: whether the curve [has few](Self::has_few).
+    /// The segment that y lies on, of a curve of many segments.
     #[inline(always)]
-    pub(crate) fn segment_of<const FEW: bool>(&self, y: T) -> &Segment<T> {
-        self.search::<FEW>(|segment| segment.y <= y)
+    pub(crate) fn segment_of(&self, y: T) -> &Segment<T> {
+        self.search_many(|segment| segment.y <= y)
     }
 
     /// The last segment that has started; the first where none has.
     #[inline(always)]
-    fn search<const FEW: bool>(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
-        if let (true, Some(few)) = (FEW, self.segments.first_chunk::<FEW_SEGMENTS>()) {
-            return halve(few, started);
+    fn search(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
+        if self.len <= Self::FEW
+            && let Some(few @ [first, ..]) = self.segments.get(..Self::FEW)
+        {
+            return halve(few, started).unwrap_or(first);
         }
+        self.search_many_apart(started)
+    }
+
+    /// Apart, lest it costs few segments registers.
+    #[inline(never)]
+    fn search_many_apart(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
+        self.search_many(started)
+    }
+
+    /// [`search`](Self::search), whatever the number of segments.
+    #[inline(always)]
+    fn search_many(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
         if started(&self.last) {
             return &self.last;
         }
@@ -134,16 +147,16 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
     }
 }
 
-/// The last of these that has started; the first where none has. Halved without a branch.
+/// The last of these that has started; the first where none has. Halved without a branch, the halves overlapping where
+/// the number is odd.
 #[inline(always)]
-pub(crate) fn halve<S>(few: &[S; FEW_SEGMENTS], started: impl Fn(&S) -> bool) -> &S {
-    let [first, ..] = few;
-    let mut open = few.as_slice();
+fn halve<S>(mut open: &[S], started: impl Fn(&S) -> bool) -> Option<&S> {
     while open.len() > 1 {
-        let (low, high) = open.split_at(open.len() / 2);
+        let half = open.len() / 2;
+        let (low, high) = (open.get(..open.len() - half)?, open.get(half..)?);
         open = if high.first().is_some_and(&started) { high } else { low };
     }
-    open.first().unwrap_or(first)
+    open.first()
 }
 
 impl<T: Real> Segment<T> {
@@ -164,6 +177,11 @@ impl<T: Real> Segment<T> {
 
     pub(crate) fn slope(&self) -> T {
         self.slope
+    }
+
+    /// One over the slope.
+    pub(crate) fn reciprocal_slope(&self) -> T {
+        self.reciprocal_slope
     }
 
     /// y at x, on the straight line through the segment.

@@ -140,12 +140,8 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
     }
 
     /// u(y): exact inverse of [`value`](Self::value) over all outputs.
+    #[inline(always)]
     pub fn inverse(&self, y: T) -> T {
         self.curve.inverse(y)
-    }
-
-    /// The curve from u to y.
-    pub(crate) fn curve(&self) -> &MonotoneCurve<T, M> {
-        &self.curve
     }
 }

@@ -250,9 +250,19 @@ impl<T: Real, const N: usize, const M: usize> InverseHysteresis<T, N> for Invers
     #[inline(always)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         match self {
-            Self::Cascade(cascade) => cascade.step(state, y),
+            Self::Cascade(cascade) => step_apart(cascade, state, y),
             Self::Agpi(agpi) => agpi.step(state, y),
             Self::Egpi(egpi) => egpi.step(state, y),
         }
     }
+}
+
+/// A step of the cascade: in one function with the rest of a controller there are too few registers.
+#[inline(never)]
+fn step_apart<T: Real, const N: usize, const M: usize>(
+    cascade: &InverseCascade<T, AnyEnvelope<T>, N, M>,
+    state: &mut HysteresisState<T, N>,
+    y: T,
+) -> Result<T, InputError> {
+    cascade.step(state, y)
 }

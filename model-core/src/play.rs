@@ -4,7 +4,7 @@
 //! zᵢ ← max(v - rᵢ, min(v + rᵢ, zᵢ)), equation (7) with one envelope; the sum is equation (6).
 //!
 //! # Design
-//! No play is kept by itself. From a turning point (v₀, u₀) on, play i is driven once v is more than 2 rᵢ away from v₀, so
+//! Up to ten plays are kept by their outputs (`few_plays`). Of more, none is kept by itself: from a turning point (v₀, u₀) on, play i is driven once v is more than 2 rᵢ away from v₀, so
 //! that u moves along one curve, whatever went before:
 //!
 //! u = u₀ ± C(|v - v₀|), C(Δ) = q Δ + Σ pᵢ max(Δ - 2 rᵢ, 0),
@@ -15,8 +15,8 @@
 //! u = (q + Σ pᵢ) v ∓ Σ pᵢ rᵢ.
 //!
 //! # The inverse
-//! v and u change places: the inverse curve, and the same turning points with both coordinates exchanged. It is a bank
-//! again, that of equations (18), (19) and (21). The paper is silent about the state of the inverse; a zero in its place
+//! v and u change places: the inverse curve, and the same turning points with both coordinates exchanged; of few plays
+//! the outputs q zᵢ + p₁ zᵢ + … + pᵢ zᵢ + pᵢ₊₁ zᵢ₊₁ + … + pₙ zₙ. It is a bank again, that of equations (18), (19) and (21). The paper is silent about the state of the inverse; a zero in its place
 //! costs up to 0.7 bar until it is wiped out.
 //!
 //! # Validity
@@ -27,19 +27,23 @@ use heapless::Vec;
 
 use crate::curve::{MonotoneCurve, Segment};
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
+use crate::few_plays::{Ends, FEW_PLAYS, FewPlays};
 use crate::play_move::Target;
+use crate::play_state::Memory;
 use crate::range::Range;
 use crate::real::Real;
-use crate::turn_stack::FEW_TURNS;
-use crate::turning_points::{Turn, admissible};
+use crate::turning_points::{Turn, TurningPoints, admissible};
 
 pub(crate) use crate::play_move::Reached;
 pub use crate::play_parameters::PlayParameters;
-pub use crate::turning_points::PlayState;
+pub use crate::play_state::PlayState;
 
 /// A validated bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)] // As for `InverseCascade`.
 pub struct PlayBank<T, const N: usize> {
+    /// The same bank, where it has at most [`FEW_PLAYS`].
+    few: FewPlays<T>,
     /// C: how far u moves when v moves from a turning point. Its i-th bend is at twice the i-th threshold.
     pub(crate) curve: MonotoneCurve<T, N>,
     /// The last segment of the curve, on which all plays are driven.
@@ -53,7 +57,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     fn new(curve: MonotoneCurve<T, N>) -> Self {
         let all = *curve.segment(curve.len() - 1);
         let (v, u) = all.start();
-        Self { curve, all, origin_of_all: Turn { v: half(v), u: half(u), driven: 0 } }
+        let origin_of_all = Turn { v: half(v), u: half(u), driven: 0 };
+        Self { few: FewPlays::new(&curve), curve, all, origin_of_all }
     }
 
     /// # Errors
@@ -76,12 +81,6 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             curve.bend(point, slope, Check::at("partial sums of q and play weights", i, ""))?;
         }
         Ok(Self::new(curve))
-    }
-
-    /// Whether the curve [has few](MonotoneCurve::has_few) segments, and there is room for the search among the turning
-    /// points that goes with it.
-    pub(crate) fn has_few(&self) -> bool {
-        N >= FEW_TURNS && self.curve.has_few()
     }
 
     /// Number of plays.
@@ -131,10 +130,20 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         Ok(self.state_with(|play| outputs.get(play).copied().unwrap_or(T::ZERO), v))
     }
 
-    /// The state at the input `v` with these outputs of the plays: a history of one turning point for each, from the
-    /// largest threshold on.
+    /// The state at the input `v` with these outputs of the plays.
     fn state_with(&self, output: impl Fn(usize) -> T, v: T) -> PlayState<T, N> {
-        let mut state = PlayState::new(Turn { v, u: T::ZERO, driven: 0 }, false, self.has_few());
+        let memory = if self.len() <= FEW_PLAYS {
+            let last = self.len().saturating_sub(1);
+            Memory::Few(FewPlays::state_with(|play| output(play.min(last)), v))
+        } else {
+            Memory::Many(self.turning_points_with(output, v))
+        };
+        PlayState { memory }
+    }
+
+    /// A history of one turning point for each play, from the largest threshold on.
+    fn turning_points_with(&self, output: impl Fn(usize) -> T, v: T) -> TurningPoints<T, N> {
+        let mut state = TurningPoints::new(Turn { v, u: T::ZERO, driven: 0 }, false);
         // What the plays of the larger thresholds add to u.
         let mut still = T::ZERO;
         for play in (0..self.len()).rev() {
@@ -155,6 +164,13 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The outputs of the plays, by rising threshold.
     pub fn outputs(&self, state: &PlayState<T, N>) -> Vec<T, N> {
         let mut outputs: Vec<T, N> = Vec::new();
+        let state = match &state.memory {
+            Memory::Few(few) => {
+                outputs.extend(few.iter().take(self.len()).copied());
+                return outputs;
+            }
+            Memory::Many(many) => many,
+        };
         for threshold in self.thresholds() {
             let _ = outputs.push(state.last.v - if state.rising { threshold } else { -threshold });
         }
@@ -175,24 +191,29 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     }
 
     /// [`step`](Self::step) for an input that is known to be finite.
+    #[inline(always)]
     pub(crate) fn advance(&self, state: &mut PlayState<T, N>, v: T) -> T {
-        let rising = state.goes_up_to(v);
-        self.advance_toward(state, v, rising)
+        match &mut state.memory {
+            Memory::Few(few) if v >= few.v => self.few.drive::<true>(few, v),
+            Memory::Few(few) => self.few.drive::<false>(few, v),
+            Memory::Many(many) => self.advance_many(many, v, many.goes_up_to(v), None).output(),
+        }
     }
 
     /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps, against the
     /// direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
-        let to = Target { v, end: None };
-        let reached = match (rising, self.has_few()) {
-            (true, true) => self.drive::<true, true>(state, to),
-            (true, false) => self.drive::<true, false>(state, to),
-            (false, true) => self.drive::<false, true>(state, to),
-            (false, false) => self.drive::<false, false>(state, to),
-        };
-        match reached {
-            Reached::Inside(u) | Reached::End(u) => u,
+        match (&mut state.memory, rising) {
+            (Memory::Few(few), true) => self.few.drive::<true>(few, v),
+            (Memory::Few(few), false) => self.few.drive::<false>(few, v),
+            (Memory::Many(many), _) => self.advance_many(many, v, rising, None).output(),
         }
+    }
+
+    /// How far a move may go for u to stay within `range`. Where roundings could lead out of the wider `domain`, no move is
+    /// surely inside.
+    pub(crate) fn ends(&self, range: Range<T>, domain: (T, T)) -> Ends<T> {
+        self.few.ends(range, domain)
     }
 
     /// As [`advance_toward`](Self::advance_toward), but goes no farther than u stays within the range: the input
@@ -204,30 +225,69 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         rising: bool,
         range: &Range<T>,
     ) -> T {
-        let reached = if self.has_few() {
-            self.move_within::<true>(state, v, rising, range)
-        } else {
-            self.move_within::<false>(state, v, rising, range)
-        };
-        match reached {
-            Reached::Inside(u) | Reached::End(u) => u,
+        self.reach_within(state, v, rising, range).output()
+    }
+
+    /// [`advance_within`](Self::advance_within), with what has been reached.
+    fn reach_within(&self, state: &mut PlayState<T, N>, v: T, rising: bool, range: &Range<T>) -> Reached<T> {
+        match (&mut state.memory, rising) {
+            (Memory::Few(few), true) => self.few.drive_to_end::<true>(few, v, range),
+            (Memory::Few(few), false) => self.few.drive_to_end::<false>(few, v, range),
+            (Memory::Many(many), _) => self.advance_many(many, v, rising, Some(range)),
         }
     }
 
-    /// [`advance_within`](Self::advance_within), with what has been reached. `FEW`: whether the bank
-    /// [has few](Self::has_few).
+    /// As [`advance`](Self::advance), but stays within the ends; from a state that no jumps led to. Hands u to `inside`, or
+    /// leaves the move to `near_end` where it might not stay within: with many plays always, but few plays are the faster for
+    /// not having to say afterwards which it was.
     #[inline(always)]
-    pub(crate) fn move_within<const FEW: bool>(
+    pub(crate) fn advance_inside<A>(
         &self,
         state: &mut PlayState<T, N>,
         v: T,
+        ends: &Ends<T>,
+        inside: impl Fn(T) -> A,
+        near_end: impl FnOnce(&mut PlayState<T, N>) -> A,
+    ) -> A {
+        let (low, high) = ends.inside;
+        match &mut state.memory {
+            Memory::Few(few) if v >= few.v => {
+                if v < high {
+                    return inside(self.few.drive::<true>(few, v));
+                }
+            }
+            Memory::Few(few) => {
+                if v > low {
+                    return inside(self.few.drive::<false>(few, v));
+                }
+            }
+            Memory::Many(_) => {}
+        }
+        near_end(state)
+    }
+
+    /// As [`advance`](Self::advance), but stays within the ends wherever `v` is.
+    pub(crate) fn advance_near_end(&self, state: &mut PlayState<T, N>, v: T, ends: &Ends<T>) -> Reached<T> {
+        let rising = match &state.memory {
+            Memory::Few(few) => v >= few.v,
+            Memory::Many(many) => many.goes_up_to(v),
+        };
+        self.reach_within(state, v, rising, &ends.range)
+    }
+
+    /// Apart, lest it costs few plays registers.
+    #[inline(never)]
+    fn advance_many(
+        &self,
+        state: &mut TurningPoints<T, N>,
+        v: T,
         rising: bool,
-        range: &Range<T>,
+        range: Option<&Range<T>>,
     ) -> Reached<T> {
         if rising {
-            self.drive::<true, FEW>(state, Target { v, end: Some(range.max()) })
+            self.drive::<true>(state, Target { v, end: range.map(Range::max) })
         } else {
-            self.drive::<false, FEW>(state, Target { v, end: Some(range.min()) })
+            self.drive::<false>(state, Target { v, end: range.map(Range::min) })
         }
     }
 
@@ -245,7 +305,11 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// The state that the inverse bank has where this bank has `state`.
     pub fn inverse_state(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
-        state.inverted()
+        let memory = match &state.memory {
+            Memory::Few(few) => Memory::Few(self.few.inverse_state(few)),
+            Memory::Many(many) => Memory::Many(many.inverted()),
+        };
+        PlayState { memory }
     }
 }
 

@@ -1,12 +1,11 @@
-//! How a bank of plays moves: which turning points it wipes out, which curve it follows, and where it ends.
+//! How a bank of many plays moves: which turning points it wipes out, which curve it follows, and where it ends.
 //!
 //! The theory stands in [`crate::play`].
 
 use crate::curve::Segment;
 use crate::play::PlayBank;
 use crate::real::Real;
-use crate::turn_stack::TurnStack;
-use crate::turning_points::{PlayState, Turn};
+use crate::turning_points::{Turn, TurningPoints};
 
 /// How far a move is to go: to the input `v`, but no farther than to the output `end`.
 pub(crate) struct Target<T> {
@@ -22,10 +21,18 @@ pub(crate) enum Reached<T> {
     End(T),
 }
 
+impl<T> Reached<T> {
+    pub(crate) fn output(self) -> T {
+        match self {
+            Self::Inside(u) | Self::End(u) => u,
+        }
+    }
+}
+
 /// The heights of the turning points that a move leaves, see [`TurnStack`].
 #[derive(Clone, Copy)]
 struct Kept {
-    /// Of where it comes from; where that is the base, it drives all plays.
+    /// Of where it comes from; where that is 0, it drives all plays.
     behind: usize,
     /// Of the innermost that it goes towards.
     ahead: usize,
@@ -44,7 +51,7 @@ struct Branch<'a, T> {
 impl<T: Real> Branch<'_, T> {
     /// Ends the move at `v` and `u`: forgets what it wipes out.
     #[inline(always)]
-    fn leave<const RISING: bool, const N: usize>(&self, state: &mut PlayState<T, N>, v: T, u: T) {
+    fn leave<const RISING: bool, const N: usize>(&self, state: &mut TurningPoints<T, N>, v: T, u: T) {
         let (behind, ahead) = state.sides_mut::<RISING>();
         ahead.truncate(self.kept.ahead);
         if self.is_new {
@@ -59,24 +66,23 @@ impl<T: Real> Branch<'_, T> {
 impl<T: Real, const N: usize> PlayBank<T, N> {
     /// Moves in one direction, as far as the target.
     #[inline(always)]
-    pub(crate) fn drive<const RISING: bool, const FEW: bool>(
+    pub(crate) fn drive<const RISING: bool>(
         &self,
-        state: &mut PlayState<T, N>,
+        state: &mut TurningPoints<T, N>,
         to: Target<T>,
     ) -> Reached<T> {
         if state.rising != RISING {
             self.turn::<RISING>(state);
         }
         let Target { v, end } = to;
-        let kept = Self::kept::<RISING, FEW>(state, |turn| if RISING { turn.v <= v } else { turn.v >= v });
-        let branch = self.branch::<RISING, FEW>(state, kept, |from| {
-            self.curve.segment_at::<FEW>(way::<T, RISING>(from.v, v))
-        });
+        let kept = Self::kept::<RISING>(state, |turn| if RISING { turn.v <= v } else { turn.v >= v });
+        let branch =
+            self.branch::<RISING>(state, kept, |from| self.curve.segment_at(way::<T, RISING>(from.v, v)));
         let u = go::<T, RISING>(branch.from.u, branch.segment.value(way::<T, RISING>(branch.from.v, v)));
         if let Some(end) = end
             && if RISING { u >= end } else { u <= end }
         {
-            self.stop_at::<RISING, FEW>(state, kept, end);
+            self.stop_at::<RISING>(state, kept, end);
             return Reached::End(end);
         }
         branch.leave::<RISING, N>(state, v, u);
@@ -86,25 +92,16 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// Ends a move, which leaves at least so many turning points, where u reaches `end`. Apart, lest it costs the other
     /// moves registers.
     #[inline(never)]
-    fn stop_at<const RISING: bool, const FEW: bool>(
-        &self,
-        state: &mut PlayState<T, N>,
-        mut kept: Kept,
-        end: T,
-    ) {
+    fn stop_at<const RISING: bool>(&self, state: &mut TurningPoints<T, N>, mut kept: Kept, end: T) {
         let (_, ahead) = state.sides::<RISING>();
         // A state may know turning points beyond the end, which the move then does not reach.
         if kept.ahead < ahead.height()
-            && ahead
-                .at::<FEW>(kept.ahead + 1)
-                .is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
+            && ahead.at(kept.ahead + 1).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
         {
-            kept =
-                Self::kept::<RISING, FEW>(state, |turn| if RISING { turn.u <= end } else { turn.u >= end });
+            kept = Self::kept::<RISING>(state, |turn| if RISING { turn.u <= end } else { turn.u >= end });
         }
-        let branch = self.branch::<RISING, FEW>(state, kept, |from| {
-            self.curve.segment_of::<FEW>(way::<T, RISING>(from.u, end))
-        });
+        let branch =
+            self.branch::<RISING>(state, kept, |from| self.curve.segment_of(way::<T, RISING>(from.u, end)));
         let v = go::<T, RISING>(branch.from.v, branch.segment.inverse(way::<T, RISING>(branch.from.u, end)));
         branch.leave::<RISING, N>(state, v, end);
     }
@@ -112,34 +109,31 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The turning points that a move leaves: it passes those ahead, from the innermost on, that it `passes`, each with its
     /// partner.
     #[inline(always)]
-    fn kept<const RISING: bool, const FEW: bool>(
-        state: &PlayState<T, N>,
-        passes: impl Fn(&Turn<T>) -> bool,
-    ) -> Kept {
+    fn kept<const RISING: bool>(state: &TurningPoints<T, N>, passes: impl Fn(&Turn<T>) -> bool) -> Kept {
         let (behind, all_ahead) = state.sides::<RISING>();
-        let ahead = all_ahead.height_of_kept::<FEW>(passes);
+        let ahead = all_ahead.height_of_kept(passes);
         // The innermost is behind: there are as many on that side, or one more.
         Kept { behind: behind.height().wrapping_sub(all_ahead.height()).wrapping_add(ahead), ahead }
     }
 
     /// What a move follows that leaves so many turning points, and on which segment of the curve it ends.
     #[inline(always)]
-    fn branch<'a, const RISING: bool, const FEW: bool>(
+    fn branch<'a, const RISING: bool>(
         &'a self,
-        state: &PlayState<T, N>,
+        state: &TurningPoints<T, N>,
         kept: Kept,
         segment: impl Fn(&Turn<T>) -> &'a Segment<T>,
     ) -> Branch<'a, T> {
         let (behind, ahead) = state.sides::<RISING>();
-        let Some(from) = behind.at::<FEW>(kept.behind) else {
-            return self.branch_of_all::<RISING, FEW>();
+        let Some(from) = behind.at(kept.behind) else {
+            return self.branch_of_all::<RISING>();
         };
         let segment = segment(from);
         if segment.place != from.driven {
             return Branch { from: *from, segment, kept, is_new: false };
         }
         // The move has driven all that the one before it drove: no play depends any more on where that turned.
-        match (ahead.at::<FEW>(kept.ahead), behind.at::<FEW>(kept.behind.wrapping_sub(1))) {
+        match (ahead.at(kept.ahead), behind.at(kept.behind.wrapping_sub(1))) {
             (Some(ahead), _) if ahead.driven != from.driven => {
                 let (v, u) = self.curve.segment(segment.place + 1).start();
                 let (v, u) = (go::<T, RISING>(ahead.v, -v), go::<T, RISING>(ahead.u, -u));
@@ -149,22 +143,21 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
                 let kept = Kept { behind: kept.behind.wrapping_sub(1), ahead: kept.ahead.wrapping_sub(1) };
                 Branch { from: *from, segment, kept, is_new: false }
             }
-            _ => self.branch_of_all::<RISING, FEW>(),
+            _ => self.branch_of_all::<RISING>(),
         }
     }
 
     /// What a move follows that drives all plays.
     #[inline(always)]
-    fn branch_of_all<const RISING: bool, const FEW: bool>(&self) -> Branch<'_, T> {
+    fn branch_of_all<const RISING: bool>(&self) -> Branch<'_, T> {
         let Turn { v, u, driven } = self.origin_of_all;
-        let base = TurnStack::<T, N>::base::<FEW>();
         let from = if RISING { Turn { v: -v, u: -u, driven } } else { self.origin_of_all };
-        Branch { from, segment: &self.all, kept: Kept { behind: base, ahead: base }, is_new: false }
+        Branch { from, segment: &self.all, kept: Kept { behind: 0, ahead: 0 }, is_new: false }
     }
 
     /// The move ends in a turning point, and one in the direction `RISING` begins.
     #[inline(always)]
-    fn turn<const RISING: bool>(&self, state: &mut PlayState<T, N>) {
+    fn turn<const RISING: bool>(&self, state: &mut TurningPoints<T, N>) {
         state.rising = RISING;
         let last = state.last;
         let (behind, ahead) = state.sides_mut::<RISING>();
@@ -175,6 +168,12 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     }
 }
 
+/// Whether a move in one direction passes `other` on its way to `to`.
+#[inline(always)]
+pub(crate) fn passes<T: Real, const RISING: bool>(to: T, other: T) -> bool {
+    if RISING { to > other } else { to < other }
+}
+
 /// How far it is from one coordinate to another, in the direction of a move.
 #[inline(always)]
 fn way<T: Real, const RISING: bool>(from: T, to: T) -> T {
@@ -183,6 +182,6 @@ fn way<T: Real, const RISING: bool>(from: T, to: T) -> T {
 
 /// The coordinate that far from another, in the direction of a move.
 #[inline(always)]
-fn go<T: Real, const RISING: bool>(from: T, way: T) -> T {
+pub(crate) fn go<T: Real, const RISING: bool>(from: T, way: T) -> T {
     if RISING { from + way } else { from - way }
 }

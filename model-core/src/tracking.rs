@@ -185,17 +185,6 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         }
     }
 
-    /// The step of the inverse, apart: in one function with the rest there are too few registers.
-    #[inline(never)]
-    fn feedforward(
-        &self,
-        state: &mut ExtendedInverseState<T, N>,
-        reference: T,
-        surroundings: &Surroundings<T>,
-    ) -> Result<T, InputError> {
-        self.inverse.step(state, reference, surroundings)
-    }
-
     /// One sample: [`prepare`](Self::prepare), then [`act`](Self::act). `reference`, that is due after the delay: mm.
     /// `measured`, now: [`Measured`], or the contraction alone.
     ///
@@ -227,7 +216,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         surroundings: &Surroundings<T>,
     ) -> Result<Prepared<T>, InputError> {
         // The inverse follows the reference in every mode, so that its memory is right when it is needed.
-        let feedforward = self.feedforward(&mut state.inverse, reference, surroundings)?;
+        let feedforward = self.inverse.step(&mut state.inverse, reference, surroundings)?;
         let due = match &self.preview {
             Some(preview) => preview.due(&mut state.preview, reference),
             None => reference,

@@ -1,4 +1,4 @@
-//! What a bank of plays remembers: the turning points of its input that have not been wiped out.
+//! What a bank of many plays remembers: the turning points of its input that have not been wiped out.
 //!
 //! # Design
 //! A play with threshold r follows the input once that has moved by more than 2 r from where it last turned. So of the
@@ -35,9 +35,9 @@ impl<T> Turn<T> {
     }
 }
 
-/// What a bank of at most `N` plays remembers.
+/// The turning points of a bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlayState<T, const N: usize> {
+pub(crate) struct TurningPoints<T, const N: usize> {
     /// By falling input: each within the ones before.
     pub(crate) highs: TurnStack<T, N>,
     /// By rising input.
@@ -48,15 +48,10 @@ pub struct PlayState<T, const N: usize> {
     pub(crate) rising: bool,
 }
 
-impl<T: Real, const N: usize> PlayState<T, N> {
-    /// The last input of the bank. Unit: that of its input.
-    pub fn input(&self) -> T {
-        self.last.v
-    }
-
-    /// Without turning points: all plays were driven. `few`: see [`TurnStack::new`].
-    pub(crate) fn new(last: Turn<T>, rising: bool, few: bool) -> Self {
-        Self { highs: TurnStack::new(few), lows: TurnStack::new(few), last, rising }
+impl<T: Real, const N: usize> TurningPoints<T, N> {
+    /// Without turning points: all plays were driven.
+    pub(crate) fn new(last: Turn<T>, rising: bool) -> Self {
+        Self { highs: TurnStack::new(), lows: TurnStack::new(), last, rising }
     }
 
     /// Makes it the same as another one of the same bank.
@@ -80,7 +75,6 @@ impl<T: Real, const N: usize> PlayState<T, N> {
     }
 
     /// Whether `v` is above where the input stands; where it is neither above nor below, whether the input rose before.
-    #[inline(always)]
     pub(crate) fn goes_up_to(&self, v: T) -> bool {
         if self.rising { v >= self.last.v } else { v > self.last.v }
     }

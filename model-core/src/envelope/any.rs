@@ -49,12 +49,7 @@ impl<T: Real> EnvelopeParameters<T> {
     pub fn convert<U: Real>(&self) -> Result<EnvelopeParameters<U>, ParameterError> {
         Ok(match self {
             Self::Identity => EnvelopeParameters::Identity,
-            Self::Tanh(TanhParameters { c0, c1, c2, c3 }) => EnvelopeParameters::Tanh(TanhParameters {
-                c0: convert::number(*c0),
-                c1: convert::number(*c1),
-                c2: convert::number(*c2),
-                c3: convert::number(*c3),
-            }),
+            Self::Tanh(tanh) => EnvelopeParameters::Tanh(tanh.convert()),
             Self::PiecewiseLinear(PiecewiseLinearParameters { inputs, values }) => {
                 EnvelopeParameters::PiecewiseLinear(PiecewiseLinearParameters {
                     inputs: convert::list("knots", inputs)?,
@@ -102,6 +97,14 @@ impl<T: Real> Envelope<T> for AnyEnvelope<T> {
             Self::Identity(envelope) => envelope.inverse_inside(v),
             Self::Tanh(envelope) => envelope.inverse_inside(v),
             Self::PiecewiseLinear(envelope) => envelope.inverse_inside(v),
+        }
+    }
+
+    fn values(&self) -> (T, T) {
+        match self {
+            Self::Identity(envelope) => envelope.values(),
+            Self::Tanh(envelope) => envelope.values(),
+            Self::PiecewiseLinear(envelope) => envelope.values(),
         }
     }
 

@@ -25,11 +25,16 @@ pub trait Envelope<T: Real> {
     /// γ⁻¹(v). Input: inner coordinate; result: input unit, finite for every finite v.
     fn inverse(&self, v: T) -> T;
 
-    /// [`inverse`](Self::inverse) for v strictly between two values of the envelope, where it needs no care for its
-    /// ends. Elsewhere the answer is meaningless.
+    /// [`inverse`](Self::inverse) for v strictly within [`values`](Self::values), where it needs no care for its ends.
+    /// Elsewhere the answer is meaningless.
     #[inline(always)]
     fn inverse_inside(&self, v: T) -> T {
         self.inverse(v)
+    }
+
+    /// The ends of the open interval in which [`inverse_inside`](Self::inverse_inside) has a meaning. Unit: 1.
+    fn values(&self) -> (T, T) {
+        (-T::INFINITY, T::INFINITY)
     }
 
     /// A lower bound, above 0, of the slope of γ over a range of inputs. Unit: 1/input unit.

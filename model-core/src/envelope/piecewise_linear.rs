@@ -72,13 +72,9 @@ impl<T: Real, const K: usize> Envelope<T> for PiecewiseLinear<T, K> {
         self.curve.value(x)
     }
 
+    #[inline(always)]
     fn inverse(&self, v: T) -> T {
         self.curve.inverse(v)
-    }
-
-    #[inline(always)]
-    fn inverse_inside(&self, v: T) -> T {
-        if self.curve.has_few() { self.curve.segment_of::<true>(v).inverse(v) } else { self.inverse(v) }
     }
 
     /// That over all knots, whatever the range.

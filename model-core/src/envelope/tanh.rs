@@ -7,6 +7,7 @@
 //! The inverse exists inside (c3 - c0, c3 + c0) only. Values and arguments of the inverse are kept a few roundings inside
 //! it, so that the answer is always finite.
 
+use crate::convert;
 use crate::envelope::Envelope;
 use crate::error::{Check, ParameterError};
 use crate::range::Range;
@@ -24,6 +25,19 @@ pub struct TanhParameters<T> {
     pub c2: T,
     /// Middle of the height. Unit: 1.
     pub c3: T,
+}
+
+impl<T: Real> TanhParameters<T> {
+    /// The same parameters in another number type.
+    pub fn convert<U: Real>(&self) -> TanhParameters<U> {
+        let Self { c0, c1, c2, c3 } = *self;
+        TanhParameters {
+            c0: convert::number(c0),
+            c1: convert::number(c1),
+            c2: convert::number(c2),
+            c3: convert::number(c3),
+        }
+    }
 }
 
 /// A validated envelope.
@@ -72,6 +86,10 @@ impl<T: Real> Envelope<T> for TanhEnvelope<T> {
     fn inverse_inside(&self, v: T) -> T {
         let TanhParameters { c0, c3, .. } = self.parameters;
         T::atanh_of_ratio((c0 + v) - c3, (c0 - v) + c3) * self.reciprocal_c1 + self.centre
+    }
+
+    fn values(&self) -> (T, T) {
+        (self.low, self.high)
     }
 
     /// γ' = c0 c1 (1 - tanh²) has its least value at one of the ends.

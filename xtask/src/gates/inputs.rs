@@ -11,6 +11,8 @@
 //! | smooth | what a controller is really asked for |
 //! | mode changes | another mode in every sample |
 //!
+//! Apart from these, [`first_strokes`] is after the dearest ends of the range: those of a muscle that has not been through it.
+//!
 //! But for the smooth course and standstill, the muscle is where it should not be, so that the feedback and its limits
 //! work hard.
 
@@ -43,14 +45,10 @@ pub fn dearest(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
 
 /// All samples in their order, for a muscle that contracts from `low_mm` to `high_mm`. The same in every run.
 pub fn samples((low_mm, high_mm): (f64, f64)) -> Vec<Sample> {
-    let at = |share: f64| (low_mm + share * (high_mm - low_mm)) as f32;
     let phase = |phase, modes: &'static [Mode], muscle: fn(f64) -> f64, references: Vec<f64>| {
-        references.into_iter().zip(modes.iter().cycle()).map(move |(share, &mode)| Sample {
-            phase,
-            mode,
-            reference_mm: at(share),
-            contraction_mm: at(muscle(share).clamp(0.0, 1.0)),
-        })
+        let modes = modes.iter().cycle();
+        let sample = move |(share, &mode)| sample((low_mm, high_mm), phase, mode, share, muscle(share));
+        references.into_iter().zip(modes).map(sample)
     };
     let both = &[Mode::Both];
     let smooth = || (0..4000).map(smooth).collect();
@@ -63,6 +61,25 @@ pub fn samples((low_mm, high_mm): (f64, f64)) -> Vec<Sample> {
         .chain(phase("smooth", both, following, smooth()))
         .chain(phase("mode changes", EVERY_MODE, opposed, smooth()))
         .collect()
+}
+
+/// Strokes of a muscle that was never used, each a little longer than the one before and back beyond the lower end; once it has
+/// been through the whole range, its ends are cheap.
+pub fn first_strokes(range_mm: (f64, f64)) -> Vec<Sample> {
+    let strokes = (0..400).flat_map(|k| [f64::from(k) / 400.0, -1e-6, -0.1]);
+    strokes.map(|share| sample(range_mm, "first strokes", Mode::Both, share, following(share))).collect()
+}
+
+/// Reference and contraction as shares of the muscle's way from the lower to the upper end.
+fn sample(
+    (low_mm, high_mm): (f64, f64),
+    phase: &'static str,
+    mode: Mode,
+    reference: f64,
+    contraction: f64,
+) -> Sample {
+    let at = |share: f64| (low_mm + share * (high_mm - low_mm)) as f32;
+    Sample { phase, mode, reference_mm: at(reference), contraction_mm: at(contraction.clamp(0.0, 1.0)) }
 }
 
 fn following(share: f64) -> f64 {

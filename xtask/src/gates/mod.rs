@@ -47,6 +47,8 @@ use inputs::Sample;
 /// The library functions whose cost is measured, and the task around them.
 const INVERSE: &str = "firmware::law::inverse_step";
 const CONTROLLER: &str = "firmware::law::controller_step";
+/// The inverse of compiled size, with the paper's envelope and with a piecewise-linear one.
+const SIZED: [&str; 2] = ["firmware::sized::tanh_step", "firmware::sized::piecewise_step"];
 /// The controller in two halves, as the tick has it.
 const HALVES: [&str; 2] = ["firmware::law::controller_prepare", "firmware::law::controller_act"];
 const TICK: &str = "TIM2";
@@ -65,8 +67,12 @@ pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
         (Image::read(&images::emulated_elf())?, Image::read(&images::elf("stm32f405"))?);
 
     let parameters = paper_parameters()?;
-    let samples = inputs::samples(Mgpi::try_new(&paper::mgpi()?)?.output_range());
+    let range_mm = Mgpi::try_new(&paper::mgpi()?)?.output_range();
+    let samples = inputs::samples(range_mm);
     let mut figures = run::step("instructions", || costs(&plugin, &law, &emulated, &parameters, &samples))?;
+    figures.extend(run::step("first strokes", || {
+        first_strokes(&plugin, &law, &parameters, &inputs::first_strokes(range_mm))
+    })?);
     figures
         .extend(run::step("instructions of each model", || costs_of_models(&plugin, &emulated, &samples))?);
     figures.extend(run::step("production image", || production::figures(&stm32f405, &plugin, &samples))?);
@@ -125,16 +131,19 @@ fn costs(
 ) -> Result<Vec<Figure>> {
     let (inverse, controller, tick) =
         (law.function(INVERSE)?, law.function(CONTROLLER)?, emulated.function(TICK)?);
+    let [sized, sized_piecewise] = [law.function(SIZED[0])?, law.function(SIZED[1])?];
     let of_law = |functions: &[&elf::Function], envelope, parameters: &Parameters| {
         counted::run(law, plugin, functions, |link| drive::control_law(link, envelope, parameters, samples))
     };
-    let mut costs = of_law(&[inverse, controller], 0, parameters)?;
-    costs.extend(of_law(&[inverse], 1, &piecewise_parameters()?)?);
+    let mut costs = of_law(&[inverse, sized, controller], 0, parameters)?;
+    costs.extend(of_law(&[inverse, sized_piecewise], 1, &piecewise_parameters()?)?);
     costs.extend(counted::run(emulated, plugin, &[tick], |link| drive::emulated(link, parameters, samples))?);
     let titles = [
         "inverse",
+        "inverse of compiled size",
         "controller (inverse, PID, limits)",
         "inverse, piecewise-linear envelope",
+        "inverse of compiled size, piecewise-linear envelope",
         "whole tick of the image emulated",
     ];
     let mut figures = Vec::new();
@@ -143,6 +152,24 @@ fn costs(
         figures.extend(instructions(title, &cost, samples));
     }
     Ok(figures)
+}
+
+/// The most instructions of the inverse while a muscle has not been through its range.
+fn first_strokes(
+    plugin: &Path,
+    law: &Image,
+    parameters: &Parameters,
+    samples: &[Sample],
+) -> Result<Vec<Figure>> {
+    let functions = [law.function(INVERSE)?, law.function(SIZED[0])?];
+    let costs =
+        counted::run(law, plugin, &functions, |link| drive::control_law(link, 0, parameters, samples))?;
+    let figure = |(title, cost): (&str, Cost)| Figure {
+        name: format!("{title}, first strokes, most instructions"),
+        value: cost.max,
+        remark: format!("in {} samples", samples.len()),
+    };
+    Ok(["inverse", "inverse of compiled size"].into_iter().zip(costs).map(figure).collect())
 }
 
 /// The most instructions of the controller with each model of the family, of either half, in the dearest samples;

@@ -7,8 +7,8 @@
 //! # Protocol
 //! A zero byte on USART2 says that the board is ready. The host answers by a byte for the envelope, 0 for the paper's and 1
 //! for the piecewise-linear one. Then, for each sample, it sends mode (one byte, 0 to 3 as in [`MODES`]), reference and
-//! contraction (mm), and gets back the inverse's answer and the controller's command (bar); numbers are `f32`,
-//! little-endian. A refused sample is answered by NaN.
+//! contraction (mm), and gets back (bar) the inverse's answer, that of the inverse of compiled size, and the controller's command;
+//! numbers are `f32`, little-endian. A refused sample is answered by NaN.
 //!
 //! # Limits
 //! The waits for the port are unbounded: it stands for the host's program and is no part of the law. A model that is
@@ -23,6 +23,7 @@ use core::panic::PanicInfo;
 
 use firmware::law::{BoardInverse, controller_step, inverse_step, paper_parameters, piecewise_parameters};
 use firmware::order::BoardTracking;
+use firmware::sized::SizedInverse;
 use model_core::{HysteresisState, InverseHysteresis, Mode, ParameterError, TrackingState};
 use wire::PLAYS;
 
@@ -35,6 +36,7 @@ const MODES: [Mode; 4] = [Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly,
 struct Law {
     inverse: BoardInverse,
     inverse_state: HysteresisState<f32, PLAYS>,
+    sized: SizedInverse,
     tracking: BoardTracking,
     state: TrackingState<f32, PLAYS>,
 }
@@ -46,16 +48,19 @@ impl Law {
         let tracking = BoardTracking::try_new(&black_box(parameters))?;
         let inverse = tracking.inverse().clone();
         let (inverse_state, state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));
-        Ok(Self { inverse, inverse_state, tracking, state })
+        let sized = black_box(SizedInverse::paper(piecewise)?);
+        Ok(Self { inverse, inverse_state, sized, tracking, state })
     }
 
     fn sample(&mut self, port: &Port) {
         let mode = MODES[usize::from(port.receive_byte() & 3)];
         let (reference_mm, contraction_mm) = (port.receive(), port.receive());
         let inverse = inverse_step(&self.inverse, &mut self.inverse_state, reference_mm);
+        let sized = self.sized.step(reference_mm);
         let command =
             controller_step(&self.tracking, &mut self.state, mode, reference_mm, contraction_mm.into());
         port.send(inverse.unwrap_or(f32::NAN));
+        port.send(sized.unwrap_or(f32::NAN));
         port.send(command.map_or(f32::NAN, |command| command.command));
     }
 }

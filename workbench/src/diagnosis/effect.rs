@@ -32,6 +32,11 @@ impl Parameter {
         Self { value: value.clamp(low, high), low, high, step }
     }
 
+    /// Changes the value, within its bounds.
+    pub fn add(&mut self, change: f64) {
+        self.value = (self.value + change).clamp(self.low, self.high);
+    }
+
     /// A parameter that is searched for by its logarithm.
     fn logarithm(value: f64, low: f64, high: f64) -> Self {
         Self::new(value.ln(), low.ln(), high.ln(), 1e-3)

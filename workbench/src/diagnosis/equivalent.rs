@@ -120,11 +120,12 @@ fn push(input: &mut [f64], signals: &Signals, effect: &Effect) {
         Form::Driven(driver) => {
             let shapes = parameters.len() - TENTS;
             let lambda = parameters[0].value.exp();
-            subtract(input, signals, &parameters[shapes..], |at| driven(signals, driver, lambda, at));
+            subtract(input, &signals.tents, &parameters[shapes..], |at| driven(signals, driver, lambda, at));
         }
         Form::Inertia => {
-            subtract(input, signals, &parameters[..TENTS], |at| signals.acceleration[at]);
-            subtract(input, signals, &parameters[TENTS..], |at| signals.rate[at]);
+            let tents = &signals.moving_tents;
+            subtract(input, tents, &parameters[..TENTS], |at| signals.acceleration[at]);
+            subtract(input, tents, &parameters[TENTS..], |at| signals.rate[at]);
         }
         _ => {}
     }
@@ -165,13 +166,18 @@ pub fn faster(signals: &Signals, rate: Rate, power: f64, speed: f64) -> f64 {
 }
 
 /// Takes `tents times strengths times driver` off.
-fn subtract(input: &mut [f64], signals: &Signals, strengths: &[Parameter], driver: impl Fn(usize) -> f64) {
+fn subtract(
+    input: &mut [f64],
+    tents: &[[f64; TENTS]],
+    strengths: &[Parameter],
+    driver: impl Fn(usize) -> f64,
+) {
     if strengths.iter().all(|strength| strength.value == 0.0) {
         return;
     }
     let strengths: [f64; TENTS] = std::array::from_fn(|tent| strengths[tent].value);
-    for (at, u) in input.iter_mut().enumerate() {
-        *u -= through(&signals.tents[at], &strengths) * driver(at);
+    for (at, (u, tents)) in input.iter_mut().zip(tents).enumerate() {
+        *u -= through(tents, &strengths) * driver(at);
     }
 }
 

@@ -30,8 +30,8 @@ pub struct FreeRun {
 pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
     let Arrived { input, speed } = Arrived::new(signals, &fit.effects);
     let (mut added, mut creep) = (vec![0.0; signals.rows.len()], Vec::new());
-    // Weights of acceleration and rate on the output.
-    let mut filter = (0.0, 0.0);
+    // Weights of acceleration and rate on the output, one a tent.
+    let mut filter = [[0.0; TENTS]; 2];
     let mut place = COLUMNS;
     for effect in &fit.effects {
         let (columns, _) = output::columns(effect, signals);
@@ -42,12 +42,10 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
                 creep = weights.iter().copied().zip(signals.creep_s.iter().copied()).collect();
                 continue;
             }
-            Form::OutputLag => {
-                filter.1 += weights[0];
-                continue;
-            }
-            Form::OutputInertia => {
-                (filter.0, filter.1) = (filter.0 + weights[0], filter.1 + weights[1]);
+            Form::OutputLag | Form::OutputInertia => {
+                // Of a lag there is the rate alone.
+                let parts = filter.iter_mut().rev().zip(weights.rchunks(TENTS));
+                parts.for_each(|(sums, weights)| sums.iter_mut().zip(weights).for_each(|(s, w)| *s += w));
                 continue;
             }
             _ => {}
@@ -67,7 +65,8 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
     for (at, (&pressure, &speed)) in input.iter().zip(&speed).enumerate() {
         let step_s = if at == 0 { 0.0 } else { signals.time_s[at] - signals.time_s[at - 1] };
         let muscle = state.step(at, pressure, speed, step_s);
-        let muscle = behind.follow(muscle, step_s, filter);
+        let muscle =
+            behind.follow(muscle, step_s, filter.map(|weights| through(&signals.tents[at], &weights)));
         // y (1 + sum c (1 - b)) = muscle + sum c (1 - b) slow, b the share that a low-pass takes up in this step.
         if (step_s - shares_s).abs() > SAME_STEP_S {
             shares_s = step_s;
@@ -167,11 +166,15 @@ impl<'a> State<'a> {
 
     /// What is wanted of the operators' input at a row, viscosity, and mass. Units: those of the input, over the rate and
     /// over the acceleration of the output.
-    fn forces(&self, at: usize, pressure: f64) -> (f64, f64, f64) {
+    fn forces(&self, at: usize, pressure: f64, step_s: f64) -> (f64, f64, f64) {
         let (mut wanted, mut viscosity, mut mass) = (pressure, 0.0, 0.0);
-        let tents = &self.signals.tents[at];
-        let strength =
-            |parameters: &[Parameter]| through(tents, &std::array::from_fn(|tent| parameters[tent].value));
+        let through = |tents: &[f64; TENTS], parameters: &[Parameter]| {
+            through(tents, &std::array::from_fn(|tent| parameters[tent].value))
+        };
+        let strength = |parameters: &[Parameter]| through(&self.signals.tents[at], parameters);
+        // Where the muscle will be about.
+        let ahead = self.signals.moving_tents_at(self.motion.place + self.motion.rate * step_s);
+        let moving = |parameters: &[Parameter]| through(&ahead, parameters);
         for effect in self.effects {
             let parameters = &effect.parameters;
             match effect.form {
@@ -184,8 +187,8 @@ impl<'a> State<'a> {
                     wanted -= strength(parameters) * output::driven(self.signals, driver, 1.0, at);
                 }
                 Form::Inertia => {
-                    mass += strength(parameters);
-                    viscosity += strength(&parameters[TENTS..]);
+                    mass += moving(parameters);
+                    viscosity += moving(&parameters[TENTS..]);
                 }
                 _ => {}
             }
@@ -196,7 +199,7 @@ impl<'a> State<'a> {
     /// One row: its place, the pressure, its speed and the time since the row before. Returns the muscle's contraction.
     fn step(&mut self, at: usize, pressure: f64, input_speed: f64, step_s: f64) -> f64 {
         let signals = self.signals;
-        let (wanted, viscosity, mass) = self.forces(at, pressure);
+        let (wanted, viscosity, mass) = self.forces(at, pressure, step_s);
         self.widths.iter_mut().for_each(|width| width.slope = width.friction.slope(signals, at));
         let follows = self.widening.is_some_and(|(_, rate)| rate == Rate::Contraction);
         let wider_at = |speed: f64| {
@@ -267,8 +270,8 @@ impl Motion {
     }
 
     /// Goes on to where place + damping rate + mass acceleration = goal; returns the place.
-    fn follow(&mut self, goal: f64, step_s: f64, (mass, damping): (f64, f64)) -> f64 {
-        if (mass, damping) == (0.0, 0.0) || step_s <= 0.0 {
+    fn follow(&mut self, goal: f64, step_s: f64, [mass, damping]: [f64; 2]) -> f64 {
+        if [mass, damping] == [0.0; 2] || step_s <= 0.0 {
             *self = Self { place: goal, rate: 0.0, acceleration: 0.0 };
             return goal;
         }

@@ -18,6 +18,8 @@ pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
     let duration_s = signals.duration_s().max(1e-9);
     let time = |at: usize| signals.time_s[at] - start_s;
     let parameter = |i: usize| effect.parameters.get(i).map_or(0.0, |parameter| parameter.value);
+    let less =
+        |tent: usize, motion: &[f64]| -> Vec<f64> { of_rows(&|at| -signals.tents[at][tent] * motion[at]) };
     match effect.form {
         Form::Added(driver) => {
             let lambda = parameter(0).exp();
@@ -26,9 +28,10 @@ pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
             };
             ((0..TENTS).map(column).collect(), false)
         }
-        Form::OutputLag => (vec![of_rows(&|at| -signals.rate[at])], true),
+        Form::OutputLag => ((0..TENTS).map(|tent| less(tent, &signals.rate)).collect(), true),
         Form::OutputInertia => {
-            (vec![of_rows(&|at| -signals.acceleration[at]), of_rows(&|at| -signals.rate[at])], true)
+            let both = [&signals.acceleration, &signals.rate];
+            (both.iter().flat_map(|motion| (0..TENTS).map(|tent| less(tent, motion))).collect(), true)
         }
         Form::Creep => (signals.slow.clone(), true),
         Form::Drift => (vec![of_rows(&|at| time(at) / duration_s - 0.5)], false),
@@ -61,9 +64,10 @@ pub fn driven(signals: &Signals, driver: Driver, lambda: f64, at: usize) -> f64 
 /// How many columns an effect puts on the output.
 pub fn count(effect: &Effect, signals: &Signals) -> usize {
     match effect.form {
-        Form::Added(_) => TENTS,
-        Form::OutputLag | Form::Drift | Form::Step => 1,
-        Form::OutputInertia | Form::Tone => 2,
+        Form::Added(_) | Form::OutputLag => TENTS,
+        Form::OutputInertia => 2 * TENTS,
+        Form::Drift | Form::Step => 1,
+        Form::Tone => 2,
         Form::Creep => signals.slow.len(),
         Form::Wander => WANDER - 1,
         _ => 0,

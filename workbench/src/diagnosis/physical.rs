@@ -117,16 +117,19 @@ fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], 
     let at_middle = |first: usize| -> f64 {
         hats(&signals.knots, middle).iter().enumerate().map(|(i, hat)| hat * parameter(first + i)).sum()
     };
+    let weight_at_middle = |first: usize| -> f64 {
+        hats(&signals.knots, middle).iter().enumerate().map(|(i, hat)| hat * weight(first + i)).sum()
+    };
     match effect.form {
         Form::Delay => vec![("delay_s", parameter(0))],
         Form::Lag => vec![("time_constant_s", parameter(0).exp())],
         Form::Driven(Driver::Rate) => vec![("time_constant_s", at_middle(0) * turn.slope(middle))],
-        Form::OutputLag => vec![("time_constant_s", weight(0))],
+        Form::OutputLag => vec![("time_constant_s", weight_at_middle(0))],
         Form::Inertia => {
             let slope = turn.slope(middle);
             ringing(at_middle(0) * slope, at_middle(TENTS) * slope)
         }
-        Form::OutputInertia => ringing(weight(0), weight(1)),
+        Form::OutputInertia => ringing(weight_at_middle(0), weight_at_middle(TENTS)),
         Form::Thresholds(rate) => {
             let typical = signals.typical_speed(rate);
             width(parameter(1) / typical.powf(parameter(0)), parameter(0), rate)

@@ -13,7 +13,7 @@ use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
 use super::gain::{Score, mask};
-use super::physical::swings;
+use super::physical::{Loop, swings};
 use super::pure_error::{PureError, pure_error};
 use super::race::Runner;
 use super::screen::Screen;
@@ -54,6 +54,8 @@ const STILL: f64 = 0.3;
 const LEANING: f64 = 0.1;
 /// The least share of the square of the first error that a cause beside others explains.
 const SHARE: f64 = 0.03;
+/// What it has to gain if it explains less: a cause that takes away that much of what is left is none of its remains.
+const MUCH: f64 = 0.3;
 /// A set that gains less than this over its parent is not built upon.
 const HOPELESS: f64 = 0.04;
 
@@ -106,6 +108,10 @@ impl<'a> Search<'a> {
             first.seen.bend,
             &Weights::new(&first.weights),
         ));
+        let turn = Loop::new((low, high), |input| {
+            basis.simulate(input, first.seen.bend, &Weights::new(&first.weights))
+        });
+        signals.set_slope(|y| turn.slope(y));
         let signals = &*signals;
         let (basis, fit) = WIDTHS
             .into_par_iter()
@@ -173,11 +179,8 @@ impl<'a> Search<'a> {
     /// residual: then it is judged as it runs free, and the fold's loss on unseen rows is added.
     pub fn candidate(&self, causes: Vec<Cause>, fit: Fit) -> Candidate {
         let is_fed_back = fit.effects.iter().any(|effect| effect.form.is_fed_back());
-        let (fit, free) = if swing::has_mass(&fit) {
+        let (fit, free) = if is_fed_back {
             swing::tuned(self.signals, &self.basis, fit)
-        } else if is_fed_back {
-            let errors = swing::errors(self.signals, &self.basis, &fit);
-            (fit, errors)
         } else {
             let residual = fit.residual.clone();
             (fit, residual)
@@ -212,21 +215,21 @@ impl<'a> Search<'a> {
 
     /// The set that the evidence is for, and all sets that were looked at, by size, the best first.
     ///
-    /// It is the best of the largest size that is worth its last cause, less the causes that a later one has made
+    /// It is the best of the largest size that is worth each of its causes, less those that a later one has made
     /// needless, each tried against its closest rivals.
     ///
     /// `progress` is called with the share of the work that is done.
     pub fn run(&self, progress: &(dyn Fn(f64) + Sync)) -> (Candidate, Vec<Vec<Candidate>>) {
         let sizes = self.beam(progress);
         let mut best = (self.baseline.clone(), Vec::new());
-        for set in sizes.iter().map_while(|size| size.first()) {
-            if best.0.evidence(set) < BETTER {
+        for size in &sizes {
+            let better = size.iter().filter(|set| best.0.evidence(set) >= BETTER).take(BEAM);
+            let worth = better.map(|set| (set, self.without_each(set)));
+            let Some((set, without)) =
+                worth.into_iter().find(|(set, without)| self.dropped(set, without).is_none())
+            else {
                 break;
-            }
-            let without = self.without_each(set);
-            if self.dropped(set, &without).is_some() {
-                break;
-            }
+            };
             best = (set.clone(), without);
         }
         for _ in 0..LARGEST {
@@ -248,7 +251,9 @@ impl<'a> Search<'a> {
         let least = if is_distinct { EVIDENCE_OF_FAST } else { EVIDENCE };
         let needed = least + MORE * self.baseline.evidence(without).max(0.0);
         let gain = without.score.gain(&set.score);
-        without.evidence(set) >= needed && gain >= GAIN && (without.causes.is_empty() || share >= SHARE)
+        without.evidence(set) >= needed
+            && gain >= GAIN
+            && (without.causes.is_empty() || share >= SHARE || gain >= MUCH)
     }
 
     /// A set without each of its causes in turn.

@@ -33,6 +33,9 @@ const WIDE_WINDOW: (usize, f64) = (4, 0.07);
 const STANDING: f64 = 2.5;
 /// Tents over the contraction that an effect's strength is made of.
 pub const TENTS: usize = 3;
+/// Contractions at which it is known how steep the contraction rises, and by how much it may differ from that at mid stroke.
+const STIFFNESS: usize = 21;
+const STIFFEST: f64 = 10.0;
 /// Time constants of a creep, at most.
 const CREEP: usize = 6;
 
@@ -86,6 +89,12 @@ pub struct Signals {
     /// Weights of the tents over the contraction. They are taken where a model of the input alone says that the
     /// contraction is: at the measured one a residual would explain a part of itself.
     pub tents: Vec<[f64; TENTS]>,
+    /// The same at the smoothed contraction itself, times [`Self::stiffer`], for what is driven by its motion.
+    pub moving_tents: Vec<[f64; TENTS]>,
+    /// The smoothed contraction. Output unit.
+    smooth: Vec<f64>,
+    /// How much more input a change of contraction takes than at mid stroke, evenly spaced between the outer knots.
+    stiffness: [f64; STIFFNESS],
     /// Where the tents stand. Output unit.
     pub knots: [f64; TENTS],
     /// The rows that are scored.
@@ -127,6 +136,9 @@ impl Signals {
             creep_s,
             travel: travel(&smooth, 4.0 * noise),
             tents: output.iter().map(|&y| hats(&knots, y)).collect(),
+            moving_tents: smooth.iter().map(|&y| hats(&knots, y)).collect(),
+            smooth,
+            stiffness: [1.0; STIFFNESS],
             load: varying(columns.load_n.as_deref()),
             temperature: varying(columns.temperature_c.as_deref()),
             input_noise,
@@ -151,10 +163,37 @@ impl Signals {
         self.tents = simulated.iter().map(|&y| hats(&self.knots, y)).collect();
     }
 
+    /// Says how steep the contraction rises with the input at a contraction. Unit: output unit/input unit.
+    pub fn set_slope(&mut self, slope: impl Fn(f64) -> f64) {
+        let (low, high) = (self.knots[0], self.knots[TENTS - 1]);
+        let middle = slope(0.5 * (low + high));
+        self.stiffness = std::array::from_fn(|i| {
+            let there = slope(low + (high - low) * i as f64 / (STIFFNESS - 1) as f64);
+            let stiffer = middle / there;
+            if stiffer.is_finite() { stiffer.clamp(1.0 / STIFFEST, STIFFEST) } else { 1.0 }
+        });
+        self.moving_tents = self.smooth.iter().map(|&y| self.moving_tents_at(y)).collect();
+    }
+
+    /// How much more input a change of contraction takes than at mid stroke.
+    pub fn stiffer(&self, y: f64) -> f64 {
+        let (low, high) = (self.knots[0], self.knots[TENTS - 1]);
+        let places: [f64; STIFFNESS] =
+            std::array::from_fn(|i| low + (high - low) * i as f64 / (STIFFNESS - 1) as f64);
+        hats(&places, y).iter().zip(self.stiffness).map(|(hat, stiffer)| hat * stiffer).sum()
+    }
+
+    /// [`Self::moving_tents`] at a contraction.
+    pub fn moving_tents_at(&self, y: f64) -> [f64; TENTS] {
+        let stiffer = self.stiffer(y);
+        hats(&self.knots, y).map(|hat| hat * stiffer)
+    }
+
     /// The same, with rate and acceleration of a contraction that was simulated, a value a row. Output unit.
     pub fn moving_as(&self, simulated: &[f64]) -> Self {
-        let (_, rate, acceleration) = local_cubic(&self.time_s, simulated, self.step_s, WINDOW);
-        Self { rate, acceleration, ..self.clone() }
+        let (smooth, rate, acceleration) = local_cubic(&self.time_s, simulated, self.step_s, WINDOW);
+        let moving_tents = smooth.iter().map(|&y| self.moving_tents_at(y)).collect();
+        Self { rate, acceleration, smooth, moving_tents, ..self.clone() }
     }
 
     /// The speed that a width depends on.

@@ -1,11 +1,14 @@
-//! Mass and damping of a fit, brought to where the model that runs free is nearest to the measured contraction.
+//! What acts by the measured motion, brought to where the model that runs free is nearest to the measured contraction.
 //!
 //! A measured acceleration is mostly noise where the muscle hardly moves, and a regression on it finds too little mass and
-//! too much damping. How a free run swings shows both. Two factors are searched, by Gauss-Newton with
-//! differences; then all is fitted anew with the rates of the free run, which are without noise.
+//! too much damping; a delay beside them then takes the place of what they lack. How a free run swings shows all of them. A
+//! factor for each of the two, and the delay if it is a cause, are searched by Gauss-Newton with differences; then all is
+//! fitted anew with the rates of the free run, which are without noise.
+
+use nalgebra::{DMatrix, DVector};
 
 use super::basis::{Basis, COLUMNS};
-use super::effect::{Driver, Form};
+use super::effect::{Driver, Effect, Form};
 use super::fit::{Fit, fit};
 use super::free_run::{FreeRun, free_run};
 use super::output;
@@ -17,12 +20,39 @@ const STEPS: usize = 3;
 const DIFFERENCE: f64 = 0.05;
 /// The largest step of a logarithm.
 const FARTHEST: f64 = 0.7;
+/// The change of a delay that counts as one of a logarithm. Unit: s.
+const DELAY_S: f64 = 0.1;
 /// A step that gains less than this share of the sum of squares is the last.
 const ENOUGH: f64 = 5e-3;
 
-/// Whether a fit has a mass.
-pub fn has_mass(fit: &Fit) -> bool {
-    fit.effects.iter().any(|effect| matches!(effect.form, Form::Inertia | Form::OutputInertia))
+/// What is brought to where the free run is nearest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Knob {
+    /// The logarithm of all masses.
+    Mass,
+    /// The logarithm of all dampings.
+    Damping,
+    /// A delay that is a cause.
+    Delay,
+}
+
+/// What of a fit is to be tuned: nothing without a mass.
+fn knobs(fit: &Fit) -> &'static [Knob] {
+    let has = |is: fn(&Effect) -> bool| fit.effects.iter().any(is);
+    match (has(is_mass), has(is_delay)) {
+        (false, _) => &[],
+        (true, false) => &[Knob::Mass, Knob::Damping],
+        (true, true) => &[Knob::Mass, Knob::Damping, Knob::Delay],
+    }
+}
+
+fn is_mass(effect: &Effect) -> bool {
+    matches!(effect.form, Form::Inertia | Form::OutputInertia)
+}
+
+/// Whether an effect is a delay that is a cause, not the small one of every recording.
+fn is_delay(effect: &Effect) -> bool {
+    effect.form == Form::Delay && effect.parameters.iter().all(|delay| delay.low >= 0.0)
 }
 
 /// A fit, and how it runs free.
@@ -45,25 +75,26 @@ impl Tuned {
     }
 
     /// With the factors that let it run best.
-    fn tuned(self, signals: &Signals, basis: &Basis) -> Self {
-        let at = |factors: [f64; 2]| Self::of(signals, basis, scaled(signals, &self.fit, factors));
-        let mut factors = [0.0; 2];
+    fn tuned(self, signals: &Signals, basis: &Basis, knobs: &[Knob]) -> Self {
+        let at = |changes: &[f64]| Self::of(signals, basis, changed(signals, &self.fit, knobs, changes));
+        let mut changes = vec![0.0; knobs.len()];
         let mut best: Option<Self> = None;
         for _ in 0..STEPS {
             let here = best.as_ref().unwrap_or(&self);
-            let step = step(&here.errors, |place| {
-                let mut moved = factors;
+            let step = step(&here.errors, changes.len(), |place| {
+                let mut moved = changes.clone();
                 moved[place] += DIFFERENCE;
-                at(moved).errors
+                at(&moved).errors
             });
             let Some(step) = step else { break };
-            let next_factors = [factors[0] + step[0], factors[1] + step[1]];
-            let next = at(next_factors);
+            let next_changes: Vec<f64> =
+                changes.iter().zip(&step).map(|(change, step)| change + step).collect();
+            let next = at(&next_changes);
             let (before, after) = (here.squares(), next.squares());
             if after >= before {
                 break;
             }
-            (factors, best) = (next_factors, Some(next));
+            (changes, best) = (next_changes, Some(next));
             if before - after < ENOUGH * before {
                 break;
             }
@@ -72,23 +103,24 @@ impl Tuned {
     }
 }
 
-/// Measured less simulated where a fit runs free, a value a scored row. Output unit.
-pub fn errors(signals: &Signals, basis: &Basis, fit: &Fit) -> Vec<f64> {
-    of_run(signals, &free_run(signals, basis, fit))
-}
-
+/// Measured less simulated, a value a scored row. Output unit.
 fn of_run(signals: &Signals, run: &FreeRun) -> Vec<f64> {
     let rows = signals.rows.iter().zip(&run.scored);
     rows.map(|(row, simulated)| signals.output[row.at] - simulated).collect()
 }
 
-/// A fit with mass that runs free as well as it can, and its errors then: tuned, fitted anew with the motion of that run in
-/// the place of the measured one, and tuned again.
+/// A fit that runs free as well as it can, and its errors then: tuned, fitted anew with the motion of that run in the place
+/// of the measured one, and tuned again.
 pub fn tuned(signals: &Signals, basis: &Basis, start: Fit) -> (Fit, Vec<f64>) {
-    let first = Tuned::of(signals, basis, start).tuned(signals, basis);
+    let knobs = knobs(&start);
+    let start = Tuned::of(signals, basis, start);
+    if knobs.is_empty() {
+        return (start.fit, start.errors);
+    }
+    let first = start.tuned(signals, basis, knobs);
     let quiet = signals.moving_as(&first.all);
     let again = fit(&quiet, basis, &first.fit.effects)
-        .map(|fit| Tuned::of(signals, basis, fit).tuned(signals, basis))
+        .map(|fit| Tuned::of(signals, basis, fit).tuned(signals, basis, knobs))
         .filter(|again| again.squares() < first.squares());
     let Tuned { fit, errors, .. } = again.unwrap_or(first);
     (fit, errors)
@@ -98,31 +130,36 @@ fn squares(errors: &[f64]) -> f64 {
     errors.iter().map(|e| e * e).sum()
 }
 
-/// The Gauss-Newton step of both logarithms.
-fn step(errors: &[f64], moved: impl Fn(usize) -> Vec<f64>) -> Option<[f64; 2]> {
-    let slope = |place| -> Vec<f64> {
-        moved(place).iter().zip(errors).map(|(there, here)| (there - here) / DIFFERENCE).collect()
-    };
-    let [mass, damping] = [slope(0), slope(1)];
-    let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
-    // A factor that changes nothing stays.
-    let floor = 1e-6 * (dot(&mass, &mass) + dot(&damping, &damping)) + 1e-12;
-    let (mm, md, dd) = (dot(&mass, &mass) + floor, dot(&mass, &damping), dot(&damping, &damping) + floor);
-    let (m, d) = (-dot(&mass, errors), -dot(&damping, errors));
-    let determinant = mm * dd - md * md;
-    let step = [(m * dd - d * md) / determinant, (d * mm - m * md) / determinant];
-    step.iter().all(|s| s.is_finite()).then(|| step.map(|s| s.clamp(-FARTHEST, FARTHEST)))
+/// The Gauss-Newton step of so many changes.
+fn step(errors: &[f64], count: usize, moved: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
+    let mut slopes = DMatrix::zeros(errors.len(), count);
+    for (place, mut slope) in slopes.column_iter_mut().enumerate() {
+        let there = moved(place);
+        slope.iter_mut().zip(there.iter().zip(errors)).for_each(|(s, (t, e))| *s = (t - e) / DIFFERENCE);
+    }
+    let mut normal = slopes.tr_mul(&slopes);
+    // A change that makes no difference is not made.
+    let floor = 1e-6 * normal.trace() + 1e-12;
+    (0..count).for_each(|i| normal[(i, i)] += floor);
+    let right = -slopes.tr_mul(&DVector::from_column_slice(errors));
+    let step = normal.cholesky()?.solve(&right);
+    step.iter().all(|s| s.is_finite()).then(|| step.iter().map(|s| s.clamp(-FARTHEST, FARTHEST)).collect())
 }
 
-/// The fit with mass and damping times the exponentials of these.
-fn scaled(signals: &Signals, fit: &Fit, factors: [f64; 2]) -> Fit {
-    let [mass, damping] = factors.map(f64::exp);
-    let mut scaled = fit.clone();
+/// The fit with its knobs turned by these changes.
+fn changed(signals: &Signals, fit: &Fit, knobs: &[Knob], changes: &[f64]) -> Fit {
+    let change =
+        |knob: Knob| knobs.iter().zip(changes).find(|(other, _)| **other == knob).map_or(0.0, |(_, c)| *c);
+    let (mass, damping) = (change(Knob::Mass).exp(), change(Knob::Damping).exp());
+    let mut changed = fit.clone();
     let mut place = COLUMNS;
-    for effect in &mut scaled.effects {
+    for effect in &mut changed.effects {
         let count = output::count(effect, signals);
-        let weights = &mut scaled.weights[place..place + count];
+        let weights = &mut changed.weights[place..place + count];
         place += count;
+        if is_delay(effect) {
+            effect.parameters.iter_mut().for_each(|delay| delay.add(DELAY_S * change(Knob::Delay)));
+        }
         match (effect.form, weights) {
             (Form::Inertia, _) => {
                 let (masses, dampings) = effect.parameters.split_at_mut(TENTS);
@@ -132,10 +169,14 @@ fn scaled(signals: &Signals, fit: &Fit, factors: [f64; 2]) -> Fit {
             (Form::Driven(Driver::Rate), _) => {
                 effect.parameters.iter_mut().for_each(|strength| strength.value *= damping);
             }
-            (Form::OutputInertia, [first, second]) => (*first, *second) = (*first * mass, *second * damping),
-            (Form::OutputLag, [first]) => *first *= damping,
+            (Form::OutputInertia, weights) => {
+                let (masses, dampings) = weights.split_at_mut(TENTS);
+                masses.iter_mut().for_each(|weight| *weight *= mass);
+                dampings.iter_mut().for_each(|weight| *weight *= damping);
+            }
+            (Form::OutputLag, weights) => weights.iter_mut().for_each(|weight| *weight *= damping),
             _ => {}
         }
     }
-    scaled
+    changed
 }

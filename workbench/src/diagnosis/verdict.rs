@@ -1,5 +1,7 @@
 //! From what the search found to a verdict.
 
+use std::f64::consts::PI;
+
 use super::cause::Cause;
 use super::extend::Given;
 use super::extend::start::{DEAD_ZONES, KNOTS, PLAYS};
@@ -10,6 +12,8 @@ use super::valve::ValveFit;
 
 /// Sets whose costs differ by less than this cannot be told apart.
 const APART: f64 = 0.04;
+/// From this damping ratio on a mass overshoots by less than a tenth.
+const DAMPED: f64 = 0.6;
 /// A rival has at least this share of the evidence of the best set.
 const SAYS: f64 = 0.7;
 
@@ -129,6 +133,7 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
             Named { cause, parameters, share, evidence, without }
         })
         .collect();
+    all.extend(damping(&all));
     for (cause, gain) in valve.into_iter().flat_map(|fit| &fit.causes) {
         let Some(fit) = valve else { break };
         if all.iter().any(|named| named.cause == *cause) {
@@ -147,6 +152,24 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
         });
     }
     all
+}
+
+/// The viscosity beside a mass that hardly overshoots. In the balance of forces a mass and a viscous force are one
+/// equation of second order: alone a mass rings, and what takes the ringing away is named too.
+fn damping(named: &[Named]) -> Option<Named> {
+    let mass = named.iter().find(|named| named.cause == Cause::Inertia)?;
+    let of = |wanted: &str| mass.parameters.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value);
+    let (ratio, frequency_hz) = (of("damping_ratio")?, of("natural_frequency_hz")?);
+    let is_alone = named.iter().all(|named| named.cause != Cause::ViscousLag);
+    (is_alone && ratio >= DAMPED).then(|| Named {
+        cause: Cause::ViscousLag,
+        parameters: vec![("time_constant_s", ratio / (PI * frequency_hz))],
+        share: mass.share,
+        evidence: vec![format!(
+            "a mass alone rings, this one is damped by {ratio:.2} of what stops all overshoot: damping is named beside it"
+        )],
+        without: None,
+    })
 }
 
 /// What a set is better by than without one of its causes, in words.

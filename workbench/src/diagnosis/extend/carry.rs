@@ -57,11 +57,6 @@ fn mean(column: &Option<Vec<f64>>) -> f64 {
     column.as_ref().map_or(0.0, |values| values.iter().sum::<f64>() / values.len().max(1) as f64)
 }
 
-/// The same at every contraction, and nowhere negative.
-fn constant(value: f64) -> ProfileParameters<f64> {
-    ProfileParameters::constant(value.max(0.0))
-}
-
 struct Carrier<'a> {
     columns: &'a Columns,
     signals: &'a Signals,
@@ -77,21 +72,29 @@ impl Carrier<'_> {
             let strengths: [f64; TENTS] = std::array::from_fn(|i| parameter(first + i));
             self.profile(|y| self.between(strengths, y))
         };
+        let moving = |first: usize| {
+            let strengths: [f64; TENTS] = std::array::from_fn(|i| parameter(first + i));
+            self.profile(|y| self.between(strengths, y) * signals.stiffer(y))
+        };
+        let behind = |first: usize| {
+            let strengths: [f64; TENTS] = std::array::from_fn(|i| weight(first + i));
+            self.profile(|y| self.between(strengths, y).max(0.0))
+        };
         match effect.form {
             Form::Delay => {
                 all.transport_delay = Some(TransportDelayParameters { delay_s: parameter(0).max(0.0) });
             }
             Form::Lag => all.valve_lag = Some(ValveLagParameters::new(parameter(0).exp())),
             Form::Driven(Driver::Rate) => self.add_viscosity(all, Site::Pressure, through(0)),
-            Form::OutputLag => self.add_viscosity(all, Site::Contraction, constant(weight(0))),
+            Form::OutputLag => self.add_viscosity(all, Site::Contraction, behind(0)),
             Form::Inertia => {
-                all.inertia = Some(through(0));
-                self.add_viscosity(all, Site::Pressure, through(TENTS));
+                all.inertia = Some(moving(0));
+                self.add_viscosity(all, Site::Pressure, moving(TENTS));
             }
             Form::OutputInertia => {
-                all.inertia = Some(constant(weight(0)));
+                all.inertia = Some(behind(0));
                 all.sites.inertia = Site::Contraction;
-                self.add_viscosity(all, Site::Contraction, constant(weight(1)));
+                self.add_viscosity(all, Site::Contraction, behind(TENTS));
             }
             Form::Driven(driver) => {
                 let offset = through(effect.parameters.len() - TENTS);

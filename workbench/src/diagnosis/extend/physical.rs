@@ -49,7 +49,10 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
     };
     match (late(inertia, sites.inertia), late(viscous_lag, sites.viscous_lag)) {
         (Some(mass), damping) => {
-            all.push((Cause::Inertia, physical::ringing(mass, damping.unwrap_or(0.0))));
+            let damping = damping.unwrap_or(0.0);
+            all.push((Cause::Inertia, physical::ringing(mass, damping)));
+            // Of a viscous lag beside it: the damping that the two share.
+            all.push((Cause::ViscousLag, vec![("time_constant_s", damping)]));
         }
         (None, Some(time_constant_s)) => {
             all.push((Cause::ViscousLag, vec![("time_constant_s", time_constant_s)]));

@@ -20,6 +20,9 @@ use crate::order::BoardTracking;
 /// The inverse model in the board's number type and capacity.
 pub type BoardInverse = InverseModel<f32, PLAYS, DEAD_ZONES>;
 
+/// The slew limit and the tick that are measured.
+pub(crate) const MEASURED_SLEW_BAR_PER_S: f32 = 50.0;
+pub(crate) const MEASURED_PERIOD_S: f32 = 1e-3;
 /// Knots of the piecewise-linear envelope that is measured.
 pub const MEASURED_KNOTS: usize = 8;
 
@@ -35,8 +38,8 @@ pub fn paper_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES>, 
         model: ModelParameters::Cascade(model),
         extensions: ExtensionParameters::default(),
         pid: PidParameters::paper(),
-        slew_bar_per_s: 50.0,
-        period_s: 1e-3,
+        slew_bar_per_s: MEASURED_SLEW_BAR_PER_S,
+        period_s: MEASURED_PERIOD_S,
     })
 }
 

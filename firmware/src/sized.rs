@@ -1,19 +1,26 @@
-//! The inverse of the paper's model for a firmware that knows its model's kind and size when it is compiled, and does not
-//! choose them at run time: what that saves is counted beside the board's ([`crate::law`]).
+//! The inverse of the paper's model, and the control law around it, for a firmware that knows its model's kind and size when
+//! it is compiled, and does not choose them at run time: what that saves is counted beside the board's ([`crate::law`]).
 
 use model_core::cascade::{Cascade, InverseCascade};
 use model_core::envelope::{Envelope, PiecewiseLinear, TanhEnvelope};
+use model_core::law::{Law, LawParameters, LawState};
 use model_core::paper::SIZE;
+use model_core::pid::PidParameters;
 use model_core::{
     HysteresisState, InputError, InverseHysteresis, Invertible, MgpiParameters, ParameterError, paper,
 };
 
-use crate::law::{MEASURED_KNOTS, measured_knots};
+use crate::law::{MEASURED_KNOTS, MEASURED_PERIOD_S, MEASURED_SLEW_BAR_PER_S, measured_knots};
 
 /// The inverse with one kind of envelope.
 pub type Inverse<E> = InverseCascade<f32, E, SIZE, SIZE>;
 /// Its state.
 pub type State = HysteresisState<f32, SIZE>;
+
+/// The control law with the paper's envelope.
+pub type SizedLaw = Law<f32, Inverse<TanhEnvelope<f32>>>;
+/// Its state.
+pub type SizedLawState = LawState<f32, SIZE>;
 
 /// The inverse with one of the envelopes that are measured, and its state.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,13 +38,15 @@ impl SizedInverse {
     ///
     /// # Errors
     /// None in practice, see [`paper::mgpi`].
+    // Inlined it would add its temporaries to the caller's stack for good.
+    #[inline(never)]
     pub fn paper(piecewise: bool) -> Result<Self, ParameterError> {
         let model = paper::mgpi()?.convert()?;
         Ok(if piecewise {
             let (inverse, state) = at_rest(PiecewiseLinear::try_new(&measured_knots(&model)?)?, &model)?;
             Self::Piecewise(inverse, state)
         } else {
-            let (inverse, state) = at_rest(TanhEnvelope::try_new(paper::ENVELOPE.convert())?, &model)?;
+            let (inverse, state) = at_rest(paper_envelope()?, &model)?;
             Self::Tanh(inverse, state)
         })
     }
@@ -52,6 +61,31 @@ impl SizedInverse {
             Self::Piecewise(inverse, state) => piecewise_step(inverse, state, reference_mm),
         }
     }
+}
+
+/// The control law of the paper's model and gains on a proportional valve, at the board's tick, for a muscle at rest.
+///
+/// # Errors
+/// None in practice, see [`paper::mgpi`].
+// Inlined it would add its temporaries to the caller's stack for good.
+#[inline(never)]
+pub fn paper_law() -> Result<(SizedLaw, SizedLawState), ParameterError> {
+    let model = paper::mgpi()?.convert()?;
+    let parameters = LawParameters {
+        pid: PidParameters::paper(),
+        command_min: model.input_min,
+        command_max: model.input_max,
+        slew_bar_per_s: MEASURED_SLEW_BAR_PER_S,
+        period_s: MEASURED_PERIOD_S,
+    };
+    let (inverse, _) = at_rest(paper_envelope()?, &model)?;
+    let law = Law::try_new(inverse, &parameters)?;
+    let state = law.rest_state(0.0);
+    Ok((law, state))
+}
+
+fn paper_envelope() -> Result<TanhEnvelope<f32>, ParameterError> {
+    TanhEnvelope::try_new(paper::ENVELOPE.convert())
 }
 
 fn at_rest<E: Envelope<f32> + Clone>(
@@ -81,4 +115,18 @@ fn piecewise_step(
     reference_mm: f32,
 ) -> Result<f32, InputError> {
     inverse.step(state, reference_mm)
+}
+
+/// One sample of the control law. Reference and contraction: mm; result: bar.
+///
+/// # Errors
+/// A value that is not finite; the state is then as it was.
+#[inline(never)]
+pub fn law_step(
+    law: &SizedLaw,
+    state: &mut SizedLawState,
+    reference_mm: f32,
+    contraction_mm: f32,
+) -> Result<f32, InputError> {
+    law.step(state, reference_mm, contraction_mm)
 }

@@ -53,6 +53,7 @@ pub mod error;
 pub mod extension;
 mod few_plays;
 pub mod hysteresis;
+pub mod law;
 pub mod memoryless;
 pub mod mgpi;
 pub mod model;

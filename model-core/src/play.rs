@@ -4,8 +4,8 @@
 //! zᵢ ← max(v - rᵢ, min(v + rᵢ, zᵢ)), equation (7) with one envelope; the sum is equation (6).
 //!
 //! # Design
-//! Up to ten plays are kept by their outputs (`few_plays`). Of more, none is kept by itself: from a turning point (v₀, u₀) on, play i is driven once v is more than 2 rᵢ away from v₀, so
-//! that u moves along one curve, whatever went before:
+//! Up to ten plays are kept by their outputs (`few_plays`). Of more, none is kept by itself: from a turning point (v₀, u₀)
+//! on, play i is driven once v is more than 2 rᵢ away from v₀, so that u moves along one curve, whatever went before:
 //!
 //! u = u₀ ± C(|v - v₀|), C(Δ) = q Δ + Σ pᵢ max(Δ - 2 rᵢ, 0),
 //!
@@ -16,8 +16,9 @@
 //!
 //! # The inverse
 //! v and u change places: the inverse curve, and the same turning points with both coordinates exchanged; of few plays
-//! the outputs q zᵢ + p₁ zᵢ + … + pᵢ zᵢ + pᵢ₊₁ zᵢ₊₁ + … + pₙ zₙ. It is a bank again, that of equations (18), (19) and (21). The paper is silent about the state of the inverse; a zero in its place
-//! costs up to 0.7 bar until it is wiped out.
+//! the outputs q zᵢ + p₁ zᵢ + … + pᵢ zᵢ + pᵢ₊₁ zᵢ₊₁ + … + pₙ zₙ. It is a bank again, that of equations (18), (19)
+//! and (21). The paper is silent about the state of the inverse; a zero in its place costs up to 0.7 bar until it is wiped
+//! out.
 //!
 //! # Validity
 //! q and every partial sum q + p₁ + … + pᵢ positive: then u is strictly increasing in v from every state,
@@ -159,6 +160,19 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
         state.last.u = self.curve.segment(0).slope() * v + still;
         state
+    }
+
+    /// The same memory, kept by turning points whatever the number of plays. The bank then moves by those: slower while the
+    /// plays are few, at a cost that hardly grows with their number.
+    pub fn by_turning_points(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
+        let memory = match &state.memory {
+            Memory::Few(few) => {
+                let output = |play| few.iter().nth(play).copied().unwrap_or(T::ZERO);
+                Memory::Many(self.turning_points_with(output, few.v))
+            }
+            Memory::Many(many) => Memory::Many(many.clone()),
+        };
+        PlayState { memory }
     }
 
     /// The outputs of the plays, by rising threshold.

@@ -39,6 +39,17 @@ impl<T: Real> Range<T> {
         value.limit(self.min, self.max)
     }
 
+    /// Where one step of at most `largest` (above 0) leads from a value inside toward another one, without leaving the range.
+    #[inline(always)]
+    pub(crate) fn step_toward(&self, from: T, to: T, largest: T) -> T {
+        // Only the limits in the direction of the step can bind.
+        if to > from {
+            to.at_most(from + largest).at_most(self.max)
+        } else {
+            to.at_least(from - largest).at_least(self.min)
+        }
+    }
+
     /// The value, or where it passes the range by more than the range's span: beyond that nothing is extrapolated, so
     /// that no finite value leads out of the number type.
     pub fn extrapolated(&self, value: T) -> T {

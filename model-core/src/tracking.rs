@@ -299,12 +299,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         let sum = feedforward + feedback;
         state.transfer = transfer(state, sum);
         let asked = sum + state.transfer;
-        // The last command is within the limits: only those in the direction of the change can bind.
-        let command = if asked > state.command {
-            asked.at_most(state.command + self.largest_change).at_most(self.inverse.limits().max())
-        } else {
-            asked.at_least(state.command - self.largest_change).at_least(self.inverse.limits().min())
-        };
+        let command = self.inverse.limits().step_toward(state.command, asked, self.largest_change);
         state.command = command;
         let excess = command - asked;
         if FEEDBACK {

@@ -7,7 +7,7 @@ use common::plays;
 use model_core::cascade::Cascade;
 use model_core::envelope::{Envelope, EnvelopeParameters, TanhEnvelope, TanhParameters};
 use model_core::paper::{self, SIZE};
-use model_core::play::PlayParameters;
+use model_core::play::{PlayBank, PlayParameters};
 use model_core::{Hysteresis, InverseHysteresis, Invertible, Mgpi, MgpiParameters};
 use proptest::prelude::*;
 
@@ -56,6 +56,26 @@ proptest! {
             let y = low + share * (high - low);
             let (x, other) = (few.step(&mut few_state, y).unwrap(), many.step(&mut many_state, y).unwrap());
             prop_assert!((x - other).abs() < 1e-8, "{x} and {other} bar for {y} mm");
+        }
+    }
+
+    #[test]
+    fn turning_points_and_outputs_of_few_plays_are_one_memory(
+        plays in plays(), inputs in prop::collection::vec(-1.0..1.0, 1..60), turned in 0_usize..60
+    ) {
+        let [few, _] = few_and_many(&plays);
+        let bank = PlayBank::try_new(&few).unwrap();
+        let mut by_outputs = bank.rest_state(0.0);
+        let mut by_turns = bank.by_turning_points(&by_outputs);
+        for (sample, v) in inputs.into_iter().enumerate() {
+            if sample == turned {
+                by_turns = bank.by_turning_points(&by_outputs);
+            }
+            let (u, other) = (bank.step(&mut by_outputs, v).unwrap(), bank.step(&mut by_turns, v).unwrap());
+            prop_assert!((u - other).abs() < 1e-11 * (1.0 + u.abs()), "{u} and {other}");
+            for (z, other) in bank.outputs(&by_outputs).iter().zip(&bank.outputs(&by_turns)) {
+                prop_assert!((z - other).abs() < 1e-11, "{z} and {other}");
+            }
         }
     }
 

@@ -88,14 +88,22 @@ pub fn parameters(search: &Search<'_>, set: &Candidate) -> Vec<(Cause, Parameter
         .collect()
 }
 
-/// Whether an inertia among the causes swings: damped beyond that it is two lags, and no mass shows.
-pub fn swings(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
-    let Some(place) = causes.iter().position(|&cause| cause == Cause::Inertia) else { return true };
-    let at = fit.effects.len() - causes.len() + place;
-    let weights = fit.output_weights(search.signals, at);
-    let turn = Loop::of(search, fit);
-    let parameters = of_effect(search.signals, Cause::Inertia, &fit.effects[at], weights, &turn);
-    parameters.iter().all(|&(name, value)| name != "damping_ratio" || value < 1.0)
+/// Whether the motion that is named shows: an inertia swings, for damped beyond that it is two lags; and a lag is at least half
+/// a row, for of less no recording's own timing is free.
+pub fn shows(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
+    let first = fit.effects.len() - causes.len();
+    let moving = |(_, cause): &(usize, &Cause)| matches!(**cause, Cause::Inertia | Cause::ViscousLag);
+    let mut turn = None;
+    causes.iter().enumerate().filter(moving).all(|(i, &cause)| {
+        let turn = turn.get_or_insert_with(|| Loop::of(search, fit));
+        let weights = fit.output_weights(search.signals, first + i);
+        let parameters = of_effect(search.signals, cause, &fit.effects[first + i], weights, turn);
+        parameters.iter().all(|&(name, value)| match name {
+            "damping_ratio" => value < 1.0,
+            "time_constant_s" => value >= 0.5 * search.signals.step_s,
+            _ => true,
+        })
+    })
 }
 
 /// Those of the valve's causes.

@@ -13,7 +13,7 @@ use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
 use super::gain::{Score, mask};
-use super::physical::{Loop, swings};
+use super::physical::{Loop, shows};
 use super::pure_error::{PureError, pure_error};
 use super::race::Runner;
 use super::screen::Screen;
@@ -47,8 +47,8 @@ const MORE: f64 = 0.1;
 const BETTER: f64 = 0.05;
 /// What a second cause that resists motion has to be better by: neither is quite of our form.
 const ALIKE: f64 = 0.08;
-/// What an inertia that does not swing has to be better by: it may be two other causes that lag.
-const STILL: f64 = 0.3;
+/// What a set has to be better by whose motion does not show: its inertia may be two other causes that lag.
+const UNSEEN: f64 = 0.3;
 /// What a set with a lag has to be better by where its small delay, which belongs to the baseline, is as long as it may be:
 /// it is then a lag and a delay.
 const LEANING: f64 = 0.1;
@@ -74,8 +74,8 @@ pub struct Candidate {
     pub pure_error: Option<f64>,
     /// The same where states that are no longer visited twice count too. Output unit.
     pub spread: Option<f64>,
-    /// Whether an inertia among its causes swings.
-    pub swings: bool,
+    /// Whether the motion that its causes name [shows](shows).
+    pub shows: bool,
     /// Whether a cause that resists motion has the help of a small delay that is as long as it may be.
     pub leans: bool,
 }
@@ -133,7 +133,7 @@ impl<'a> Search<'a> {
             residual,
             pure_error,
             spread: pure_error,
-            swings: true,
+            shows: true,
             leans: false,
         };
         Some(Self { signals, basis, examinable, mask, baseline, pure })
@@ -192,9 +192,9 @@ impl<'a> Search<'a> {
         let least = 1.5 * self.signals.noise;
         let pure_error = pure.map(|error| error.square.sqrt().max(least));
         let spread = self.pure.zip(pure).map(|(before, after)| after.beside(&before, &free).max(least));
-        let swings = swings(self, &causes, &fit);
+        let shows = shows(self, &causes, &fit);
         let leans = causes.iter().any(|cause| cause.resists_motion()) && has_whole_small_delay(&fit);
-        Candidate { causes, fit, score, pure_error, spread, residual: free, swings, leans }
+        Candidate { causes, fit, score, pure_error, spread, residual: free, shows, leans }
     }
 
     /// A set without one of its causes, the rest fitted from where it stands.
@@ -338,9 +338,9 @@ impl Candidate {
         let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(1);
         let complexity: f64 =
             self.causes.iter().map(|cause| cause.complexity()).sum::<f64>() + ALIKE * dynamic as f64;
-        let still = if self.swings { 0.0 } else { STILL };
+        let unseen = if self.shows { 0.0 } else { UNSEEN };
         let leaning = if self.leans { LEANING } else { 0.0 };
-        self.score.mean().max(1e-12).ln() + pure + complexity + still + leaning
+        self.score.mean().max(1e-12).ln() + pure + complexity + unseen + leaning
     }
 
     /// How much less a later set costs; not counted is what only decides between causes that contain each other.

@@ -7,7 +7,7 @@ use std::os::unix::net::UnixStream;
 use anyhow::{Context, Result, bail, ensure};
 use firmware::law::{controller_step, inverse_step};
 use firmware::order::{BoardTracking, prepare};
-use firmware::sized::SizedInverse;
+use firmware::sized::{self, SizedInverse};
 use firmware::{Control, LockStepBoard, scaling};
 use model_core::{InverseHysteresis, Mode, TrackingParameters};
 use wire::{
@@ -98,6 +98,7 @@ pub fn control_law(
     let inverse = tracking.inverse();
     let (mut inverse_state, mut state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));
     let mut sized = SizedInverse::paper(envelope != 0)?;
+    let (law, mut law_state) = sized::paper_law()?;
     for (number, sample) in samples.iter().enumerate() {
         let Sample { mode, reference_mm, contraction_mm, .. } = *sample;
         let mode_number = match mode {
@@ -108,13 +109,14 @@ pub fn control_law(
         };
         let [reference, contraction] = [reference_mm, contraction_mm].map(f32::to_le_bytes);
         link.write_all(&[&[mode_number][..], &reference, &contraction].concat())?;
-        let mut answers = [[0; 4]; 3];
+        let mut answers = [[0; 4]; 4];
         link.read_exact(answers.as_flattened_mut())
             .with_context(|| format!("sample {number}, {sample:?}: no answer"))?;
         let expected = [
             inverse_step(inverse, &mut inverse_state, reference_mm)?,
             sized.step(reference_mm)?,
             controller_step(&tracking, &mut state, mode, reference_mm, contraction_mm.into())?.command,
+            sized::law_step(&law, &mut law_state, reference_mm, contraction_mm)?,
         ];
         let answers = answers.map(f32::from_le_bytes);
         if answers.map(f32::to_bits) != expected.map(f32::to_bits) {

@@ -49,6 +49,8 @@ const INVERSE: &str = "firmware::law::inverse_step";
 const CONTROLLER: &str = "firmware::law::controller_step";
 /// The inverse of compiled size, with the paper's envelope and with a piecewise-linear one.
 const SIZED: [&str; 2] = ["firmware::sized::tanh_step", "firmware::sized::piecewise_step"];
+/// The control law of compiled size.
+const SIZED_LAW: &str = "firmware::sized::law_step";
 /// The controller in two halves, as the tick has it.
 const HALVES: [&str; 2] = ["firmware::law::controller_prepare", "firmware::law::controller_act"];
 const TICK: &str = "TIM2";
@@ -131,17 +133,19 @@ fn costs(
 ) -> Result<Vec<Figure>> {
     let (inverse, controller, tick) =
         (law.function(INVERSE)?, law.function(CONTROLLER)?, emulated.function(TICK)?);
+    let sized_law = law.function(SIZED_LAW)?;
     let [sized, sized_piecewise] = [law.function(SIZED[0])?, law.function(SIZED[1])?];
     let of_law = |functions: &[&elf::Function], envelope, parameters: &Parameters| {
         counted::run(law, plugin, functions, |link| drive::control_law(link, envelope, parameters, samples))
     };
-    let mut costs = of_law(&[inverse, sized, controller], 0, parameters)?;
+    let mut costs = of_law(&[inverse, sized, controller, sized_law], 0, parameters)?;
     costs.extend(of_law(&[inverse, sized_piecewise], 1, &piecewise_parameters()?)?);
     costs.extend(counted::run(emulated, plugin, &[tick], |link| drive::emulated(link, parameters, samples))?);
     let titles = [
         "inverse",
         "inverse of compiled size",
         "controller (inverse, PID, limits)",
+        "control law of compiled size (inverse, PID, limits)",
         "inverse, piecewise-linear envelope",
         "inverse of compiled size, piecewise-linear envelope",
         "whole tick of the image emulated",

@@ -7,8 +7,8 @@
 //! # Protocol
 //! A zero byte on USART2 says that the board is ready. The host answers by a byte for the envelope, 0 for the paper's and 1
 //! for the piecewise-linear one. Then, for each sample, it sends mode (one byte, 0 to 3 as in [`MODES`]), reference and
-//! contraction (mm), and gets back (bar) the inverse's answer, that of the inverse of compiled size, and the controller's command;
-//! numbers are `f32`, little-endian. A refused sample is answered by NaN.
+//! contraction (mm), and gets back (bar) the inverse's answer, that of the inverse of compiled size, the controller's command,
+//! and that of the law of compiled size; numbers are `f32`, little-endian. A refused sample is answered by NaN.
 //!
 //! # Limits
 //! The waits for the port are unbounded: it stands for the host's program and is no part of the law. A model that is
@@ -23,7 +23,7 @@ use core::panic::PanicInfo;
 
 use firmware::law::{BoardInverse, controller_step, inverse_step, paper_parameters, piecewise_parameters};
 use firmware::order::BoardTracking;
-use firmware::sized::SizedInverse;
+use firmware::sized::{SizedInverse, SizedLaw, SizedLawState, law_step, paper_law};
 use model_core::{HysteresisState, InverseHysteresis, Mode, ParameterError, TrackingState};
 use wire::PLAYS;
 
@@ -39,17 +39,19 @@ struct Law {
     sized: SizedInverse,
     tracking: BoardTracking,
     state: TrackingState<f32, PLAYS>,
+    sized_law: (SizedLaw, SizedLawState),
 }
 
 impl Law {
-    /// The paper's model and gains, at rest.
+    /// The paper's model and gains, at rest. Apart, so that its temporaries leave the stack.
+    #[inline(never)]
     fn paper(piecewise: bool) -> Result<Self, ParameterError> {
         let parameters = if piecewise { piecewise_parameters()? } else { paper_parameters()? };
-        let tracking = BoardTracking::try_new(&black_box(parameters))?;
+        let tracking = BoardTracking::try_new(black_box(&parameters))?;
         let inverse = tracking.inverse().clone();
         let (inverse_state, state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));
-        let sized = black_box(SizedInverse::paper(piecewise)?);
-        Ok(Self { inverse, inverse_state, sized, tracking, state })
+        let sized = SizedInverse::paper(piecewise)?;
+        Ok(Self { inverse, inverse_state, sized, tracking, state, sized_law: paper_law()? })
     }
 
     fn sample(&mut self, port: &Port) {
@@ -59,9 +61,12 @@ impl Law {
         let sized = self.sized.step(reference_mm);
         let command =
             controller_step(&self.tracking, &mut self.state, mode, reference_mm, contraction_mm.into());
+        let (law, law_state) = &mut self.sized_law;
+        let law_command = law_step(law, law_state, reference_mm, contraction_mm);
         port.send(inverse.unwrap_or(f32::NAN));
         port.send(sized.unwrap_or(f32::NAN));
         port.send(command.map_or(f32::NAN, |command| command.command));
+        port.send(law_command.unwrap_or(f32::NAN));
     }
 }
 
@@ -71,7 +76,8 @@ fn main() -> ! {
     port.send_byte(0);
     if let Ok(mut law) = Law::paper(port.receive_byte() != 0) {
         loop {
-            law.sample(&port);
+            // Whatever it holds is unknown to the compiler.
+            black_box(&mut law).sample(&port);
             #[cfg(feature = "deliberate_panic")]
             black_box([0])[usize::from(port.receive_byte())];
         }

@@ -54,7 +54,8 @@ pub enum Form {
     CreepOfInput,
     /// Equivalent input: strengths times the column.
     Driven(Driver),
-    /// Equivalent input: strengths times the acceleration, then strengths times the rate.
+    /// Equivalent input: strengths times the acceleration, then strengths times the rate, where the muscle is and by how much
+    /// more input a change takes there.
     Inertia,
     /// The bend of the envelope is the parameter.
     Envelope,
@@ -68,9 +69,9 @@ pub enum Form {
     Friction(Rate),
     /// On the output: tents times the column, linear.
     Added(Driver),
-    /// On the output: less the rate.
+    /// On the output: less tents times the rate, linear.
     OutputLag,
-    /// On the output: less the acceleration and the rate.
+    /// On the output: less tents times the acceleration, then less tents times the rate, linear.
     OutputInertia,
     /// On the output: low-passes of it, less itself, each with a weight of one sign.
     Creep,

@@ -74,7 +74,7 @@ pub struct Candidate {
     pub pure_error: Option<f64>,
     /// The same where states that are no longer visited twice count too. Output unit.
     pub spread: Option<f64>,
-    /// Whether the motion that its causes name [shows](shows).
+    /// Whether the motion that its causes name shows.
     pub shows: bool,
     /// Whether a cause that resists motion has the help of a small delay that is as long as it may be.
     pub leans: bool,

@@ -2,8 +2,8 @@
 //!
 //! For a firmware that knows its model, and its size, when it is compiled, such as [`crate::cascade::InverseCascade`] with
 //! one kind of envelope. [`crate::tracking`] is for what is chosen at run time; beside the same law it has modes,
-//! extensions, the preview of a delay and a limit to what the feedback sees of a wild sample, which together cost as much
-//! as the law.
+//! extensions, the preview of a delay and a limit to what the feedback sees of a wild sample, which together cost half as
+//! much again.
 //!
 //! # Contract
 //! One [`Law::step`] a period. Without extensions, in the mode of feed-forward and feedback, with reference and contraction in the

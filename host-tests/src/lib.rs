@@ -22,8 +22,8 @@ use rig::sensor::Sensors;
 use wire::{Configuration, Protection, Request, Response, VERSION};
 use workbench::figures::Figures;
 use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
-use workbench::pil::PilError;
 use workbench::pil::lock_step::{self, Board, Measurement, Plant, Run, Wanted};
+use workbench::pil::{PilError, preview_s};
 
 /// The board's tick. Unit: s.
 pub const PERIOD_S: f64 = 1e-3;
@@ -146,8 +146,7 @@ pub fn run(
     mode: Mode,
     reference_mm: &[f64],
 ) -> Result<Run, PilError> {
-    let delay = configuration.tracking.extensions.transport_delay;
-    let preview = delay.map_or(0, |delay| (f64::from(delay.delay_s) / PERIOD_S).round() as usize);
+    let preview = (preview_s(configuration) / PERIOD_S).round() as usize;
     let ahead_mm =
         reference_mm.iter().skip(preview).chain(std::iter::repeat(&reference_mm[reference_mm.len() - 1]));
     let wanted = reference_mm.iter().zip(ahead_mm).enumerate().map(|(tick, (&reference_mm, &ahead_mm))| {

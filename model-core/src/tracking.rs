@@ -1,8 +1,8 @@
 //! The tracking controller of Fig. 10: inverse model as feed-forward, PID as feedback, one command.
 //!
 //! ```text
-//! reference ─┬─▶ inverse of the extended model ─▶ feed-forward ─┐
-//!            └─▶ delay ─▶ PID (◀─ contraction) ─▶ feedback ─────┴─▶ + transfer ─▶ slew ─▶ limits ─▶ command
+//! reference ─┬─▶ (smoother) ─▶ inverse of the extended model ─▶ feed-forward ─┐
+//!            └─▶ delay ─▶ PID (◀─ contraction) ─▶ feedback ──────────────────┴─▶ + transfer ─▶ slew ─▶ limits ─▶ command
 //! ```
 //!
 //! # In two halves
@@ -13,8 +13,9 @@
 //! # Extensions
 //! The feed-forward compensates them ([`crate::extension`]); without any it is the inverse of the operator, bit for bit. Load
 //! and temperature can be measured. With a delay the reference is given ahead: what is asked for at a tick is due a delay
-//! later, and the feedback compares with what was asked for a delay ago. Drift and tone are left to the feedback unless
-//! the parameters say otherwise.
+//! later, and the feedback compares with what was asked for a delay ago. With a mass the inverse follows a smoothed
+//! reference, which is given ahead by the smoother's lag too: [`ExtensionParameters::preview_s`] says by how much in all.
+//! Drift and tone are left to the feedback unless the parameters say otherwise.
 //!
 //! # Changes of mode
 //! Every change is bumpless: at the first sample of a new [`Mode`] the difference to the last command is
@@ -30,7 +31,9 @@
 //! a real one could.
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
+use crate::extension::output::reach;
 use crate::extension::preview::{Preview, PreviewLine};
+use crate::extension::smoother::{Smoothed, Smoother};
 use crate::extension::{ExtendedInverse, ExtendedInverseState, ExtensionParameters, Surroundings};
 use crate::model::{InverseModel, ModelParameters};
 use crate::pid::{Pid, PidParameters, PidState};
@@ -99,6 +102,7 @@ const MARGIN: f64 = 0.1;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tracking<T, const N: usize, const M: usize> {
     inverse: ExtendedInverse<T, N, M>,
+    smoother: Option<Smoother<T>>,
     preview: Option<Preview<T>>,
     pid: Pid<T>,
     /// What the feedback sees of reference and contraction. Unit: mm.
@@ -113,6 +117,7 @@ pub struct Tracking<T, const N: usize, const M: usize> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackingState<T, const N: usize> {
     inverse: ExtendedInverseState<T, N>,
+    smoothed: Smoothed<T>,
     preview: PreviewLine<T>,
     pid: PidState<T>,
     /// That of the last sample; none before the first one.
@@ -158,7 +163,12 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         let (low, high) = inverse.output_range();
         let margin = T::from_f64(MARGIN) * (high - low);
         Ok(Self {
-            preview: Preview::try_new(inverse.delay_s(), period)?,
+            smoother: if extensions.has_mass() {
+                Some(Smoother::new(period, reach((low, high))?))
+            } else {
+                None
+            },
+            preview: Preview::try_new(extensions.preview_s(period), period)?,
             inverse,
             plausible: Range::try_new(low - margin, high + margin, "output range", "mm")?,
             pid: Pid::try_new(&parameters.pid, period)?,
@@ -176,6 +186,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     pub fn rest_state(&self, mode: Mode) -> TrackingState<T, N> {
         TrackingState {
             inverse: self.inverse.rest_state(),
+            smoothed: Smoothed::default(),
             preview: PreviewLine::new(),
             pid: PidState::starting_at(T::ZERO),
             mode: None,
@@ -216,7 +227,13 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         surroundings: &Surroundings<T>,
     ) -> Result<Prepared<T>, InputError> {
         // The inverse follows the reference in every mode, so that its memory is right when it is needed.
-        let feedforward = self.inverse.step(&mut state.inverse, reference, surroundings)?;
+        let mut smoothed = state.smoothed;
+        let wanted = match &self.smoother {
+            Some(smoother) => smoother.step(&mut smoothed, finite_input(reference)?),
+            None => reference,
+        };
+        let feedforward = self.inverse.step(&mut state.inverse, wanted, surroundings)?;
+        state.smoothed = smoothed;
         let due = match &self.preview {
             Some(preview) => preview.due(&mut state.preview, reference),
             None => reference,

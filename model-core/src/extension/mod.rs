@@ -44,7 +44,7 @@ mod effects;
 mod forward;
 mod inertia;
 mod inverse;
-mod output;
+pub(crate) mod output;
 pub mod periodic_disturbance;
 pub(crate) mod preview;
 pub mod profile;
@@ -53,6 +53,7 @@ mod relaxation;
 mod root;
 pub mod schedule;
 pub mod site;
+pub(crate) mod smoother;
 mod sum;
 pub mod supply_saturation;
 pub mod transport_delay;
@@ -142,6 +143,18 @@ impl<T: Real> ExtensionParameters<T> {
             periodic_disturbance: self.periodic_disturbance.filter(|tone| tone.compensated),
             ..self.clone()
         }
+    }
+
+    /// How far ahead of time a controller at this period has to be given its reference: by the delay, and where there is a mass
+    /// by the lag of what smooths the reference for it ([`crate::tracking`]). Both: s.
+    pub fn preview_s(&self, period_s: T) -> T {
+        let delay_s = self.transport_delay.map_or(T::ZERO, |delay| delay.delay_s);
+        if self.has_mass() { delay_s + smoother::lag_s(period_s) } else { delay_s }
+    }
+
+    /// Whether the reference's second derivative is asked for.
+    pub(crate) fn has_mass(&self) -> bool {
+        self.inertia.is_some()
     }
 
     /// The same parameters in another number type, for instance that of the board.

@@ -64,14 +64,13 @@ pub(super) struct Aim<'a, T> {
 }
 
 impl<T: Real> OutputEffects<T> {
-    /// None without effects. `lowest`, `highest`: of the operator's outputs.
+    /// None without effects. `output_range`: of the operator.
     pub(super) fn try_new(
         parameters: &ExtensionParameters<T>,
-        (lowest, highest): (T, T),
+        output_range: (T, T),
     ) -> Result<Option<Self>, ParameterError> {
-        let margin = T::from_f64(FARTHEST) * (highest - lowest);
         let effects = Self {
-            reach: Range::try_new(lowest - margin, highest + margin, "output range", "output unit")?,
+            reach: reach(output_range)?,
             balance: Balance::try_new(parameters, Site::Contraction)?,
             creep: Creep::try_at(parameters, Site::Contraction)?,
             drift: each(&parameters.drift, DriftParameters::checked)?,
@@ -195,6 +194,15 @@ impl<T: Real> OutputEffects<T> {
         let y1 = self.reach.limit(y1);
         Aim { y0: y1 + taken(&present, y1, y1 - last), y1, present: Some((present, &self.reach)) }
     }
+}
+
+/// Whatever can count as a contraction, where the operator's outputs are from `lowest` to `highest`.
+///
+/// # Errors
+/// They are no range.
+pub(crate) fn reach<T: Real>((lowest, highest): (T, T)) -> Result<Range<T>, ParameterError> {
+    let margin = T::from_f64(FARTHEST) * (highest - lowest);
+    Range::try_new(lowest - margin, highest + margin, "output range", "output unit")
 }
 
 /// What the balance takes, y₁ having moved by `moved` to `y1`.

@@ -1,7 +1,8 @@
 //! The reference of the feedback, where that of the inverse is given ahead of time.
 //!
-//! What the inverse commands acts a delay later. So the controller gets the reference that is due then, and the feedback,
-//! which compares with what is measured now, the one that it got a delay ago. Between samples the reference is taken to
+//! What the inverse commands acts a delay later, and the reference that a mass is to follow is smoothed on its way there
+//! ([`super::smoother`]). So the controller gets the reference that is due then, and the feedback,
+//! which compares with what is measured now, the one that it got as long ago. Between samples the reference is taken to
 //! move evenly; before the first one it was that.
 
 use crate::error::{Check, ParameterError, Requirement};
@@ -27,7 +28,7 @@ pub(crate) struct PreviewLine<T> {
 }
 
 impl<T: Real> Preview<T> {
-    /// None for no delay. Both: s.
+    /// None for no delay. `delay_s`: how far ahead the reference is given, s.
     ///
     /// # Errors
     /// The delay lasts for more samples than the line holds.

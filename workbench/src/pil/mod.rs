@@ -134,8 +134,8 @@ pub fn configuration(
 
 /// How far ahead of time a board of this configuration has to be given its reference. Unit: s.
 pub fn preview_s(configuration: &Configuration) -> f64 {
-    let delay = &configuration.tracking.extensions.transport_delay;
-    delay.map_or(0.0, |delay| f64::from(delay.delay_s))
+    let TrackingParameters { extensions, period_s, .. } = &configuration.tracking;
+    f64::from(extensions.preview_s(*period_s))
 }
 
 /// What the three runs have in common.

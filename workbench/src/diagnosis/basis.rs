@@ -249,21 +249,6 @@ impl Curved<'_> {
         }
         (walk.knot, walk.share, walk.place) = (knot, share, place);
     }
-
-    /// How much the sum with these weights rises with the input that a walk has gone to. Unit: output unit/input unit.
-    pub fn slope(&self, weights: &Weights, walk: &Walk, wider: f64) -> f64 {
-        let (few, share) = walk.few();
-        let (left, right) = (&weights.stops[few], &weights.stops[few + 1]);
-        let mut rises = [0.0; RADII];
-        for i in 0..RADII {
-            let difference = right[i] - left[i];
-            // A stop at its end does not move.
-            let rise = if walk.stops[i].abs() < wider { self.basis.per_radius[i] } else { 0.0 };
-            rises[i] = rise * (left[i] + share * difference) + (FEW - 1) as f64 * walk.stops[i] * difference;
-        }
-        let of = |values: &[f64; CURVE]| values[walk.knot + 1] - values[walk.knot];
-        (of(&weights.curve) + of(&self.places) * rises.iter().sum::<f64>()) * self.basis.knots
-    }
 }
 
 /// A knot's place in the range, as a share of it.

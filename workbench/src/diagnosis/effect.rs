@@ -71,6 +71,8 @@ pub enum Form {
     Added(Driver),
     /// On the output: less tents times the rate, linear.
     OutputLag,
+    /// On the output, before the mass that is there too: less tents times the jerk, linear.
+    LagBefore,
     /// On the output: less tents times the acceleration, then less tents times the rate, linear.
     OutputInertia,
     /// On the output: low-passes of it, less itself, each with a weight of one sign.
@@ -115,6 +117,7 @@ impl Form {
             Self::Driven(Driver::Rate)
                 | Self::Inertia
                 | Self::OutputLag
+                | Self::LagBefore
                 | Self::OutputInertia
                 | Self::Thresholds(Rate::Contraction)
                 | Self::Friction(Rate::Contraction)

@@ -11,6 +11,7 @@ use super::effect::{Driver, Effect, Form, Parameter, Rate};
 use super::equivalent::{Arrived, Friction, bend, faster, through, wider};
 use super::fit::Fit;
 use super::output::{self, SAME_STEP_S};
+use super::series::series;
 use super::signals::{Signals, TENTS};
 
 /// Evaluations of the balance a row, at most.
@@ -32,6 +33,10 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
     let (mut added, mut creep) = (vec![0.0; signals.rows.len()], Vec::new());
     // Weights of acceleration and rate on the output, one a tent.
     let mut filter = [[0.0; TENTS]; 2];
+    let lag = series(fit, signals).map(|all| {
+        filter = [all.map(|series| series.mass_s2), all.map(|series| series.damping_s)];
+        all.map(|series| series.lag_s)
+    });
     let mut place = COLUMNS;
     for effect in &fit.effects {
         let (columns, _) = output::columns(effect, signals);
@@ -42,6 +47,7 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
                 creep = weights.iter().copied().zip(signals.creep_s.iter().copied()).collect();
                 continue;
             }
+            Form::LagBefore | Form::OutputInertia if lag.is_some() => continue,
             Form::OutputLag | Form::OutputInertia => {
                 // Of a lag there is the rate alone.
                 let parts = filter.iter_mut().rev().zip(weights.rchunks(TENTS));
@@ -58,6 +64,7 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
     let first = input.first().copied().unwrap_or(0.0);
     let mut state = State::new(signals, basis.curved(bend(&fit.effects)), (&fit.effects, &weights), first);
     let mut behind = Motion { place: signals.output[0], rate: 0.0, acceleration: 0.0 };
+    let mut late = Late { goal: signals.output[0], place: signals.output[0] };
     let mut slow = vec![signals.output[0]; creep.len()];
     let (mut shares, mut shares_s) = (vec![0.0; creep.len()], 0.0);
     let mut run =
@@ -65,6 +72,10 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
     for (at, (&pressure, &speed)) in input.iter().zip(&speed).enumerate() {
         let step_s = if at == 0 { 0.0 } else { signals.time_s[at] - signals.time_s[at - 1] };
         let muscle = state.step(at, pressure, speed, step_s);
+        let muscle = match &lag {
+            Some(lag) => late.follow(muscle, step_s, through(&signals.tents[at], lag)),
+            None => muscle,
+        };
         let muscle =
             behind.follow(muscle, step_s, filter.map(|weights| through(&signals.tents[at], &weights)));
         // y (1 + sum c (1 - b)) = muscle + sum c (1 - b) slow, b the share that a low-pass takes up in this step.
@@ -282,6 +293,26 @@ impl Motion {
         };
         let (at_zero, at_one) = (miss(0.0), miss(1.0));
         *self = self.to(-at_zero / (at_one - at_zero), step_s, mass > 0.0);
+        self.place
+    }
+}
+
+/// What follows a goal late.
+struct Late {
+    goal: f64,
+    place: f64,
+}
+
+impl Late {
+    /// Goes on to a goal, by a first-order lag, exactly for one that moves evenly; returns the place.
+    fn follow(&mut self, goal: f64, step_s: f64, lag_s: f64) -> f64 {
+        if step_s > 0.0 && lag_s > 0.0 {
+            let behind = lag_s * (goal - self.goal) / step_s;
+            self.place = goal - behind + (self.place - self.goal + behind) * (-step_s / lag_s).exp();
+        } else {
+            self.place = goal;
+        }
+        self.goal = goal;
         self.place
     }
 }

@@ -44,6 +44,7 @@ pub mod race;
 pub mod reject;
 pub mod screen;
 pub mod search;
+mod series;
 pub mod signals;
 mod swing;
 pub mod valve;
@@ -163,7 +164,8 @@ pub fn diagnose(
 }
 
 /// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
-/// The named causes' parameters are then those of that model. A given operator model is gone on from, unless its form is too poor: that is then named too.
+/// The named causes' parameters are then those of that model, but for a lag before a mass: of the two it has no more than
+/// the second order. A given operator model is gone on from, unless its form is too poor: that is then named too.
 ///
 /// # Errors
 /// See [`DiagnosisError`].
@@ -172,14 +174,16 @@ pub fn diagnose_and_extend(
     given: Option<&Operator>,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<(Diagnosis, Option<Extended>), DiagnosisError> {
-    let (mut diagnosis, extended) = diagnose_and(columns, progress, |search, best, valve| {
-        let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
-        extend(columns, search, best, valve, given, &progress)
-    })?;
+    let (mut diagnosis, (extended, is_third_order)) =
+        diagnose_and(columns, progress, |search, best, valve| {
+            let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
+            (extend(columns, search, best, valve, given, &progress), best.is_third_order())
+        })?;
     // A model that gains nothing has nothing to say about them.
     let gaining = extended.as_ref().filter(|extended| extended.extended_rmse < extended.baseline_rmse);
     let measured = gaining.and_then(extend::physical::parameters).unwrap_or_default();
-    for (cause, parameters) in measured {
+    let is_simpler = |cause| is_third_order && matches!(cause, Cause::ViscousLag | Cause::Inertia);
+    for (cause, parameters) in measured.into_iter().filter(|(cause, _)| !is_simpler(*cause)) {
         if let Some(named) = diagnosis.causes.iter_mut().find(|named| named.cause == cause) {
             named.parameters = parameters;
         }

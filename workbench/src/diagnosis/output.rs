@@ -28,6 +28,7 @@ pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
             };
             ((0..TENTS).map(column).collect(), false)
         }
+        Form::LagBefore => ((0..TENTS).map(|tent| less(tent, &signals.jerk)).collect(), true),
         Form::OutputLag => ((0..TENTS).map(|tent| less(tent, &signals.rate)).collect(), true),
         Form::OutputInertia => {
             let both = [&signals.acceleration, &signals.rate];
@@ -64,7 +65,7 @@ pub fn driven(signals: &Signals, driver: Driver, lambda: f64, at: usize) -> f64 
 /// How many columns an effect puts on the output.
 pub fn count(effect: &Effect, signals: &Signals) -> usize {
     match effect.form {
-        Form::Added(_) | Form::OutputLag => TENTS,
+        Form::Added(_) | Form::OutputLag | Form::LagBefore => TENTS,
         Form::OutputInertia => 2 * TENTS,
         Form::Drift | Form::Step => 1,
         Form::Tone => 2,

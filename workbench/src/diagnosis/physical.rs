@@ -9,6 +9,7 @@ use super::effect::{Driver, Effect, Form, Rate};
 use super::equivalent::bend;
 use super::fit::Fit;
 use super::search::{Candidate, Search};
+use super::series;
 use super::signals::{Signals, TENTS, hats};
 use super::valve::Valve;
 use crate::numbers::range;
@@ -82,8 +83,8 @@ pub fn parameters(search: &Search<'_>, set: &Candidate) -> Vec<(Cause, Parameter
         .enumerate()
         .map(|(i, &cause)| {
             let effect = &set.fit.effects[first + i];
-            let weights = set.fit.output_weights(search.signals, first + i);
-            (cause, of_effect(search.signals, cause, effect, weights, &turn))
+            let weights = series::weights(&set.fit, search.signals, first + i);
+            (cause, of_effect(search.signals, cause, effect, &weights, &turn))
         })
         .collect()
 }
@@ -96,8 +97,8 @@ pub fn shows(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
     let mut turn = None;
     causes.iter().enumerate().filter(moving).all(|(i, &cause)| {
         let turn = turn.get_or_insert_with(|| Loop::of(search, fit));
-        let weights = fit.output_weights(search.signals, first + i);
-        let parameters = of_effect(search.signals, cause, &fit.effects[first + i], weights, turn);
+        let weights = series::weights(fit, search.signals, first + i);
+        let parameters = of_effect(search.signals, cause, &fit.effects[first + i], &weights, turn);
         parameters.iter().all(|&(name, value)| match name {
             "damping_ratio" => value < 1.0,
             "time_constant_s" => value >= 0.5 * search.signals.step_s,
@@ -132,7 +133,7 @@ fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], 
         Form::Delay => vec![("delay_s", parameter(0))],
         Form::Lag => vec![("time_constant_s", parameter(0).exp())],
         Form::Driven(Driver::Rate) => vec![("time_constant_s", at_middle(0) * turn.slope(middle))],
-        Form::OutputLag => vec![("time_constant_s", weight_at_middle(0))],
+        Form::OutputLag | Form::LagBefore => vec![("time_constant_s", weight_at_middle(0))],
         Form::Inertia => {
             let slope = turn.slope(middle);
             ringing(at_middle(0) * slope, at_middle(TENTS) * slope)

@@ -7,6 +7,7 @@ use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Descent, fit};
 use super::search::{Candidate, Search, WIDTHS};
+use super::series::arrange;
 
 /// Steps that all starts make.
 const HEAT: usize = 3;
@@ -44,11 +45,11 @@ impl Search<'_> {
             let afresh = self.afresh(set, &anew);
             [effects, anew].into_iter().chain(afresh)
         };
-        starts
-            .into_iter()
-            .flat_map(of_start)
-            .map(|effects| Runner { causes: causes.clone(), effects })
-            .collect()
+        let runner = |mut effects: Vec<Effect>| {
+            arrange(&mut effects);
+            Runner { causes: causes.clone(), effects }
+        };
+        starts.into_iter().flat_map(of_start).map(runner).collect()
     }
 
     /// A pair of fast causes from the starts of the first one: alone it has tried to be both.

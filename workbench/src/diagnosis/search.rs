@@ -17,6 +17,7 @@ use super::physical::{Loop, shows};
 use super::pure_error::{PureError, pure_error};
 use super::race::Runner;
 use super::screen::Screen;
+use super::series::{arrange, beside};
 use super::signals::Signals;
 use super::swing;
 use crate::numbers::range;
@@ -45,7 +46,8 @@ const GAIN: f64 = 0.05;
 const MORE: f64 = 0.1;
 /// What a larger set has to be better by than the best smaller one, beside being worth each of its causes.
 const BETTER: f64 = 0.05;
-/// What a second cause that resists motion has to be better by: neither is quite of our form.
+/// What a second cause that resists motion has to be better by: neither is quite of our form. Not a lag before a mass, which
+/// together are a form of their own.
 const ALIKE: f64 = 0.08;
 /// What a set has to be better by whose motion does not show: its inertia may be two other causes that lag.
 const UNSEEN: f64 = 0.3;
@@ -146,7 +148,7 @@ impl<'a> Search<'a> {
                 .into_iter()
                 .map(|frequency_hz| Effect::tone(frequency_hz, self.signals))
                 .collect(),
-            _ => Effect::starts(cause, self.signals),
+            _ => beside(&set.fit.effects, Effect::starts(cause, self.signals)),
         }
     }
 
@@ -206,6 +208,7 @@ impl<'a> Search<'a> {
         if !effects.iter().any(|effect| effect.form == Form::Delay) {
             effects.insert(0, Effect::small_delay(self.signals));
         }
+        arrange(&mut effects);
         let causes: Vec<Cause> = set.causes.iter().copied().filter(|&other| other != cause).collect();
         let without = self.candidate(causes, fit(self.signals, &self.basis, &effects)?);
         // Without its only cause it is the baseline, which may have been found better before.
@@ -335,12 +338,18 @@ impl Candidate {
     /// explain the same the simpler one is preferred.
     pub fn cost(&self) -> f64 {
         let pure = self.spread.map_or(0.0, |error| PURE * error.max(1e-12).ln());
-        let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(1);
+        let alone = 1 + usize::from(self.is_third_order());
+        let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(alone);
         let complexity: f64 =
             self.causes.iter().map(|cause| cause.complexity()).sum::<f64>() + ALIKE * dynamic as f64;
         let unseen = if self.shows { 0.0 } else { UNSEEN };
         let leaning = if self.leans { LEANING } else { 0.0 };
         self.score.mean().max(1e-12).ln() + pure + complexity + unseen + leaning
+    }
+
+    /// Whether it has a lag before a mass, on the output.
+    pub fn is_third_order(&self) -> bool {
+        self.fit.effects.iter().any(|effect| effect.form == Form::LagBefore)
     }
 
     /// How much less a later set costs; not counted is what only decides between causes that contain each other.

@@ -27,7 +27,9 @@ const BLOCK_S: (f64, f64) = (4.0, 30.0);
 const GAP: f64 = 0.1;
 /// Half of the window of the local cubic: at least so many rows, and so long. Unit of the second: s.
 const WINDOW: (usize, f64) = (2, 0.02);
-/// A wider one, for speeds that enter by a power: there noise would be taken for motion.
+/// A wider one, for the third derivative.
+const JERK_WINDOW: (usize, f64) = (4, 0.04);
+/// A wider one yet, for speeds that enter by a power: there noise would be taken for motion.
 const WIDE_WINDOW: (usize, f64) = (4, 0.07);
 /// A speed counts as far as it is above so many standard deviations of its noise.
 const STANDING: f64 = 2.5;
@@ -70,6 +72,8 @@ pub struct Signals {
     pub rate: Vec<f64>,
     /// Its smoothed acceleration. Unit: output unit/s².
     pub acceleration: Vec<f64>,
+    /// The derivative of that, over a wider window. Unit: output unit/s³.
+    pub jerk: Vec<f64>,
     /// Speeds of input and contraction: sizes of their rates above the noise. Units: those of the columns a second.
     speeds: [Vec<f64>; 2],
     /// Root mean squares of the speeds.
@@ -116,7 +120,8 @@ impl Signals {
     pub fn new(columns: &Columns) -> Self {
         let Columns { time_s, input, output, scored, .. } = columns;
         let (step_s, _) = steps(time_s);
-        let (smooth, rate, acceleration) = local_cubic(time_s, output, step_s, WINDOW);
+        let [smooth, rate, acceleration, _] = local_cubic(time_s, output, step_s, WINDOW);
+        let [_, _, _, jerk] = local_cubic(time_s, output, step_s, JERK_WINDOW);
         let noise_floor = columns.noise_floor();
         let (noise, input_noise) = (noise_floor.deviation, noise::floor(time_s, input).deviation);
         let speeds = [speed(time_s, input, step_s, input_noise), speed(time_s, output, step_s, noise)];
@@ -147,6 +152,7 @@ impl Signals {
             output: output.clone(),
             rate,
             acceleration,
+            jerk,
             typical_speeds: [0, 1].map(|i: usize| root_mean_square(&speeds[i]).max(1e-9)),
             speeds,
             knots,
@@ -191,9 +197,10 @@ impl Signals {
 
     /// The same, with rate and acceleration of a contraction that was simulated, a value a row. Output unit.
     pub fn moving_as(&self, simulated: &[f64]) -> Self {
-        let (smooth, rate, acceleration) = local_cubic(&self.time_s, simulated, self.step_s, WINDOW);
+        let [smooth, rate, acceleration, _] = local_cubic(&self.time_s, simulated, self.step_s, WINDOW);
+        let [_, _, _, jerk] = local_cubic(&self.time_s, simulated, self.step_s, JERK_WINDOW);
         let moving_tents = smooth.iter().map(|&y| self.moving_tents_at(y)).collect();
-        Self { rate, acceleration, smooth, moving_tents, ..self.clone() }
+        Self { rate, acceleration, jerk, smooth, moving_tents, ..self.clone() }
     }
 
     /// The speed that a width depends on.
@@ -225,16 +232,11 @@ fn creep_s(shortest_s: f64, longest_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Value, first and second derivative of a cubic through the neighbourhood of every row.
-fn local_cubic(
-    time_s: &[f64],
-    values: &[f64],
-    step_s: f64,
-    (rows, window_s): (usize, f64),
-) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+/// Value, first, second and third derivative of a cubic through the neighbourhood of every row.
+fn local_cubic(time_s: &[f64], values: &[f64], step_s: f64, (rows, window_s): (usize, f64)) -> [Vec<f64>; 4] {
     let half = rows.max((window_s / step_s.max(1e-9)).round() as usize);
     let longest_s = 3.0 * half as f64 * step_s;
-    let mut result = (Vec::new(), Vec::new(), Vec::new());
+    let mut result = [const { Vec::new() }; 4];
     for row in 0..values.len() {
         let window = row.saturating_sub(half)..(row + half + 1).min(values.len());
         let (mut normal, mut right) = (SMatrix::<f64, 4, 4>::identity() * 1e-9, SVector::<f64, 4>::zeros());
@@ -250,9 +252,12 @@ fn local_cubic(
         }
         let fit = normal.cholesky().map_or(SVector::zeros(), |cholesky| cholesky.solve(&right));
         let unit_s = half as f64 * step_s;
-        result.0.push(values[row] + fit[0]);
-        result.1.push(fit[1] / unit_s);
-        result.2.push(2.0 * fit[2] / (unit_s * unit_s));
+        let derivatives = [1.0, 1.0, 2.0, 6.0].iter().zip(&fit).enumerate();
+        let derivatives = derivatives.map(|(order, (times, fit))| times * fit / unit_s.powi(order as i32));
+        result.iter_mut().zip(derivatives).for_each(|(all, derivative)| all.push(derivative));
+        if let Some(value) = result[0].last_mut() {
+            *value += values[row];
+        }
     }
     result
 }
@@ -265,9 +270,10 @@ fn speed(time_s: &[f64], values: &[f64], step_s: f64, noise: f64) -> Vec<f64> {
     let mut peak = vec![0.0; around.len()];
     peak[32] = noise;
     let rate = |window| {
-        let (_, answer, _) = local_cubic(&around, &peak, step_s, window);
+        let [_, answer, ..] = local_cubic(&around, &peak, step_s, window);
         let noise = answer.iter().map(|a| a * a).sum::<f64>().sqrt();
-        (local_cubic(time_s, values, step_s, window).1, STANDING * noise)
+        let [_, rate, ..] = local_cubic(time_s, values, step_s, window);
+        (rate, STANDING * noise)
     };
     let ((wide, wide_noise), (narrow, narrow_noise)) = (rate(WIDE_WINDOW), rate(WINDOW));
     let size = |(wide, narrow): (&f64, &f64)| {

@@ -12,6 +12,7 @@ use super::effect::{Driver, Effect, Form};
 use super::fit::{Fit, fit};
 use super::free_run::{FreeRun, free_run};
 use super::output;
+use super::series::{self, Series};
 use super::signals::{Signals, TENTS};
 
 /// Steps at most.
@@ -22,6 +23,8 @@ const DIFFERENCE: f64 = 0.05;
 const FARTHEST: f64 = 0.7;
 /// The change of a delay that counts as one of a logarithm. Unit: s.
 const DELAY_S: f64 = 0.1;
+/// The same of a lag before a mass. Unit: s.
+const LAG_S: f64 = 0.1;
 /// A step that gains less than this share of the sum of squares is the last.
 const ENOUGH: f64 = 5e-3;
 
@@ -34,16 +37,27 @@ enum Knob {
     Damping,
     /// A delay that is a cause.
     Delay,
+    /// The small delay of every recording.
+    SmallDelay,
+    /// A lag before the mass.
+    Lag,
 }
 
 /// What of a fit is to be tuned: nothing without a mass.
-fn knobs(fit: &Fit) -> &'static [Knob] {
+fn knobs(fit: &Fit) -> Vec<Knob> {
     let has = |is: fn(&Effect) -> bool| fit.effects.iter().any(is);
-    match (has(is_mass), has(is_delay)) {
-        (false, _) => &[],
-        (true, false) => &[Knob::Mass, Knob::Damping],
-        (true, true) => &[Knob::Mass, Knob::Damping, Knob::Delay],
+    if !has(is_mass) {
+        return Vec::new();
     }
+    let mut knobs = vec![Knob::Mass, Knob::Damping];
+    if has(is_delay) {
+        knobs.push(Knob::Delay);
+    }
+    if has(|effect| effect.form == Form::LagBefore) {
+        // Of two lags and a delay a regression finds the sum.
+        knobs.extend([Knob::Lag, Knob::SmallDelay]);
+    }
+    knobs
 }
 
 fn is_mass(effect: &Effect) -> bool {
@@ -53,6 +67,11 @@ fn is_mass(effect: &Effect) -> bool {
 /// Whether an effect is a delay that is a cause, not the small one of every recording.
 fn is_delay(effect: &Effect) -> bool {
     effect.form == Form::Delay && effect.parameters.iter().all(|delay| delay.low >= 0.0)
+}
+
+fn small_delay_s(fit: &Fit) -> f64 {
+    let small = fit.effects.iter().find(|effect| effect.form == Form::Delay && !is_delay(effect));
+    small.and_then(|delay| delay.parameters.first()).map_or(0.0, |delay| delay.value)
 }
 
 /// A fit, and how it runs free.
@@ -83,8 +102,11 @@ impl Tuned {
             let here = best.as_ref().unwrap_or(&self);
             let step = step(&here.errors, changes.len(), |place| {
                 let mut moved = changes.clone();
-                moved[place] += DIFFERENCE;
-                at(&moved).errors
+                // A small delay is moved away from its end.
+                let is_late = knobs[place] == Knob::SmallDelay && small_delay_s(&here.fit) > 0.0;
+                let difference = if is_late { -DIFFERENCE } else { DIFFERENCE };
+                moved[place] += difference;
+                (at(&moved).errors, difference)
             });
             let Some(step) = step else { break };
             let next_changes: Vec<f64> =
@@ -117,10 +139,10 @@ pub fn tuned(signals: &Signals, basis: &Basis, start: Fit) -> (Fit, Vec<f64>) {
     if knobs.is_empty() {
         return (start.fit, start.errors);
     }
-    let first = start.tuned(signals, basis, knobs);
+    let first = start.tuned(signals, basis, &knobs);
     let quiet = signals.moving_as(&first.all);
     let again = fit(&quiet, basis, &first.fit.effects)
-        .map(|fit| Tuned::of(signals, basis, fit).tuned(signals, basis, knobs))
+        .map(|fit| Tuned::of(signals, basis, fit).tuned(signals, basis, &knobs))
         .filter(|again| again.squares() < first.squares());
     let Tuned { fit, errors, .. } = again.unwrap_or(first);
     (fit, errors)
@@ -130,12 +152,12 @@ fn squares(errors: &[f64]) -> f64 {
     errors.iter().map(|e| e * e).sum()
 }
 
-/// The Gauss-Newton step of so many changes.
-fn step(errors: &[f64], count: usize, moved: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
+/// The Gauss-Newton step of so many changes. `moved`: the errors with one of them made, and how far.
+fn step(errors: &[f64], count: usize, moved: impl Fn(usize) -> (Vec<f64>, f64)) -> Option<Vec<f64>> {
     let mut slopes = DMatrix::zeros(errors.len(), count);
     for (place, mut slope) in slopes.column_iter_mut().enumerate() {
-        let there = moved(place);
-        slope.iter_mut().zip(there.iter().zip(errors)).for_each(|(s, (t, e))| *s = (t - e) / DIFFERENCE);
+        let (there, difference) = moved(place);
+        slope.iter_mut().zip(there.iter().zip(errors)).for_each(|(s, (t, e))| *s = (t - e) / difference);
     }
     let mut normal = slopes.tr_mul(&slopes);
     // A change that makes no difference is not made.
@@ -152,13 +174,20 @@ fn changed(signals: &Signals, fit: &Fit, knobs: &[Knob], changes: &[f64]) -> Fit
         |knob: Knob| knobs.iter().zip(changes).find(|(other, _)| **other == knob).map_or(0.0, |(_, c)| *c);
     let (mass, damping) = (change(Knob::Mass).exp(), change(Knob::Damping).exp());
     let mut changed = fit.clone();
+    let is_series = knobs.contains(&Knob::Lag);
+    series::change(&mut changed, signals, |series| Series {
+        lag_s: (series.lag_s + LAG_S * change(Knob::Lag)).max(0.0),
+        damping_s: series.damping_s * damping,
+        mass_s2: series.mass_s2 * mass,
+    });
     let mut place = COLUMNS;
     for effect in &mut changed.effects {
         let count = output::count(effect, signals);
         let weights = &mut changed.weights[place..place + count];
         place += count;
-        if is_delay(effect) {
-            effect.parameters.iter_mut().for_each(|delay| delay.add(DELAY_S * change(Knob::Delay)));
+        if effect.form == Form::Delay {
+            let knob = if is_delay(effect) { Knob::Delay } else { Knob::SmallDelay };
+            effect.parameters.iter_mut().for_each(|delay| delay.add(DELAY_S * change(knob)));
         }
         match (effect.form, weights) {
             (Form::Inertia, _) => {
@@ -169,7 +198,7 @@ fn changed(signals: &Signals, fit: &Fit, knobs: &[Knob], changes: &[f64]) -> Fit
             (Form::Driven(Driver::Rate), _) => {
                 effect.parameters.iter_mut().for_each(|strength| strength.value *= damping);
             }
-            (Form::OutputInertia, weights) => {
+            (Form::OutputInertia, weights) if !is_series => {
                 let (masses, dampings) = weights.split_at_mut(TENTS);
                 masses.iter_mut().for_each(|weight| *weight *= mass);
                 dampings.iter_mut().for_each(|weight| *weight *= damping);

@@ -142,7 +142,8 @@ impl Carrier<'_> {
                     compensated: false,
                 });
             }
-            Form::Envelope | Form::Width | Form::Step | Form::Wander => {}
+            // The model has no third order: beside a mass its rate and acceleration have both.
+            Form::LagBefore | Form::Envelope | Form::Width | Form::Step | Form::Wander => {}
         }
     }
 

@@ -135,8 +135,10 @@ fn of_run(signals: &Signals, run: &FreeRun) -> Vec<f64> {
 /// of the measured one, and tuned again.
 pub fn tuned(signals: &Signals, basis: &Basis, start: Fit) -> (Fit, Vec<f64>) {
     let knobs = knobs(&start);
+    // A tone is none of the muscle's motion, but in what is measured it is.
+    let shakes = start.effects.iter().any(|effect| effect.form == Form::Tone);
     let start = Tuned::of(signals, basis, start);
-    if knobs.is_empty() {
+    if knobs.is_empty() && !shakes {
         return (start.fit, start.errors);
     }
     let first = start.tuned(signals, basis, &knobs);

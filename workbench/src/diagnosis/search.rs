@@ -58,6 +58,8 @@ const LEANING: f64 = 0.1;
 const SHARE: f64 = 0.03;
 /// What it has to gain if it explains less: a cause that takes away that much of what is left is none of its remains.
 const MUCH: f64 = 0.3;
+/// The same of a delay, a lag, a mass, see [`EVIDENCE_OF_FAST`].
+const MUCH_OF_FAST: f64 = 0.2;
 /// A set that gains less than this over its parent is not built upon.
 const HOPELESS: f64 = 0.04;
 
@@ -251,12 +253,12 @@ impl<'a> Search<'a> {
         let share = (square(without) - square(set)) / square(&self.baseline);
         let last = set.causes.iter().find(|cause| !without.causes.contains(cause));
         let is_distinct = last.is_some_and(|cause| cause.is_fast() && !cause.is_near_shape());
-        let least = if is_distinct { EVIDENCE_OF_FAST } else { EVIDENCE };
+        let (least, much) = if is_distinct { (EVIDENCE_OF_FAST, MUCH_OF_FAST) } else { (EVIDENCE, MUCH) };
         let needed = least + MORE * self.baseline.evidence(without).max(0.0);
         let gain = without.score.gain(&set.score);
         without.evidence(set) >= needed
             && gain >= GAIN
-            && (without.causes.is_empty() || share >= SHARE || gain >= MUCH)
+            && (without.causes.is_empty() || share >= SHARE || gain >= much)
     }
 
     /// A set without each of its causes in turn.

@@ -227,18 +227,31 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         surroundings: &Surroundings<T>,
     ) -> Result<Prepared<T>, InputError> {
         // The inverse follows the reference in every mode, so that its memory is right when it is needed.
-        let mut smoothed = state.smoothed;
-        let wanted = match &self.smoother {
-            Some(smoother) => smoother.step(&mut smoothed, finite_input(reference)?),
-            None => reference,
+        let feedforward = match &self.smoother {
+            None => self.inverse.step(&mut state.inverse, reference, surroundings)?,
+            Some(smoother) => self.smoothly(smoother, state, reference, surroundings)?,
         };
-        let feedforward = self.inverse.step(&mut state.inverse, wanted, surroundings)?;
-        state.smoothed = smoothed;
         let due = match &self.preview {
             Some(preview) => preview.due(&mut state.preview, reference),
             None => reference,
         };
         Ok(Prepared { feedforward, due: self.plausible.limit(due) })
+    }
+
+    /// The feed-forward to a smoothed reference. Apart, lest it costs registers where there is no mass.
+    #[inline(never)]
+    fn smoothly(
+        &self,
+        smoother: &Smoother<T>,
+        state: &mut TrackingState<T, N>,
+        reference: T,
+        surroundings: &Surroundings<T>,
+    ) -> Result<T, InputError> {
+        let mut smoothed = state.smoothed;
+        let wanted = smoother.step(&mut smoothed, finite_input(reference)?);
+        let feedforward = self.inverse.step(&mut state.inverse, wanted, surroundings)?;
+        state.smoothed = smoothed;
+        Ok(feedforward)
     }
 
     /// The second half of a sample. `prepared`: of this sample. `contraction`, now: mm.

@@ -44,6 +44,8 @@ const GAIN: f64 = 0.05;
 /// How much more evidence one needs beside others, as a share of theirs: what little is left of a large effect that is
 /// not quite of our form is still more than nothing.
 const MORE: f64 = 0.1;
+/// The same of a delay, a lag, a mass.
+const MORE_OF_FAST: f64 = 0.05;
 /// What a larger set has to be better by than the best smaller one, beside being worth each of its causes.
 const BETTER: f64 = 0.05;
 /// What a second cause that resists motion has to be better by: neither is quite of our form. Not a lag before a mass, which
@@ -253,8 +255,9 @@ impl<'a> Search<'a> {
         let share = (square(without) - square(set)) / square(&self.baseline);
         let last = set.causes.iter().find(|cause| !without.causes.contains(cause));
         let is_distinct = last.is_some_and(|cause| cause.is_fast() && !cause.is_near_shape());
-        let (least, much) = if is_distinct { (EVIDENCE_OF_FAST, MUCH_OF_FAST) } else { (EVIDENCE, MUCH) };
-        let needed = least + MORE * self.baseline.evidence(without).max(0.0);
+        let (least, more, much) =
+            if is_distinct { (EVIDENCE_OF_FAST, MORE_OF_FAST, MUCH_OF_FAST) } else { (EVIDENCE, MORE, MUCH) };
+        let needed = least + more * self.baseline.evidence(without).max(0.0);
         let gain = without.score.gain(&set.score);
         without.evidence(set) >= needed
             && gain >= GAIN

@@ -71,8 +71,20 @@ pub enum PilError {
     OutsideSensor { time_s: f64, quantity: &'static str, value: f64, min: f32, max: f32, unit: &'static str },
     #[error("at {time_s} s the board has vented the valve: {fault:?}")]
     Vented { time_s: f64, fault: Option<Fault> },
+    #[error("the run {}: {problem}", with(*.mode))]
+    Run { mode: Mode, problem: Box<PilError> },
     #[error("interrupted")]
     Stopped,
+}
+
+/// What a run is made with, in words.
+fn with(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Both => "with feed-forward and feedback",
+        Mode::FeedforwardOnly => "with feed-forward only",
+        Mode::FeedbackOnly => "with feedback only",
+        Mode::Hold => "that holds the valve",
+    }
 }
 
 impl From<EmulatorError> for PilError {
@@ -186,11 +198,13 @@ impl Bench<'_> {
     }
 
     fn run_one(&self, mode: Mode, ticked: &dyn Fn()) -> Result<Finished, PilError> {
-        let finished = self.try_run(mode, ticked);
-        if finished.is_err() {
+        self.try_run(mode, ticked).map_err(|problem| {
             self.stop.request();
-        }
-        finished
+            match problem {
+                PilError::Stopped => PilError::Stopped,
+                problem => PilError::Run { mode, problem: Box::new(problem) },
+            }
+        })
     }
 
     fn try_run(&self, mode: Mode, ticked: &dyn Fn()) -> Result<Finished, PilError> {

@@ -9,7 +9,8 @@
 //! | [`basis`] | the baseline: any rate-independent hysteresis, linear in its weights |
 //! | [`effect`], [`equivalent`], [`output`] | each cause as a nested extension in its physical place |
 //! | [`fit`] | baseline and effects together by Gauss-Newton, and tried on blocks that it has not seen |
-//! | [`free_run`] | the same without the measured contraction |
+//! | `series` | a lag before a mass on the output, as one form |
+//! | [`free_run`], `swing` | the same without the measured contraction, and tuned to run free |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
 //! | [`screen`], [`search`] | which sets are tried |
 //! | [`valve`] | the valve, told apart from the muscle |

@@ -21,6 +21,10 @@ use crate::simulation::Rows;
 const STEP: f64 = 1e-4;
 /// A step that gains less than this share of the sum of squares is the last.
 const ENOUGH: f64 = 4e-3;
+/// What it costs to move a variable by a step, as a share of the root of the first sum of squares. Nothing beside what a row
+/// teaches; but a slope that next to no row teaches would grow without end, which costs the taught rows nothing, and throws those
+/// that come later by metres.
+const STAY: f64 = 0.03;
 /// Evaluations at most, per variable.
 const PATIENCE: usize = 1;
 /// A size that most operators keep within: their states are copied often.
@@ -39,6 +43,9 @@ struct Problem<'a> {
     task: Task<'a>,
     units: Units,
     base: Extension,
+    /// Where it began, and what it costs to leave that. Output unit.
+    start: DVector<f64>,
+    stay: f64,
     variables: DVector<f64>,
     residuals: OnceLock<Option<DVector<f64>>>,
 }
@@ -55,8 +62,10 @@ impl Task<'_> {
             with_valve: *input_is_command,
         };
         let variables = DVector::from_vec(of(&base, &units));
-        let problem = Problem { task: *self, units, base, variables, residuals: OnceLock::new() };
-        problem.at(&problem.variables)?;
+        let stay = STAY * self.residuals(&with(&base, &units, variables.as_slice()))?.norm();
+        let start = variables.clone();
+        let problem =
+            Problem { task: *self, units, base, start, stay, variables, residuals: OnceLock::new() };
         let kernel = LevenbergMarquardt::new().with_ftol(ENOUGH).with_patience(PATIENCE).with_stepbound(1.0);
         let (problem, report) = kernel.minimize(problem);
         Some((problem.model(&problem.variables), (&report.termination).into()))
@@ -98,8 +107,11 @@ impl Problem<'_> {
         with(&self.base, &self.units, variables.as_slice())
     }
 
+    /// The errors of the scored rows, and what the variables' ways cost.
     fn at(&self, variables: &DVector<f64>) -> Option<DVector<f64>> {
-        self.task.residuals(&self.model(variables))
+        let errors = self.task.residuals(&self.model(variables))?;
+        let ways = (variables - &self.start) * self.stay;
+        Some(DVector::from_iterator(errors.len() + ways.len(), errors.iter().chain(&ways).copied()))
     }
 }
 
@@ -118,7 +130,8 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        let far = || DVector::from_element(self.task.scored.len(), 1e3 * self.units.stroke);
+        let count = self.task.scored.len() + self.start.len();
+        let far = || DVector::from_element(count, 1e3 * self.units.stroke);
         // What cannot be simulated is no better than anything that can.
         Some(self.residuals.get_or_init(|| self.at(&self.variables)).clone().unwrap_or_else(far))
     }

@@ -29,9 +29,6 @@ const DELAY_STEP_S: f64 = 0.01;
 const SHARE_STEP: f64 = 0.02;
 /// What rises does so by this share of the mean at least: in the board's numbers, which hold sums, less would be lost.
 const FLATTEST: f64 = 1e-3;
-/// And by no more than this multiple: where next to no row teaches a slope it would grow without end, which costs a simulation
-/// nothing and leaves no inverse that is of use.
-const STEEPEST: f64 = 30.0;
 /// The largest exponent of a rate.
 const LARGEST_EXPONENT: f64 = 4.0;
 
@@ -96,7 +93,7 @@ fn visit_operator(
                     let mut rise = *value - before;
                     before = *value;
                     logarithm(&mut rise, change);
-                    sum += rise.clamp(least, STEEPEST / FLATTEST * least);
+                    sum += rise.max(least);
                     *value = sum;
                 }
             }
@@ -143,7 +140,6 @@ fn visit_dead_zones(
     let mut slope = first;
     logarithm(&mut slope, change);
     zones.weights[home] = slope;
-    let most = STEEPEST * units.stroke / largest(&zones.thresholds);
     let above: Vec<usize> = (home + 1..zones.weights.len()).collect();
     let below: Vec<usize> = (0..home).rev().collect();
     for places in [above, below] {
@@ -152,7 +148,7 @@ fn visit_dead_zones(
             old += zones.weights[place];
             let mut next = old;
             logarithm(&mut next, change);
-            next = next.max(FLATTEST * units.stroke).min(most);
+            next = next.max(FLATTEST * units.stroke);
             zones.weights[place] = next - new;
             new = next;
         }

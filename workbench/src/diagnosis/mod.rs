@@ -189,6 +189,12 @@ pub fn diagnose_and_extend(
             named.parameters = parameters;
         }
     }
+    for named in diagnosis.causes.iter_mut().filter(|named| extended.is_some() && is_simpler(named.cause)) {
+        named.evidence.push(
+            "the lag comes before the mass; the extended model has one equation of second order for both"
+                .into(),
+        );
+    }
     if matches!(diagnosis.verdict, Verdict::Explained | Verdict::Confounded)
         && let Some(no_gain) = extended.as_ref().filter(|extended| !extended.valve_is_named).and_then(no_gain)
     {

@@ -35,7 +35,7 @@ pub struct ExtendedInverse<T, const N: usize, const M: usize> {
     input_range: Range<T>,
     /// The operator's outputs at rest and at the upper end of its input range.
     output_range: (T, T),
-    /// Unit: s.
+    /// How long after its command the contraction comes. Unit: s.
     delay_s: T,
     limits: Range<T>,
 }
@@ -100,11 +100,6 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
     /// The operator's outputs at rest and, from there, at the upper end of its input range. Output unit.
     pub fn output_range(&self) -> (T, T) {
         self.output_range
-    }
-
-    /// How long after its command the contraction comes. Unit: s.
-    pub fn delay_s(&self) -> T {
-        self.delay_s
     }
 
     /// The commands that act: those given, as far as the supply reaches. Input unit.

@@ -23,7 +23,7 @@ const STEP: f64 = 1e-4;
 const ENOUGH: f64 = 4e-3;
 /// What it costs to move a variable by a step, as a share of the root of the first sum of squares. Nothing beside what a row
 /// teaches; but a slope that next to no row teaches would grow without end, which costs the taught rows nothing, and throws those
-/// that come later by metres.
+/// that come later by more than a stroke.
 const STAY: f64 = 0.03;
 /// Evaluations at most, per variable.
 const PATIENCE: usize = 1;

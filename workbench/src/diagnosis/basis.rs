@@ -6,6 +6,8 @@
 //! radius is small in the input's unit. Without it the misfit grows with whatever changes the loop's width. The envelope
 //! lies between a straight line (bend 0) and the static curve of a first fit (bend 1).
 
+use pulp::Arch;
+
 use super::signals::Row;
 
 /// Tents of the static curve.
@@ -110,6 +112,7 @@ impl Weights {
     }
 
     /// The sum at a place of a walk.
+    #[inline(always)]
     pub fn sum(&self, walk: &Walk) -> f64 {
         let (few, share) = walk.few();
         let (left, right) = (&self.stops[few], &self.stops[few + 1]);
@@ -203,6 +206,11 @@ impl Basis {
 
     /// What `take` says at each scored row on the way through the whole input.
     fn visit<T>(&self, seen: &Seen, rows: &[Row], take: impl Fn(&Walk) -> T) -> Vec<T> {
+        Arch::new().dispatch(|| self.go(seen, rows, take))
+    }
+
+    #[inline(always)]
+    fn go<T>(&self, seen: &Seen, rows: &[Row], take: impl Fn(&Walk) -> T) -> Vec<T> {
         let curved = self.curved(seen.bend);
         let mut walk = curved.start(seen.input.first().copied().unwrap_or(0.0));
         let mut first = 0;
@@ -238,6 +246,7 @@ impl Curved<'_> {
     }
 
     /// Goes on to an input, the radii times `wider`.
+    #[inline(always)]
     pub fn advance(&self, walk: &mut Walk, u: f64, wider: f64) {
         let (knot, share, place) = self.place(u);
         let change = place - walk.place;

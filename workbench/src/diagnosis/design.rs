@@ -6,6 +6,7 @@
 use std::ops::{Add, Sub};
 
 use nalgebra::{DMatrix, DVector};
+use pulp::Arch;
 
 use super::basis::{Basis, COLUMNS, ENTRIES, Entries, GROUPS, Seen, columns};
 use super::effect::Effect;
@@ -90,6 +91,20 @@ impl Columns<'_> {
         let count = ENTRIES + self.dense.len() + 1;
         let width = count.next_multiple_of(LANES);
         let mut sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; GROUPS * count * width]);
+        Arch::new().dispatch(|| self.add_up(&mut sums, count, width, target, part));
+        sums.map(|sums| self.in_place(&sums, count, width))
+    }
+
+    /// Adds the products of each row's columns up in their group.
+    #[inline(always)]
+    fn add_up<const P: usize>(
+        &self,
+        sums: &mut [Vec<f64>; P],
+        count: usize,
+        width: usize,
+        target: impl Fn(usize) -> f64,
+        part: impl Fn(usize) -> [bool; P],
+    ) {
         let mut values = vec![0.0; width];
         for (row, entries) in self.rows.iter().enumerate() {
             values[..ENTRIES].copy_from_slice(&entries.values);
@@ -108,7 +123,6 @@ impl Columns<'_> {
                 }
             }
         }
-        sums.map(|sums| self.in_place(&sums, count, width))
     }
 
     /// The sums of the groups, each in its place.

@@ -5,16 +5,19 @@ use rayon::prelude::*;
 
 use super::cause::Cause;
 use super::effect::{Effect, Form};
-use super::fit::{Descent, fit};
+use super::fit::{Descent, Fit, fit};
 use super::search::{Candidate, Search, WIDTHS};
 use super::series::arrange;
+use super::swing::Running;
 
-/// Steps that all starts make.
-const HEAT: usize = 3;
-/// Starts of a set that are fitted to the end.
-const FINISHERS: usize = 3;
+/// Heats: the steps since the start, and how many starts of a set go on then.
+const HEATS: [(usize, usize); 2] = [(1, 6), (3, 3)];
 /// Sets that are fitted to the end.
 const SETS: usize = 8;
+/// Fits of the same effects whose root mean squares differ by less than this share are the same.
+const SAME: f64 = 2.5e-3;
+/// Of the ends of a set, running free, those are tuned whose sums of squares are within so many times the best one's.
+const NEAR: f64 = 1.2;
 /// A start whose sum of squares is more than so many times the best one's is not fitted to the end: running free costs a
 /// set less than that. Of single causes all are, since a pair may begin with any.
 const BEHIND: f64 = 4.0;
@@ -72,30 +75,55 @@ impl Search<'_> {
 
     /// The sets of these starts, fitted and judged, the best first.
     pub fn race(&self, runners: Vec<Runner>) -> Vec<Candidate> {
-        let heat = |Runner { causes, effects }| {
-            let mut descent = Descent::new(self.signals, &self.basis, effects)?;
-            descent.advance(HEAT);
-            Some((causes, descent))
-        };
-        let mut running: Vec<(Vec<Cause>, Descent<'_>)> = runners.into_par_iter().filter_map(heat).collect();
-        running.sort_by(|one, other| one.1.squares().total_cmp(&other.1.squares()));
-        let best = running.first().map_or(0.0, |(_, descent)| descent.squares());
-        running.retain(|(causes, descent)| causes.len() == 1 || descent.squares() <= BEHIND * best);
+        let start =
+            |Runner { causes, effects }| Some((causes, Descent::new(self.signals, &self.basis, effects)?));
+        let mut running: Vec<(Vec<Cause>, Descent<'_>)> = runners.into_par_iter().filter_map(start).collect();
         let mut sets: Vec<(Vec<Cause>, usize)> = Vec::new();
-        running.retain(|(causes, _)| match sets.iter_mut().find(|(set, _)| is_same(set, causes)) {
-            Some((_, count)) => {
-                *count += 1;
-                *count <= FINISHERS
+        for (steps, going) in HEATS {
+            running.par_iter_mut().for_each(|(_, descent)| descent.advance(steps));
+            running.sort_by(|one, other| one.1.squares().total_cmp(&other.1.squares()));
+            sets.clear();
+            running.retain(|(causes, _)| match sets.iter_mut().find(|(set, _)| is_same(set, causes)) {
+                Some((_, count)) => {
+                    *count += 1;
+                    *count <= going
+                }
+                None => {
+                    sets.push((causes.clone(), 1));
+                    true
+                }
+            });
+        }
+        let best = running.first().map_or(0.0, |(_, descent)| descent.squares());
+        sets.truncate(SETS);
+        running.retain(|(causes, descent)| {
+            (causes.len() == 1 || descent.squares() <= BEHIND * best)
+                && sets.iter().any(|(set, _)| is_same(set, causes))
+        });
+        let mut finished: Vec<(Vec<Cause>, Fit)> =
+            running.into_par_iter().map(|(causes, descent)| (causes, descent.finish())).collect();
+        finished.sort_by(|one, other| one.1.rms().total_cmp(&other.1.rms()));
+        let mut ends: Vec<(Vec<Cause>, Fit)> = Vec::new();
+        for end in finished {
+            if !ends.iter().any(|other| is_same_end(other, &end)) {
+                ends.push(end);
             }
+        }
+        let mut free: Vec<(Vec<Cause>, Running)> = ends
+            .into_par_iter()
+            .map(|(causes, fit)| (causes, Running::of(self.signals, &self.basis, fit)))
+            .collect();
+        free.sort_by(|one, other| one.1.squares().total_cmp(&other.1.squares()));
+        let mut best: Vec<(Vec<Cause>, f64)> = Vec::new();
+        free.retain(|(causes, running)| match best.iter().find(|(set, _)| is_same(set, causes)) {
+            Some((_, squares)) => running.squares() <= NEAR * squares,
             None => {
-                sets.push((causes.clone(), 1));
-                sets.len() <= SETS
+                best.push((causes.clone(), running.squares()));
+                true
             }
         });
-        let mut found: Vec<Candidate> = running
-            .into_par_iter()
-            .map(|(causes, descent)| self.candidate(causes, descent.finish()))
-            .collect();
+        let mut found: Vec<Candidate> =
+            free.into_par_iter().map(|(causes, running)| self.judged(causes, running)).collect();
         let sort =
             |found: &mut Vec<Candidate>| found.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
         sort(&mut found);
@@ -134,6 +162,13 @@ fn lend(from: &[Effect], to: &mut [Effect]) {
             *standing = nuisance.clone();
         }
     }
+}
+
+/// Whether two starts have ended in the same place.
+fn is_same_end((causes, one): &(Vec<Cause>, Fit), (others, other): &(Vec<Cause>, Fit)) -> bool {
+    is_same(causes, others)
+        && (other.rms() / one.rms() - 1.0).abs() < SAME
+        && one.effects.iter().all(|effect| other.effects.iter().any(|other| other.form == effect.form))
 }
 
 /// Whether the causes are the same, in whatever order.

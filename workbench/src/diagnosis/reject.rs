@@ -124,9 +124,10 @@ fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
         (time_s, beside)
     } else {
         let (time_s, alone) = best_step(search, &search.baseline)?;
-        let (best, _) = Search { baseline: alone, ..search.clone() }.run(&|_| ());
         // Fewer causes with the step have to do better than all of them without it.
-        if best.causes.len() >= set.causes.len() || set.evidence(&best) < EVIDENCE {
+        let fewer = Search { baseline: alone, largest: set.causes.len() - 1, ..search.clone() };
+        let (best, _) = fewer.run(&|_| ());
+        if set.evidence(&best) < EVIDENCE {
             return None;
         }
         (time_s, best)

@@ -19,7 +19,7 @@ use super::race::Runner;
 use super::screen::Screen;
 use super::series::{arrange, beside};
 use super::signals::Signals;
-use super::swing;
+use super::swing::Running;
 use crate::numbers::range;
 
 /// Radii of the baseline's width that are started from, as shares of the input's span.
@@ -33,6 +33,8 @@ const TONES: usize = 2;
 /// Causes that are fitted beside a set, and effects of each.
 const PROMISING: usize = 5;
 const STARTS: usize = 2;
+/// What a cause has to promise, as a share of the sum of squares: far below what any is worth its place for.
+const LEAST: f64 = 0.02;
 /// Weight of the pure error beside the held-out one.
 const PURE: f64 = 0.3;
 /// The evidence that an effect has to have for it.
@@ -99,6 +101,8 @@ pub struct Search<'a> {
     pub mask: Vec<bool>,
     /// The set without causes.
     pub baseline: Candidate,
+    /// Causes of the largest set.
+    pub largest: usize,
     /// What visits to the same state differ by without causes, if there are enough.
     pub pure: Option<PureError>,
 }
@@ -142,7 +146,7 @@ impl<'a> Search<'a> {
             shows: true,
             leans: false,
         };
-        Some(Self { signals, basis, examinable, mask, baseline, pure })
+        Some(Self { signals, basis, examinable, mask, baseline, largest: LARGEST, pure })
     }
 
     /// The effects that could stand for a cause beside a set.
@@ -173,24 +177,23 @@ impl<'a> Search<'a> {
                     if set.causes.is_empty() && cause.resists_motion() { starts.len() } else { STARTS };
                 (best, cause, starts.into_iter().take(most).map(|start| start.1).collect())
             })
-            .filter(|(_, _, starts): &(f64, Cause, Vec<Effect>)| !starts.is_empty())
+            .filter(|(best, _, _): &(f64, Cause, Vec<Effect>)| *best >= LEAST)
             .collect();
         all.sort_by(|one, other| other.0.total_cmp(&one.0));
         all.into_iter().take(PROMISING).map(|(_, cause, starts)| (cause, starts)).collect()
     }
 
     /// A set with its fit, judged.
+    pub fn candidate(&self, causes: Vec<Cause>, fit: Fit) -> Candidate {
+        self.judged(causes, Running::of(self.signals, &self.basis, fit))
+    }
+
+    /// A set with its fit, judged as it runs free, as well as it can.
     ///
     /// Where measured rates stand in its effects the output may explain a part of itself, and their noise goes into the
     /// residual: then it is judged as it runs free, and the fold's loss on unseen rows is added.
-    pub fn candidate(&self, causes: Vec<Cause>, fit: Fit) -> Candidate {
-        let is_fed_back = fit.effects.iter().any(|effect| effect.form.is_fed_back());
-        let (fit, free) = if is_fed_back {
-            swing::tuned(self.signals, &self.basis, fit)
-        } else {
-            let residual = fit.residual.clone();
-            (fit, residual)
-        };
+    pub fn judged(&self, causes: Vec<Cause>, running: Running) -> Candidate {
+        let Running { fit, errors: free, .. } = running.tuned(self.signals, &self.basis);
         let lost = fit.unseen.iter().zip(&fit.residual).map(|(unseen, residual)| unseen - residual);
         let unseen: Vec<f64> = lost.zip(&free).map(|(lost, free)| lost + free).collect();
         let score = Score::of(self.signals, &unseen, &self.mask);
@@ -300,8 +303,8 @@ impl<'a> Search<'a> {
     fn beam(&self, progress: &(dyn Fn(f64) + Sync)) -> Vec<Vec<Candidate>> {
         let mut sizes: Vec<Vec<Candidate>> = Vec::new();
         let mut going = vec![self.baseline.clone()];
-        for size in 0..LARGEST {
-            progress(size as f64 / (LARGEST + 1) as f64);
+        for size in 0..self.largest {
+            progress(size as f64 / (self.largest + 1) as f64);
             let runners: Vec<Runner> = going
                 .par_iter()
                 .flat_map_iter(|set| {

@@ -75,26 +75,51 @@ fn small_delay_s(fit: &Fit) -> f64 {
 }
 
 /// A fit, and how it runs free.
-struct Tuned {
-    fit: Fit,
-    /// The simulated contraction, a value a row. Output unit.
-    all: Vec<f64>,
-    errors: Vec<f64>,
+pub struct Running {
+    /// The fit.
+    pub fit: Fit,
+    /// Measured less simulated, a value a scored row. Output unit.
+    pub errors: Vec<f64>,
+    /// The simulated contraction, a value a row; none where no measured rate stands in the effects, and the fit is a free run
+    /// itself. Output unit.
+    all: Option<Vec<f64>>,
 }
 
-impl Tuned {
-    fn of(signals: &Signals, basis: &Basis, fit: Fit) -> Self {
+impl Running {
+    /// As the fit stands.
+    pub fn of(signals: &Signals, basis: &Basis, fit: Fit) -> Self {
+        if !fit.effects.iter().any(|effect| effect.form.is_fed_back()) {
+            return Self { errors: fit.residual.clone(), fit, all: None };
+        }
         let run = free_run(signals, basis, &fit);
         let errors = of_run(signals, &run);
-        Self { fit, all: run.all, errors }
+        Self { fit, errors, all: Some(run.all) }
     }
 
-    fn squares(&self) -> f64 {
+    /// Sum of the squares of the errors.
+    pub fn squares(&self) -> f64 {
         squares(&self.errors)
     }
 
+    /// The same running free as well as it can: tuned, fitted anew with the motion of that run in the place of the measured
+    /// one, and tuned again.
+    pub fn tuned(self, signals: &Signals, basis: &Basis) -> Self {
+        let knobs = knobs(&self.fit);
+        // A tone is none of the muscle's motion, but in what is measured it is.
+        let shakes = self.fit.effects.iter().any(|effect| effect.form == Form::Tone);
+        if knobs.is_empty() && !shakes {
+            return self;
+        }
+        let first = self.turned(signals, basis, &knobs);
+        let Some(all) = &first.all else { return first };
+        let again = fit(&signals.moving_as(all), basis, &first.fit.effects)
+            .map(|fit| Self::of(signals, basis, fit).turned(signals, basis, &knobs))
+            .filter(|again| again.squares() < first.squares());
+        again.unwrap_or(first)
+    }
+
     /// With the factors that let it run best.
-    fn tuned(self, signals: &Signals, basis: &Basis, knobs: &[Knob]) -> Self {
+    fn turned(self, signals: &Signals, basis: &Basis, knobs: &[Knob]) -> Self {
         let at = |changes: &[f64]| Self::of(signals, basis, changed(signals, &self.fit, knobs, changes));
         let mut changes = vec![0.0; knobs.len()];
         let mut best: Option<Self> = None;
@@ -129,25 +154,6 @@ impl Tuned {
 fn of_run(signals: &Signals, run: &FreeRun) -> Vec<f64> {
     let rows = signals.rows.iter().zip(&run.scored);
     rows.map(|(row, simulated)| signals.output[row.at] - simulated).collect()
-}
-
-/// A fit that runs free as well as it can, and its errors then: tuned, fitted anew with the motion of that run in the place
-/// of the measured one, and tuned again.
-pub fn tuned(signals: &Signals, basis: &Basis, start: Fit) -> (Fit, Vec<f64>) {
-    let knobs = knobs(&start);
-    // A tone is none of the muscle's motion, but in what is measured it is.
-    let shakes = start.effects.iter().any(|effect| effect.form == Form::Tone);
-    let start = Tuned::of(signals, basis, start);
-    if knobs.is_empty() && !shakes {
-        return (start.fit, start.errors);
-    }
-    let first = start.tuned(signals, basis, &knobs);
-    let quiet = signals.moving_as(&first.all);
-    let again = fit(&quiet, basis, &first.fit.effects)
-        .map(|fit| Tuned::of(signals, basis, fit).tuned(signals, basis, &knobs))
-        .filter(|again| again.squares() < first.squares());
-    let Tuned { fit, errors, .. } = again.unwrap_or(first);
-    (fit, errors)
 }
 
 fn squares(errors: &[f64]) -> f64 {

@@ -16,7 +16,7 @@ const HEATS: [(usize, usize); 2] = [(1, 6), (3, 3)];
 const SETS: usize = 8;
 /// Fits of the same effects whose root mean squares differ by less than this share are the same.
 const SAME: f64 = 2.5e-3;
-/// Of the ends of a set, running free, those are tuned whose sums of squares are within so many times the best one's.
+/// Of ends with the same effects those are tuned whose sums of squares, running free, are within so many times the best one's.
 const NEAR: f64 = 1.2;
 /// A start whose sum of squares is more than so many times the best one's is not fitted to the end: running free costs a
 /// set less than that. Of single causes all are, since a pair may begin with any.
@@ -100,30 +100,13 @@ impl Search<'_> {
             (causes.len() == 1 || descent.squares() <= BEHIND * best)
                 && sets.iter().any(|(set, _)| is_same(set, causes))
         });
-        let mut finished: Vec<(Vec<Cause>, Fit)> =
+        let finished: Vec<(Vec<Cause>, Fit)> =
             running.into_par_iter().map(|(causes, descent)| (causes, descent.finish())).collect();
-        finished.sort_by(|one, other| one.1.rms().total_cmp(&other.1.rms()));
-        let mut ends: Vec<(Vec<Cause>, Fit)> = Vec::new();
-        for end in finished {
-            if !ends.iter().any(|other| is_same_end(other, &end)) {
-                ends.push(end);
-            }
-        }
-        let mut free: Vec<(Vec<Cause>, Running)> = ends
+        let mut found: Vec<Candidate> = self
+            .worth_tuning(finished)
             .into_par_iter()
-            .map(|(causes, fit)| (causes, Running::of(self.signals, &self.basis, fit)))
+            .map(|(causes, running)| self.judged(causes, running))
             .collect();
-        free.sort_by(|one, other| one.1.squares().total_cmp(&other.1.squares()));
-        let mut best: Vec<(Vec<Cause>, f64)> = Vec::new();
-        free.retain(|(causes, running)| match best.iter().find(|(set, _)| is_same(set, causes)) {
-            Some((_, squares)) => running.squares() <= NEAR * squares,
-            None => {
-                best.push((causes.clone(), running.squares()));
-                true
-            }
-        });
-        let mut found: Vec<Candidate> =
-            free.into_par_iter().map(|(causes, running)| self.judged(causes, running)).collect();
         let sort =
             |found: &mut Vec<Candidate>| found.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
         sort(&mut found);
@@ -137,6 +120,32 @@ impl Search<'_> {
         self.borrow(&mut distinct);
         sort(&mut distinct);
         distinct
+    }
+
+    /// Of the ends of starts each once, and, of those with the same effects, none that runs free far worse than another.
+    fn worth_tuning(&self, mut finished: Vec<(Vec<Cause>, Fit)>) -> Vec<(Vec<Cause>, Running)> {
+        finished.sort_by(|one, other| one.1.rms().total_cmp(&other.1.rms()));
+        let mut ends: Vec<(Vec<Cause>, Fit)> = Vec::new();
+        for (causes, fit) in finished {
+            let is_same =
+                |(_, other): &(_, Fit)| fit.rms() < (1.0 + SAME) * other.rms() && has_forms_of(&fit, other);
+            if !ends.iter().any(is_same) {
+                ends.push((causes, fit));
+            }
+        }
+        let running: Vec<(Vec<Cause>, Running)> = ends
+            .into_par_iter()
+            .map(|(causes, fit)| (causes, Running::of(self.signals, &self.basis, fit)))
+            .collect();
+        let is_far = |one: &Running| {
+            let is_behind = |other: &Running| one.squares() > NEAR * other.squares();
+            // What runs out of all bounds may be tuned back into them.
+            let is_bounded = one.squares().is_finite();
+            is_bounded
+                && running.iter().any(|(_, other)| is_behind(other) && has_forms_of(&one.fit, &other.fit))
+        };
+        let far: Vec<bool> = running.iter().map(|(_, one)| is_far(one)).collect();
+        running.into_iter().zip(far).filter(|(_, is_far)| !is_far).map(|(one, _)| one).collect()
     }
 
     /// The sets after the best one from where its nuisances stand: a tie is not to be decided by those.
@@ -164,11 +173,10 @@ fn lend(from: &[Effect], to: &mut [Effect]) {
     }
 }
 
-/// Whether two starts have ended in the same place.
-fn is_same_end((causes, one): &(Vec<Cause>, Fit), (others, other): &(Vec<Cause>, Fit)) -> bool {
-    is_same(causes, others)
-        && (other.rms() / one.rms() - 1.0).abs() < SAME
-        && one.effects.iter().all(|effect| other.effects.iter().any(|other| other.form == effect.form))
+/// Whether two fits have the same effects, in whatever order.
+fn has_forms_of(one: &Fit, other: &Fit) -> bool {
+    let has = |effect: &Effect| other.effects.iter().any(|other| other.form == effect.form);
+    one.effects.len() == other.effects.len() && one.effects.iter().all(has)
 }
 
 /// Whether the causes are the same, in whatever order.

@@ -22,9 +22,9 @@ const FAST_SPANS: f64 = 0.4;
 const RINGING_STEP_S: f64 = 0.05;
 /// The shortest hold in which creep is told from a lag. Unit: s.
 const CREEP_HOLD_S: f64 = 3.0;
-/// The least repeats of a swing that show a change with time, and the share of the recording between them.
-const REPEATS: usize = 3;
-const REPEATED_SHARE: f64 = 0.3;
+/// Repeats of a swing that show a change with time, and the share of the recording between the first and the last of them:
+/// where two stand at either end, what lies between says the rest.
+const REPEATS: [(usize, f64); 2] = [(3, 0.3), (2, 0.8)];
 /// The least travel in which running in is seen. Unit: strokes.
 const WARM_UP_STROKES: f64 = 4.0;
 /// The shortest recording in which a tone is told from anything else. Unit: s.
@@ -222,14 +222,13 @@ impl Judge<'_> {
             0 | 1 => "no two swings are alike".to_owned(),
             _ => format!("{repeats} swings alike, over {repeated_over_s:.0} of {duration_s:.0} s"),
         };
-        if *repeats >= REPEATS && *repeated_over_s >= REPEATED_SHARE * duration_s {
-            Ok(words)
-        } else {
-            Err(format!(
-                "{words}; a change with time needs {REPEATS}, over {:.0} s at least",
-                REPEATED_SHARE * duration_s
-            ))
+        let is_enough =
+            |&(count, share): &(usize, f64)| *repeats >= count && *repeated_over_s >= share * duration_s;
+        if REPEATS.iter().any(is_enough) {
+            return Ok(words);
         }
+        let needed = REPEATS.map(|(count, share)| format!("{count}, over {:.0} s", share * duration_s));
+        Err(format!("{words}; a change with time needs {} at least", needed.join(", or ")))
     }
 
     fn travel(&self) -> Judged {

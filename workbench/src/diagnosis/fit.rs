@@ -6,6 +6,8 @@
 //! which for these is exact. At the end the same columns make the cross-validation cheap: each fold's fit is a solution of
 //! the normal equations less the fold's part.
 
+use std::ops::Range;
+
 use super::basis::{Basis, COLUMNS, Seen, Weights};
 use super::design::{Design, Normal};
 use super::effect::{Effect, Form};
@@ -36,11 +38,19 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// The places of the weights of each effect's columns on the output.
+    pub fn output_places(&self, signals: &Signals) -> Vec<Range<usize>> {
+        let place = |last: &mut usize, effect: &Effect| {
+            let first = *last;
+            *last += output::count(effect, signals);
+            Some(first..*last)
+        };
+        self.effects.iter().scan(COLUMNS, place).collect()
+    }
+
     /// The weights of an effect's columns on the output.
     pub fn output_weights(&self, signals: &Signals, effect: usize) -> &[f64] {
-        let count = |effect: &Effect| output::count(effect, signals);
-        let first = COLUMNS + self.effects[..effect].iter().map(count).sum::<usize>();
-        &self.weights[first..first + count(&self.effects[effect])]
+        &self.weights[self.output_places(signals)[effect].clone()]
     }
 
     /// The height of a step of the zero, if there is one. Output unit.

@@ -6,7 +6,7 @@
 //! At every row the operators' input is the root of a balance that rises with it; acceleration and rate by Newmark's
 //! rule of average acceleration, rate alone by backward differences: both stable at any step.
 
-use super::basis::{Basis, COLUMNS, Curved, Walk, Weights};
+use super::basis::{Basis, Curved, Walk, Weights};
 use super::effect::{Driver, Effect, Form, Parameter, Rate};
 use super::equivalent::{Arrived, Friction, bend, faster, through, wider};
 use super::fit::Fit;
@@ -37,11 +37,9 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
         filter = [all.map(|series| series.mass_s2), all.map(|series| series.damping_s)];
         all.map(|series| series.lag_s)
     });
-    let mut place = COLUMNS;
-    for effect in &fit.effects {
+    for (effect, place) in fit.effects.iter().zip(fit.output_places(signals)) {
         let (columns, _) = output::columns(effect, signals);
-        let weights = &fit.weights[place..place + columns.len()];
-        place += columns.len();
+        let weights = &fit.weights[place];
         match effect.form {
             Form::Creep => {
                 creep = weights.iter().copied().zip(signals.creep_s.iter().copied()).collect();

@@ -3,10 +3,8 @@
 //! y + R y' + A y'' + J y''' = (1 + lag d/dt)(y + damping y' + mass y''), so the fit stays linear in its weights: beside a mass the lag
 //! has the jerk as its column, and the mass the rates of both. What is named, tuned and run is the one after the other.
 
-use super::basis::COLUMNS;
 use super::effect::{Effect, Form};
 use super::fit::Fit;
-use super::output;
 use super::signals::{Signals, TENTS};
 
 /// Halvings of the interval that the lag lies in.
@@ -53,17 +51,8 @@ impl Series {
 
 /// The places of the first weights on the output of lag and mass, if one is before the other.
 fn places(fit: &Fit, signals: &Signals) -> Option<[usize; 2]> {
-    let mut next = COLUMNS;
-    let starts: Vec<(Form, usize)> = fit
-        .effects
-        .iter()
-        .map(|effect| {
-            let start = next;
-            next += output::count(effect, signals);
-            (effect.form, start)
-        })
-        .collect();
-    let of = |form| starts.iter().find(|start| start.0 == form).map(|start| start.1);
+    let places = fit.output_places(signals);
+    let of = |form| fit.effects.iter().position(|effect| effect.form == form).map(|i| places[i].start);
     Some([of(Form::LagBefore)?, of(Form::OutputInertia)?])
 }
 

@@ -7,11 +7,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::basis::{Basis, COLUMNS};
+use super::basis::Basis;
 use super::effect::{Driver, Effect, Form};
 use super::fit::{Fit, fit};
 use super::free_run::{FreeRun, free_run};
-use super::output;
 use super::series::{self, Series};
 use super::signals::{Signals, TENTS};
 
@@ -188,11 +187,9 @@ fn changed(signals: &Signals, fit: &Fit, knobs: &[Knob], changes: &[f64]) -> Fit
         damping_s: series.damping_s * damping,
         mass_s2: series.mass_s2 * mass,
     });
-    let mut place = COLUMNS;
-    for effect in &mut changed.effects {
-        let count = output::count(effect, signals);
-        let weights = &mut changed.weights[place..place + count];
-        place += count;
+    let places = changed.output_places(signals);
+    for (effect, place) in changed.effects.iter_mut().zip(places) {
+        let weights = &mut changed.weights[place];
         if effect.form == Form::Delay {
             let knob = if is_delay(effect) { Knob::Delay } else { Knob::SmallDelay };
             effect.parameters.iter_mut().for_each(|delay| delay.add(DELAY_S * change(knob)));

@@ -1,0 +1,122 @@
+use super::super::Residual;
+use super::super::synthetic::{Noise, held_triangles, times, triangles};
+use super::*;
+
+type View = for<'a> fn(&'a Excitation) -> ValveView<'a>;
+
+/// Judges 120 s of an input with some noise, 100 rows a second, whose output is proportional.
+fn judged(valve: View, temperature: Option<fn(f64) -> f64>, input: impl Fn(f64) -> f64) -> Vec<Examinable> {
+    let time_s = times(12_000, 0.01);
+    let mut noise = Noise::new(1);
+    let input: Vec<f64> = time_s.iter().map(|&t| input(t) + noise.white(0.002)).collect();
+    let output: Vec<f64> = input.iter().map(|u| 20.0 * u).collect();
+    let temperature: Option<Vec<f64>> =
+        temperature.map(|of| time_s.iter().map(|&t| of(t) + noise.white(0.01)).collect());
+    let residual = Residual {
+        time_s: &time_s,
+        residual: &output,
+        input: &input,
+        output: &output,
+        load: None,
+        temperature: temperature.as_deref(),
+    };
+    let excitation = Excitation::of(&residual);
+    examinable(&excitation, valve(&excitation), "bar")
+}
+
+fn of(judged: &[Examinable], cause: Cause) -> &Examinable {
+    judged.iter().find(|judged| judged.cause == cause).expect("every cause is judged")
+}
+
+/// Triangles of 20 s, each lower than the one before.
+fn falling(t: f64) -> f64 {
+    (1.0 - (t / 20.0).floor() / 6.0) * triangles(t, 20.0)
+}
+
+#[test]
+fn slow_triangles_alone_show_neither_delay_nor_lag_inertia_width_or_creep() {
+    for input in [falling, |t: f64| triangles(t, 20.0)] {
+        let judged = judged(|seen| ValveView::Beside(seen), None, input);
+        for cause in [
+            Cause::TransportDelay,
+            Cause::ViscousLag,
+            Cause::ValveLag,
+            Cause::Inertia,
+            Cause::RateDependentWidth,
+            Cause::Creep,
+            Cause::Load,
+            Cause::Temperature,
+        ] {
+            assert!(!of(&judged, cause).examinable, "{:?}", of(&judged, cause));
+        }
+        assert!(of(&judged, Cause::ValveDeadband).examinable);
+        assert!(of(&judged, Cause::PeriodicDisturbance).examinable);
+    }
+}
+
+#[test]
+fn only_alike_swings_show_drift_and_running_in() {
+    let at_either_end = |t| if t < 100.0 { falling(t) } else { triangles(t, 20.0) };
+    let inputs: [(fn(f64) -> f64, bool); 3] =
+        [(|t| triangles(t, 20.0), true), (at_either_end, true), (falling, false)];
+    for (input, shown) in inputs {
+        let judged = judged(|_| ValveView::Unseen, None, input);
+        for cause in [Cause::Drift, Cause::WarmUp] {
+            assert_eq!(of(&judged, cause).examinable, shown, "{:?}", of(&judged, cause));
+        }
+    }
+}
+
+#[test]
+fn triangles_at_two_speeds_show_delay_width_and_inertia_and_still_no_creep() {
+    let judged = judged(
+        |_| ValveView::Unseen,
+        None,
+        |t| if t < 60.0 { triangles(t, 20.0) } else { triangles(t, 2.0) },
+    );
+    for cause in [Cause::TransportDelay, Cause::ViscousLag, Cause::RateDependentWidth, Cause::Inertia] {
+        assert!(of(&judged, cause).examinable, "{:?}", of(&judged, cause));
+    }
+    let creep = of(&judged, Cause::Creep);
+    assert_eq!(creep.why, "there is no hold of 1 s or more; creep needs one of 3 s at least");
+}
+
+#[test]
+fn holds_show_creep_and_lag() {
+    let judged = judged(|_| ValveView::Unseen, None, |t| held_triangles(t, 5.0));
+    assert!(of(&judged, Cause::Creep).why.contains("the longest 5.0 s"), "{:?}", of(&judged, Cause::Creep));
+    assert!(of(&judged, Cause::Creep).examinable && of(&judged, Cause::ViscousLag).examinable);
+    assert!(!of(&judged, Cause::RateDependentWidth).examinable);
+}
+
+#[test]
+fn without_a_command_beside_the_pressure_nothing_of_the_valve_shows() {
+    let cases: [(View, [bool; 3]); 3] = [
+        (|_| ValveView::Unseen, [false; 3]),
+        (|_| ValveView::InChain, [true, false, true]),
+        (|seen| ValveView::Beside(seen), [true; 3]),
+    ];
+    for (valve, seen) in cases {
+        let judged = judged(valve, None, |t| held_triangles(t, 5.0));
+        let causes = [Cause::ValveLag, Cause::ValveDeadband, Cause::SupplySaturation];
+        assert_eq!(causes.map(|cause| of(&judged, cause).examinable), seen);
+    }
+}
+
+#[test]
+fn a_column_must_vary_by_more_than_its_noise_and_one_that_only_rises_is_warned_of() {
+    let temperature = |of_time: fn(f64) -> f64| {
+        let judged = judged(|_| ValveView::Unseen, Some(of_time), falling);
+        let Examinable { examinable, why, .. } = of(&judged, Cause::Temperature).clone();
+        (examinable, why.contains("cannot be told from a drift"))
+    };
+    assert_eq!(temperature(|_| 21.0), (false, false));
+    assert_eq!(temperature(|t| 21.0 + (t / 10.0).sin()), (true, false));
+    assert_eq!(temperature(|t| 21.0 + 0.02 * t), (true, true));
+}
+
+#[test]
+fn a_recording_in_which_nothing_moves_shows_no_loop() {
+    let judged = judged(|_| ValveView::Unseen, None, |_| 3.0);
+    assert!(!of(&judged, Cause::HysteresisShape).examinable && !of(&judged, Cause::ViscousLag).examinable);
+}

@@ -89,6 +89,23 @@ pub fn parameters(search: &Search<'_>, set: &Candidate) -> Vec<(Cause, Parameter
         .collect()
 }
 
+/// From this damping ratio on a mass overshoots by less than a tenth.
+const DAMPED: f64 = 0.6;
+
+/// The damping ratio and the natural frequency (Hz) of a mass that hardly overshoots, by its parameters.
+pub fn damping(mass: &Parameters) -> Option<(f64, f64)> {
+    let of = |wanted: &str| mass.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value);
+    of("damping_ratio").zip(of("natural_frequency_hz")).filter(|(ratio, _)| *ratio >= DAMPED)
+}
+
+/// How many causes a set comes to: beside a mass that hardly overshoots the viscosity that damps it is named too.
+pub fn count(search: &Search<'_>, set: &Candidate) -> usize {
+    let is_alone = set.causes.contains(&Cause::Inertia) && !set.causes.contains(&Cause::ViscousLag);
+    let is_damped =
+        |(cause, parameters): &(Cause, Parameters)| *cause == Cause::Inertia && damping(parameters).is_some();
+    set.causes.len() + usize::from(is_alone && parameters(search, set).iter().any(is_damped))
+}
+
 /// Whether the motion that is named shows: an inertia swings, for damped beyond that it is two lags; and a lag is at least half
 /// a row, for of less no recording's own timing is free.
 pub fn shows(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {

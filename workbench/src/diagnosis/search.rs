@@ -13,7 +13,7 @@ use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
 use super::gain::{Score, mask};
-use super::physical::{Loop, shows};
+use super::physical::{Loop, count, shows};
 use super::pure_error::{PureError, pure_error};
 use super::race::Runner;
 use super::screen::Screen;
@@ -233,7 +233,7 @@ impl<'a> Search<'a> {
         let sizes = self.beam(progress);
         let mut best = (self.baseline.clone(), Vec::new());
         for size in &sizes {
-            let better = size.iter().filter(|set| best.0.evidence(set) >= BETTER).take(BEAM);
+            let better = size.iter().filter(|set| self.is_better(&best.0, set)).take(BEAM);
             let worth = better.map(|set| (set, self.without_each(set)));
             let Some((set, without)) =
                 worth.into_iter().find(|(set, without)| self.dropped(set, without).is_none())
@@ -250,6 +250,14 @@ impl<'a> Search<'a> {
             best = (set, without);
         }
         (best.0, sizes)
+    }
+
+    /// Whether a larger set is better than a smaller one. Where both come to as many causes, what a mass costs for the lag that
+    /// it contains counts as well.
+    fn is_better(&self, smaller: &Candidate, larger: &Candidate) -> bool {
+        let is_simpler = count(self, smaller) < count(self, larger);
+        let gain = if is_simpler { smaller.evidence(larger) } else { smaller.cost() - larger.cost() };
+        gain >= BETTER
     }
 
     /// Whether a set is worth its last cause beside the others.

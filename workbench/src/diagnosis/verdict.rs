@@ -12,8 +12,6 @@ use super::valve::ValveFit;
 
 /// Sets whose costs differ by less than this cannot be told apart.
 const APART: f64 = 0.04;
-/// From this damping ratio on a mass overshoots by less than a tenth.
-const DAMPED: f64 = 0.6;
 /// A rival has at least this share of the evidence of the best set.
 const SAYS: f64 = 0.7;
 
@@ -158,10 +156,9 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
 /// equation of second order: alone a mass rings, and what takes the ringing away is named too.
 fn damping(named: &[Named]) -> Option<Named> {
     let mass = named.iter().find(|named| named.cause == Cause::Inertia)?;
-    let of = |wanted: &str| mass.parameters.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value);
-    let (ratio, frequency_hz) = (of("damping_ratio")?, of("natural_frequency_hz")?);
+    let (ratio, frequency_hz) = physical::damping(&mass.parameters)?;
     let is_alone = named.iter().all(|named| named.cause != Cause::ViscousLag);
-    (is_alone && ratio >= DAMPED).then(|| Named {
+    is_alone.then(|| Named {
         cause: Cause::ViscousLag,
         parameters: vec![("time_constant_s", ratio / (PI * frequency_hz))],
         share: mass.share,

@@ -90,7 +90,7 @@ pub fn parameters(search: &Search<'_>, set: &Candidate) -> Vec<(Cause, Parameter
 }
 
 /// From this damping ratio on a mass overshoots by less than a tenth.
-const DAMPED: f64 = 0.6;
+pub const DAMPED: f64 = 0.6;
 
 /// The damping ratio and the natural frequency (Hz) of a mass that hardly overshoots, by its parameters.
 pub fn damping(mass: &Parameters) -> Option<(f64, f64)> {

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::anatomy::spectrum::tones;
 use super::basis::{Basis, Weights};
 use super::cause::Cause;
-use super::effect::{Effect, Form};
+use super::effect::{Driver, Effect, Form};
 use super::fit::{Fit, fit};
 use super::gain::{Score, mask};
 use super::physical::{Loop, count, shows};
@@ -366,6 +366,12 @@ impl Candidate {
     /// Whether it has a lag before a mass, on the output.
     pub fn is_third_order(&self) -> bool {
         self.fit.effects.iter().any(|effect| effect.form == Form::LagBefore)
+    }
+
+    /// Whether it has a mass and a viscous force beside it, both in the balance.
+    pub fn has_mass_and_viscosity_in_balance(&self) -> bool {
+        let has = |form: Form| self.fit.effects.iter().any(|effect| effect.form == form);
+        has(Form::Inertia) && has(Form::Driven(Driver::Rate))
     }
 
     /// How much less a later set costs; not counted is what only decides between causes that contain each other.

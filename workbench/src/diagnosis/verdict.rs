@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::cause::Cause;
 use super::extend::Given;
 use super::extend::start::{DEAD_ZONES, KNOTS, PLAYS};
-use super::physical::{self, Parameters};
+use super::physical::{self, DAMPED, Parameters};
 use super::reject::Unexplained;
 use super::search::{Candidate, Search};
 use super::valve::ValveFit;
@@ -131,6 +131,9 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
             Named { cause, parameters, share, evidence, without }
         })
         .collect();
+    if best.has_mass_and_viscosity_in_balance() {
+        join(&mut all);
+    }
     all.extend(damping(&all));
     for (cause, gain) in valve.into_iter().flat_map(|fit| &fit.causes) {
         let Some(fit) = valve else { break };
@@ -150,6 +153,25 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
         });
     }
     all
+}
+
+/// A mass and a viscous force in the balance are one equation of second order: the viscosity damps the mass, and is a cause of
+/// its own only where the mass then hardly overshoots.
+fn join(named: &mut Vec<Named>) {
+    let of = |cause: Cause, wanted: &str| {
+        let named = named.iter().find(|named| named.cause == cause)?;
+        named.parameters.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value)
+    };
+    let (own, frequency_hz) =
+        (of(Cause::Inertia, "damping_ratio"), of(Cause::Inertia, "natural_frequency_hz"));
+    let lag_s = of(Cause::ViscousLag, "time_constant_s");
+    let Some(((own, frequency_hz), lag_s)) = own.zip(frequency_hz).zip(lag_s) else { return };
+    let whole = own + PI * frequency_hz * lag_s;
+    if whole < DAMPED {
+        named.retain(|named| named.cause != Cause::ViscousLag);
+        let parameters = named.iter_mut().flat_map(|named| &mut named.parameters);
+        parameters.filter(|(name, _)| *name == "damping_ratio").for_each(|(_, ratio)| *ratio = whole);
+    }
 }
 
 /// The viscosity beside a mass that hardly overshoots. In the balance of forces a mass and a viscous force are one

@@ -189,6 +189,13 @@ pub fn diagnose_and_extend(
             named.parameters = parameters;
         }
     }
+    // A mass that rings faster than rows can show has gone out of the refined model.
+    let highest_hz = 0.5 / anatomy::steps(&columns.time_s).0;
+    let rings = |named: &Named| named.parameter("natural_frequency_hz").is_none_or(|hz| hz <= highest_hz);
+    diagnosis.causes.retain(rings);
+    if diagnosis.causes.is_empty() && diagnosis.verdict == Verdict::Explained {
+        diagnosis.verdict = Verdict::Adequate;
+    }
     for named in diagnosis.causes.iter_mut().filter(|named| extended.is_some() && is_simpler(named.cause)) {
         named.evidence.push(
             "the lag comes before the mass; the extended model has one equation of second order for both"

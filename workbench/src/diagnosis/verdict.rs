@@ -57,6 +57,11 @@ pub struct Named {
 }
 
 impl Named {
+    /// The parameter of this name, if it has one.
+    pub fn parameter(&self, wanted: &str) -> Option<f64> {
+        self.parameters.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value)
+    }
+
     /// That the form of a given operator model is too poor.
     pub fn shape(given: &Given) -> Self {
         let sizes = [("envelope_knots", KNOTS), ("plays", PLAYS), ("dead_zones", DEAD_ZONES)];
@@ -159,8 +164,7 @@ pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) ->
 /// its own only where the mass then hardly overshoots.
 fn join(named: &mut Vec<Named>) {
     let of = |cause: Cause, wanted: &str| {
-        let named = named.iter().find(|named| named.cause == cause)?;
-        named.parameters.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value)
+        named.iter().find(|named| named.cause == cause).and_then(|named| named.parameter(wanted))
     };
     let (own, frequency_hz) =
         (of(Cause::Inertia, "damping_ratio"), of(Cause::Inertia, "natural_frequency_hz"));

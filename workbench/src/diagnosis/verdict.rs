@@ -218,3 +218,33 @@ pub fn verdict(causes: &[Named], unexplained: Option<&Unexplained>, alternatives
         (None, false) => Verdict::Confounded,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mass of 3.6 Hz, hardly damped by itself, and a viscous lag.
+    fn mass_and_lag(lag_s: f64) -> Vec<Named> {
+        let of =
+            |cause, parameters| Named { cause, parameters, share: 0.5, evidence: Vec::new(), without: None };
+        let mass = vec![("natural_frequency_hz", 3.6), ("damping_ratio", 0.2)];
+        vec![of(Cause::Inertia, mass), of(Cause::ViscousLag, vec![("time_constant_s", lag_s)])]
+    }
+
+    #[test]
+    fn a_viscous_force_beside_a_mass_that_rings_is_its_damping() {
+        let mut named = mass_and_lag(0.02);
+        join(&mut named);
+        assert_eq!(named.iter().map(|named| named.cause).collect::<Vec<_>>(), [Cause::Inertia]);
+        let whole = named[0].parameter("damping_ratio").expect("a damping ratio");
+        assert!((whole - 0.426).abs() < 1e-3, "{whole}");
+    }
+
+    #[test]
+    fn one_that_stops_the_ringing_is_a_cause() {
+        let mut named = mass_and_lag(0.06);
+        join(&mut named);
+        assert_eq!(named.len(), 2);
+        assert_eq!(named[0].parameter("damping_ratio"), Some(0.2));
+    }
+}

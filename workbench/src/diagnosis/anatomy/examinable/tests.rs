@@ -3,6 +3,7 @@ use super::super::synthetic::{Noise, held_triangles, times, triangles};
 use super::*;
 
 type View = for<'a> fn(&'a Excitation) -> ValveView<'a>;
+type Input = fn(f64) -> f64;
 
 /// Judges 120 s of an input with some noise, 100 rows a second, whose output is proportional.
 fn judged(valve: View, temperature: Option<fn(f64) -> f64>, input: impl Fn(f64) -> f64) -> Vec<Examinable> {
@@ -57,7 +58,7 @@ fn slow_triangles_alone_show_neither_delay_nor_lag_inertia_width_or_creep() {
 #[test]
 fn only_alike_swings_show_drift_and_running_in() {
     let at_either_end = |t| if t < 100.0 { falling(t) } else { triangles(t, 20.0) };
-    let inputs: [(fn(f64) -> f64, bool); 3] =
+    let inputs: [(Input, bool); 3] =
         [(|t| triangles(t, 20.0), true), (at_either_end, true), (falling, false)];
     for (input, shown) in inputs {
         let judged = judged(|_| ValveView::Unseen, None, input);

@@ -206,6 +206,7 @@ impl Basis {
 
     /// What `take` says at each scored row on the way through the whole input.
     fn visit<T>(&self, seen: &Seen, rows: &[Row], take: impl Fn(&Walk) -> T) -> Vec<T> {
+        // In the widest registers that the processor has: the order of the sums, and so every bit, stays.
         Arch::new().dispatch(|| self.go(seen, rows, take))
     }
 

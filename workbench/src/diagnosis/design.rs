@@ -91,6 +91,7 @@ impl Columns<'_> {
         let count = ENTRIES + self.dense.len() + 1;
         let width = count.next_multiple_of(LANES);
         let mut sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; GROUPS * count * width]);
+        // In the widest registers that the processor has: the order of the sums, and so every bit, stays.
         Arch::new().dispatch(|| self.add_up(&mut sums, count, width, target, part));
         sums.map(|sums| self.in_place(&sums, count, width))
     }

@@ -98,16 +98,16 @@ impl Cause {
         }
     }
 
-    /// What a cause has to be better by than one that it contains, or that explains much the same with less.
+    /// What a cause has to be better by than one that explains much the same with less.
     pub fn complexity(self) -> f64 {
         match self {
             Self::RateDependentWidth => 0.04,
             Self::Creep | Self::WarmUp => 0.02,
-            _ => self.containment(),
+            _ => 0.0,
         }
     }
 
-    /// The part of it that is for containing another one: an inertia has a viscous lag in it.
+    /// What it has to be better by than one that it contains: an inertia has a viscous lag in it.
     pub fn containment(self) -> f64 {
         if self == Self::Inertia { 0.1 } else { 0.0 }
     }

@@ -4,7 +4,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
-//! | [`cause`] | the causes that can be named |
+//! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
 //! | [`basis`] | the baseline: any rate-independent hysteresis, linear in its weights |
 //! | [`effect`], [`equivalent`], [`output`] | each cause as a nested extension in its physical place |
@@ -30,6 +30,7 @@
 
 pub mod anatomy;
 pub mod basis;
+pub mod candidate;
 pub mod cause;
 mod design;
 pub mod effect;
@@ -62,10 +63,11 @@ use anatomy::examinable::{Examinable, ValveView, examinable, inseparable};
 use anatomy::excitation::Excitation;
 use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
+use candidate::Candidate;
 use cause::Cause;
 use extend::{Extended, Given, Operator, extend};
 use reject::{Unexplained, no_gain, unexplained};
-use search::{Candidate, Search};
+use search::Search;
 use signals::Signals;
 use valve::{ValveFit, examine};
 pub use verdict::{Named, Tried, Verdict};
@@ -246,11 +248,14 @@ fn diagnose_and<T>(
     progress(0.1, "baseline");
     let search = Search::new(&mut signals, muscle).ok_or(DiagnosisError::NoBaseline)?;
     let (best, sizes) = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
+    let alternatives = verdict::alternatives(&search.baseline, &best, &sizes);
+    // No choice of the search, so its rivals are those of the width alone.
+    let best = best.with_viscosity(&sizes).unwrap_or(best);
     progress(0.8, "what is left");
     let unexplained = unexplained(&search, &best);
     let beyond = go_on(&search, &best, valve.as_ref());
     let inseparable = inseparable(&examinable, &excitation);
-    let diagnosis = conclude(&search, best, &sizes, unexplained, valve, examinable)?;
+    let diagnosis = conclude(&search, best, &sizes, (unexplained, alternatives), valve, examinable)?;
     Ok((Diagnosis { inseparable, ..diagnosis }, beyond))
 }
 
@@ -258,12 +263,11 @@ fn conclude(
     search: &Search<'_>,
     best: Candidate,
     sizes: &[Vec<Candidate>],
-    unexplained: Option<Unexplained>,
+    (unexplained, alternatives): (Option<Unexplained>, Vec<Vec<Cause>>),
     valve: Option<ValveFit>,
     examinable: Vec<Examinable>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let baseline = &search.baseline;
-    let alternatives = verdict::alternatives(baseline, &best, sizes);
     let causes = verdict::named(search, &best, valve.as_ref());
     let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
     let rows: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();

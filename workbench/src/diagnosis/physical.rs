@@ -8,7 +8,7 @@ use super::cause::Cause;
 use super::effect::{Driver, Effect, Form, Rate};
 use super::equivalent::bend;
 use super::fit::Fit;
-use super::search::{Candidate, Search};
+use super::search::Search;
 use super::series;
 use super::signals::{Signals, TENTS, hats};
 use super::valve::Valve;
@@ -75,15 +75,15 @@ impl Loop {
 }
 
 /// The parameters of every cause of a set.
-pub fn parameters(search: &Search<'_>, set: &Candidate) -> Vec<(Cause, Parameters)> {
-    let turn = Loop::of(search, &set.fit);
-    let first = set.fit.effects.len() - set.causes.len();
-    set.causes
+pub fn parameters(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> Vec<(Cause, Parameters)> {
+    let turn = Loop::of(search, fit);
+    let first = fit.effects.len() - causes.len();
+    causes
         .iter()
         .enumerate()
         .map(|(i, &cause)| {
-            let effect = &set.fit.effects[first + i];
-            let weights = series::weights(&set.fit, search.signals, first + i);
+            let effect = &fit.effects[first + i];
+            let weights = series::weights(fit, search.signals, first + i);
             (cause, of_effect(search.signals, cause, effect, &weights, &turn))
         })
         .collect()
@@ -91,19 +91,20 @@ pub fn parameters(search: &Search<'_>, set: &Candidate) -> Vec<(Cause, Parameter
 
 /// From this damping ratio on a mass overshoots by less than a tenth.
 pub const DAMPED: f64 = 0.6;
+/// Below this one by more than a sixth.
+pub const RINGS: f64 = 0.5;
 
-/// The damping ratio and the natural frequency (Hz) of a mass that hardly overshoots, by its parameters.
+/// The damping ratio and the natural frequency (Hz) of a mass, by its parameters.
 pub fn damping(mass: &Parameters) -> Option<(f64, f64)> {
     let of = |wanted: &str| mass.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value);
-    of("damping_ratio").zip(of("natural_frequency_hz")).filter(|(ratio, _)| *ratio >= DAMPED)
+    of("damping_ratio").zip(of("natural_frequency_hz"))
 }
 
-/// How many causes a set comes to: beside a mass that hardly overshoots the viscosity that damps it is named too.
-pub fn count(search: &Search<'_>, set: &Candidate) -> usize {
-    let is_alone = set.causes.contains(&Cause::Inertia) && !set.causes.contains(&Cause::ViscousLag);
-    let is_damped =
-        |(cause, parameters): &(Cause, Parameters)| *cause == Cause::Inertia && damping(parameters).is_some();
-    set.causes.len() + usize::from(is_alone && parameters(search, set).iter().any(is_damped))
+/// The damping ratio of the mass, if there is one.
+pub fn damping_ratio(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> Option<f64> {
+    let place = causes.iter().position(|cause| *cause == Cause::Inertia)?;
+    let (_, mass) = parameters(search, causes, fit).swap_remove(place);
+    damping(&mass).map(|(ratio, _)| ratio)
 }
 
 /// Whether the motion that is named shows: an inertia swings, for damped beyond that it is two lags; and a lag is at least half

@@ -3,10 +3,11 @@
 
 use rayon::prelude::*;
 
+use super::candidate::Candidate;
 use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Descent, Fit, fit};
-use super::search::{Candidate, Search, WIDTHS};
+use super::search::{Search, WIDTHS};
 use super::series::arrange;
 use super::swing::Running;
 

@@ -12,11 +12,12 @@
 use rayon::prelude::*;
 
 use super::anatomy::spectrum::tones;
+use super::candidate::Candidate;
 use super::effect::Effect;
 use super::extend::{Extended, HeldOutGain};
 use super::fit::fit;
 use super::screen::Screen;
-use super::search::{Candidate, EVIDENCE, Search};
+use super::search::{EVIDENCE, Search};
 use super::signals::Signals;
 
 /// Times at which a step is looked for, and how near the ends of the record, as a share of it: a step at the beginning

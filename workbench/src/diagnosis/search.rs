@@ -9,11 +9,12 @@ use rayon::prelude::*;
 
 use super::anatomy::spectrum::tones;
 use super::basis::{Basis, Weights};
+use super::candidate::Candidate;
 use super::cause::Cause;
-use super::effect::{Driver, Effect, Form};
+use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
 use super::gain::{Score, mask};
-use super::physical::{Loop, count, shows};
+use super::physical::{Loop, damping_ratio, shows};
 use super::pure_error::{PureError, pure_error};
 use super::race::Runner;
 use super::screen::Screen;
@@ -35,8 +36,6 @@ const PROMISING: usize = 5;
 const STARTS: usize = 2;
 /// What a cause has to promise, as a share of the sum of squares: far below what any is worth its place for.
 const LEAST: f64 = 0.02;
-/// Weight of the pure error beside the held-out one.
-const PURE: f64 = 0.3;
 /// The evidence that an effect has to have for it.
 pub const EVIDENCE: f64 = 0.12;
 /// The same of a delay, a lag, a mass: where there is none they gain nothing, since no misfit of shape looks like them.
@@ -50,43 +49,14 @@ const MORE: f64 = 0.1;
 const MORE_OF_FAST: f64 = 0.05;
 /// What a larger set has to be better by than the best smaller one, beside being worth each of its causes.
 const BETTER: f64 = 0.05;
-/// What a second cause that resists motion has to be better by: neither is quite of our form. Not a lag before a mass, which
-/// together are a form of their own.
-const ALIKE: f64 = 0.08;
-/// What a set has to be better by whose motion does not show: its inertia may be two other causes that lag.
-const UNSEEN: f64 = 0.3;
-/// What a set with a lag has to be better by where its small delay, which belongs to the baseline, is as long as it may be:
-/// it is then a lag and a delay.
-const LEANING: f64 = 0.1;
 /// The least share of the square of the first error that a cause beside others explains.
 const SHARE: f64 = 0.03;
 /// What it has to gain if it explains less: a cause that takes away that much of what is left is none of its remains.
 const MUCH: f64 = 0.3;
 /// The same of a delay, a lag, a mass, see [`EVIDENCE_OF_FAST`].
-const MUCH_OF_FAST: f64 = 0.2;
+const MUCH_OF_FAST: f64 = 0.15;
 /// A set that gains less than this over its parent is not built upon.
 const HOPELESS: f64 = 0.04;
-
-/// A set of causes, fitted.
-#[derive(Clone, Debug)]
-pub struct Candidate {
-    /// Each with its effect.
-    pub causes: Vec<Cause>,
-    /// The fit; its first effect is a delay of at most half a row, unless a delay is one of the causes.
-    pub fit: Fit,
-    /// Its held-out error.
-    pub score: Score,
-    /// Measured less simulated, free-running where the measured contraction enters otherwise, a value a scored row.
-    pub residual: Vec<f64>,
-    /// What differs between visits to the same state, if there are enough. Output unit.
-    pub pure_error: Option<f64>,
-    /// The same where states that are no longer visited twice count too. Output unit.
-    pub spread: Option<f64>,
-    /// Whether the motion that its causes name shows.
-    pub shows: bool,
-    /// Whether a cause that resists motion has the help of a small delay that is as long as it may be.
-    pub leans: bool,
-}
 
 /// What is searched.
 #[derive(Clone)]
@@ -144,7 +114,7 @@ impl<'a> Search<'a> {
             pure_error,
             spread: pure_error,
             shows: true,
-            leans: false,
+            damping_ratio: None,
         };
         Some(Self { signals, basis, examinable, mask, baseline, largest: LARGEST, pure })
     }
@@ -202,8 +172,8 @@ impl<'a> Search<'a> {
         let pure_error = pure.map(|error| error.square.sqrt().max(least));
         let spread = self.pure.zip(pure).map(|(before, after)| after.beside(&before, &free).max(least));
         let shows = shows(self, &causes, &fit);
-        let leans = causes.iter().any(|cause| cause.resists_motion()) && has_whole_small_delay(&fit);
-        Candidate { causes, fit, score, pure_error, spread, residual: free, shows, leans }
+        let damping_ratio = damping_ratio(self, &causes, &fit);
+        Candidate { causes, fit, score, pure_error, spread, residual: free, shows, damping_ratio }
     }
 
     /// A set without one of its causes, the rest fitted from where it stands.
@@ -233,14 +203,21 @@ impl<'a> Search<'a> {
         let sizes = self.beam(progress);
         let mut best = (self.baseline.clone(), Vec::new());
         for size in &sizes {
-            let better = size.iter().filter(|set| self.is_better(&best.0, set)).take(BEAM);
-            let worth = better.map(|set| (set, self.without_each(set)));
-            let Some((set, without)) =
-                worth.into_iter().find(|(set, without)| self.dropped(set, without).is_none())
-            else {
+            let smaller = best.0.causes.len();
+            // What comes to more causes than it has is tried against those that do not.
+            for comes_to_more in [false, true] {
+                let alike = size.iter().filter(|set| set.comes_to_more() == comes_to_more);
+                let better = alike.filter(|set| self.is_better(&best.0, set)).take(BEAM);
+                let mut worth = better.map(|set| (set, self.without_each(set)));
+                if let Some((set, without)) =
+                    worth.find(|(set, without)| self.dropped(set, without).is_none())
+                {
+                    best = (set.clone(), without);
+                }
+            }
+            if best.0.causes.len() == smaller {
                 break;
-            };
-            best = (set.clone(), without);
+            }
         }
         for _ in 0..LARGEST {
             let (set, without) = &best;
@@ -252,10 +229,10 @@ impl<'a> Search<'a> {
         (best.0, sizes)
     }
 
-    /// Whether a larger set is better than a smaller one. Where both come to as many causes, what a mass costs for the lag that
-    /// it contains counts as well.
+    /// Whether a set is better than a smaller one. Where both have or come to as many causes, what a mass costs for the lag that it
+    /// contains counts as well.
     fn is_better(&self, smaller: &Candidate, larger: &Candidate) -> bool {
-        let is_simpler = count(self, smaller) < count(self, larger);
+        let is_simpler = smaller.count() < larger.count() && smaller.causes.len() < larger.causes.len();
         let gain = if is_simpler { smaller.evidence(larger) } else { smaller.cost() - larger.cost() };
         gain >= BETTER
     }
@@ -337,46 +314,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether the delay that no recording is free of is as long as it may be.
-fn has_whole_small_delay(fit: &Fit) -> bool {
-    let small = fit.effects.iter().filter(|effect| effect.form == Form::Delay);
-    let delay = small.flat_map(|effect| &effect.parameters).find(|delay| delay.low < 0.0);
-    delay.is_some_and(|delay| delay.value >= 0.98 * delay.high)
-}
-
 /// Square sum of what a fit has not seen.
 fn unseen(fit: &Fit) -> f64 {
     fit.unseen.iter().map(|e| e * e).sum()
-}
-
-impl Candidate {
-    /// What is minimised: the logarithm of the held-out error, and in part that of the pure error; of two causes that
-    /// explain the same the simpler one is preferred.
-    pub fn cost(&self) -> f64 {
-        let pure = self.spread.map_or(0.0, |error| PURE * error.max(1e-12).ln());
-        let alone = 1 + usize::from(self.is_third_order());
-        let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(alone);
-        let complexity: f64 =
-            self.causes.iter().map(|cause| cause.complexity()).sum::<f64>() + ALIKE * dynamic as f64;
-        let unseen = if self.shows { 0.0 } else { UNSEEN };
-        let leaning = if self.leans { LEANING } else { 0.0 };
-        self.score.mean().max(1e-12).ln() + pure + complexity + unseen + leaning
-    }
-
-    /// Whether it has a lag before a mass, on the output.
-    pub fn is_third_order(&self) -> bool {
-        self.fit.effects.iter().any(|effect| effect.form == Form::LagBefore)
-    }
-
-    /// Whether it has a mass and a viscous force beside it, both in the balance.
-    pub fn has_mass_and_viscosity_in_balance(&self) -> bool {
-        let has = |form: Form| self.fit.effects.iter().any(|effect| effect.form == form);
-        has(Form::Inertia) && has(Form::Driven(Driver::Rate))
-    }
-
-    /// How much less a later set costs; not counted is what only decides between causes that contain each other.
-    pub fn evidence(&self, later: &Self) -> f64 {
-        let preference = |set: &Self| set.causes.iter().map(|cause| cause.containment()).sum::<f64>();
-        (self.cost() - preference(self)) - (later.cost() - preference(later))
-    }
 }

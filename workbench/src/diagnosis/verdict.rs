@@ -2,12 +2,13 @@
 
 use std::f64::consts::PI;
 
+use super::candidate::Candidate;
 use super::cause::Cause;
 use super::extend::Given;
 use super::extend::start::{DEAD_ZONES, KNOTS, PLAYS};
 use super::physical::{self, DAMPED, Parameters};
 use super::reject::Unexplained;
-use super::search::{Candidate, Search};
+use super::search::Search;
 use super::valve::ValveFit;
 
 /// Sets whose costs differ by less than this cannot be told apart.
@@ -108,14 +109,15 @@ pub fn tried(search: &Search<'_>, sizes: &[Vec<Candidate>]) -> Vec<Tried> {
     sizes.iter().flatten().map(|set| Tried::of(search, set)).collect()
 }
 
-/// Sets that do as well as the best, have something to say themselves, and are no part of it, nor contain it.
+/// Sets that do as well as the best, have something to say themselves and show it, and are no part of it, nor contain it.
 pub fn alternatives(baseline: &Candidate, best: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Vec<Cause>> {
     let is_rival = |set: &&Candidate| {
         let within =
             |one: &Candidate, other: &Candidate| one.causes.iter().all(|cause| other.causes.contains(cause));
-        set.causes.len() <= best.causes.len()
+        set.count() <= best.count()
             && !within(set, best)
             && !within(best, set)
+            && set.shows
             && (set.cost() - best.cost()).max(set.evidence(best)) < APART
             && baseline.evidence(set) > SAYS * baseline.evidence(best)
     };
@@ -126,7 +128,7 @@ pub fn alternatives(baseline: &Candidate, best: &Candidate, sizes: &[Vec<Candida
 pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) -> Vec<Named> {
     let square = |set: &Candidate| set.score.mean().powi(2);
     let before = square(&search.baseline).max(1e-300);
-    let mut all: Vec<Named> = physical::parameters(search, best)
+    let mut all: Vec<Named> = physical::parameters(search, &best.causes, &best.fit)
         .into_iter()
         .map(|(cause, parameters)| {
             let without = search.without(best, cause);
@@ -182,7 +184,7 @@ fn join(named: &mut Vec<Named>) {
 /// equation of second order: alone a mass rings, and what takes the ringing away is named too.
 fn damping(named: &[Named]) -> Option<Named> {
     let mass = named.iter().find(|named| named.cause == Cause::Inertia)?;
-    let (ratio, frequency_hz) = physical::damping(&mass.parameters)?;
+    let (ratio, frequency_hz) = physical::damping(&mass.parameters).filter(|(ratio, _)| *ratio >= DAMPED)?;
     let is_alone = named.iter().all(|named| named.cause != Cause::ViscousLag);
     is_alone.then(|| Named {
         cause: Cause::ViscousLag,
@@ -203,6 +205,9 @@ fn evidence(without: &Candidate, with: &Candidate) -> Vec<String> {
         with.score.mean(),
         without.score.mean()
     )];
+    if without.has_viscous_width() && !with.has_viscous_width() {
+        words.push("without it the width grows with as high a power of the speed as it may".into());
+    }
     if let (Some(before), Some(after)) = (without.pure_error, with.pure_error) {
         words.push(format!("visits to the same state differ by {after:.3} instead of {before:.3}"));
     }

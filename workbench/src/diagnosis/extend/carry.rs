@@ -12,10 +12,11 @@ use model_core::extension::{
 };
 
 use crate::diagnosis::Columns;
+use crate::diagnosis::candidate::Candidate;
 use crate::diagnosis::cause::Cause;
 use crate::diagnosis::effect::{Driver, Effect, Form, Rate};
 use crate::diagnosis::physical::Loop;
-use crate::diagnosis::search::{Candidate, Search};
+use crate::diagnosis::search::Search;
 use crate::diagnosis::signals::{Signals, TENTS, hats};
 use crate::diagnosis::valve::{BandForm, ValveFit};
 

@@ -33,7 +33,8 @@ use std::borrow::Cow;
 use model_core::ExtensionParameters;
 
 use super::Columns;
-use super::search::{Candidate, Search};
+use super::candidate::Candidate;
+use super::search::Search;
 use super::valve::ValveFit;
 use crate::figures::Figures;
 use crate::identification::{Density, HostExtendedModel, HostParameters, Termination};

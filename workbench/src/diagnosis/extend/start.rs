@@ -6,10 +6,11 @@ use model_core::Kind;
 
 use super::Operator;
 use crate::diagnosis::Columns;
+use crate::diagnosis::candidate::Candidate;
 use crate::diagnosis::effect::Effect;
 use crate::diagnosis::equivalent::Stages;
 use crate::diagnosis::output;
-use crate::diagnosis::search::{Candidate, Search};
+use crate::diagnosis::search::Search;
 use crate::identification::{Loss, Options, Problem, Weights, identify};
 
 /// Rows that are looked at, about.

@@ -268,7 +268,7 @@ fn conclude(
     examinable: Vec<Examinable>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let baseline = &search.baseline;
-    let causes = verdict::named(search, &best, valve.as_ref());
+    let causes = verdict::named(search, &best, sizes, valve.as_ref());
     let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
     let rows: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();
     let of_rows = |values: &[f64]| -> Vec<f64> { rows.iter().map(|&at| values[at]).collect() };

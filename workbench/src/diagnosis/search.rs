@@ -16,7 +16,7 @@ use super::fit::{Fit, fit};
 use super::gain::{Score, mask};
 use super::physical::{Loop, damping_ratio, shows};
 use super::pure_error::{PureError, pure_error};
-use super::race::Runner;
+use super::race::{Runner, is_same};
 use super::screen::Screen;
 use super::series::{arrange, beside};
 use super::signals::Signals;
@@ -54,7 +54,7 @@ const SHARE: f64 = 0.03;
 /// What it has to gain if it explains less: a cause that takes away that much of what is left is none of its remains.
 const MUCH: f64 = 0.3;
 /// The same of a delay, a lag, a mass, see [`EVIDENCE_OF_FAST`].
-const MUCH_OF_FAST: f64 = 0.15;
+const MUCH_OF_FAST: f64 = 0.13;
 /// A set that gains less than this over its parent is not built upon.
 const HOPELESS: f64 = 0.04;
 
@@ -176,8 +176,8 @@ impl<'a> Search<'a> {
         Candidate { causes, fit, score, pure_error, spread, residual: free, shows, damping_ratio }
     }
 
-    /// A set without one of its causes, the rest fitted from where it stands.
-    pub fn without(&self, set: &Candidate, cause: Cause) -> Option<Candidate> {
+    /// A set without one of its causes: the rest fitted from where it stands, or as it was found before if that is better.
+    pub fn without(&self, set: &Candidate, cause: Cause, sizes: &[Vec<Candidate>]) -> Option<Candidate> {
         let first = set.fit.effects.len() - set.causes.len();
         let kept = |i: usize| i < first || set.causes[i - first] != cause;
         let mut effects: Vec<Effect> =
@@ -188,9 +188,11 @@ impl<'a> Search<'a> {
         arrange(&mut effects);
         let causes: Vec<Cause> = set.causes.iter().copied().filter(|&other| other != cause).collect();
         let without = self.candidate(causes, fit(self.signals, &self.basis, &effects)?);
-        // Without its only cause it is the baseline, which may have been found better before.
-        let is_worse = without.causes.is_empty() && self.baseline.cost() < without.cost();
-        Some(if is_worse { self.baseline.clone() } else { without })
+        let before = std::iter::once(&self.baseline).chain(sizes.iter().flatten());
+        let alike = before.filter(|set| is_same(&set.causes, &without.causes));
+        let better =
+            alike.filter(|set| set.cost() < without.cost()).min_by(|a, b| a.cost().total_cmp(&b.cost()));
+        Some(better.cloned().unwrap_or(without))
     }
 
     /// The set that the evidence is for, and all sets that were looked at, by size, the best first.
@@ -208,7 +210,7 @@ impl<'a> Search<'a> {
             for comes_to_more in [false, true] {
                 let alike = size.iter().filter(|set| set.comes_to_more() == comes_to_more);
                 let better = alike.filter(|set| self.is_better(&best.0, set)).take(BEAM);
-                let mut worth = better.map(|set| (set, self.without_each(set)));
+                let mut worth = better.map(|set| (set, self.without_each(set, &sizes)));
                 if let Some((set, without)) =
                     worth.find(|(set, without)| self.dropped(set, without).is_none())
                 {
@@ -223,7 +225,7 @@ impl<'a> Search<'a> {
             let (set, without) = &best;
             let changed = self.swapped(set, without).or_else(|| self.dropped(set, without).cloned());
             let Some(set) = changed else { break };
-            let without = self.without_each(&set);
+            let without = self.without_each(&set, &sizes);
             best = (set, without);
         }
         (best.0, sizes)
@@ -253,8 +255,8 @@ impl<'a> Search<'a> {
     }
 
     /// A set without each of its causes in turn.
-    fn without_each(&self, set: &Candidate) -> Vec<Option<Candidate>> {
-        set.causes.par_iter().map(|&cause| self.without(set, cause)).collect()
+    fn without_each(&self, set: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Option<Candidate>> {
+        set.causes.par_iter().map(|&cause| self.without(set, cause, sizes)).collect()
     }
 
     /// The set without its most needless cause, if that is not worth its place.

@@ -114,7 +114,8 @@ pub fn alternatives(baseline: &Candidate, best: &Candidate, sizes: &[Vec<Candida
     let is_rival = |set: &&Candidate| {
         let within =
             |one: &Candidate, other: &Candidate| one.causes.iter().all(|cause| other.causes.contains(cause));
-        set.count() <= best.count()
+        set.causes.len() <= best.causes.len()
+            && set.count() <= best.count()
             && !within(set, best)
             && !within(best, set)
             && set.shows
@@ -125,13 +126,18 @@ pub fn alternatives(baseline: &Candidate, best: &Candidate, sizes: &[Vec<Candida
 }
 
 /// The causes of the best set and of the valve, with what speaks for them.
-pub fn named(search: &Search<'_>, best: &Candidate, valve: Option<&ValveFit>) -> Vec<Named> {
+pub fn named(
+    search: &Search<'_>,
+    best: &Candidate,
+    sizes: &[Vec<Candidate>],
+    valve: Option<&ValveFit>,
+) -> Vec<Named> {
     let square = |set: &Candidate| set.score.mean().powi(2);
     let before = square(&search.baseline).max(1e-300);
     let mut all: Vec<Named> = physical::parameters(search, &best.causes, &best.fit)
         .into_iter()
         .map(|(cause, parameters)| {
-            let without = search.without(best, cause);
+            let without = search.without(best, cause, sizes);
             let share = without.as_ref().map_or(0.0, |set| (square(set) - square(best)) / before);
             let evidence = without.as_ref().map_or_else(Vec::new, |set| evidence(set, best));
             let without = without.map(|set| Tried::of(search, &set));

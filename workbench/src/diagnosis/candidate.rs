@@ -1,16 +1,15 @@
 //! A set of causes with its fit, and what it costs.
 
 use super::cause::Cause;
-use super::effect::{Driver, Effect, Form};
+use super::effect::{Effect, Form};
 use super::fit::Fit;
 use super::gain::Score;
-use super::physical::{DAMPED, RINGS};
+use super::physical::{DAMPED, RINGS, has_mass_and_viscosity_in_balance};
 
 /// Weight of the pure error beside the held-out one.
 const PURE: f64 = 0.3;
 /// What a second cause that resists motion has to be better by: neither is quite of our form. Not a lag before a mass, which
-/// together are a form of their own; nor one beside a mass that rings, unless a third cause is there, of which it may take
-/// what is left.
+/// together are a form of their own.
 const ALIKE: f64 = 0.08;
 /// What a set has to be better by whose motion does not show: its inertia may be two other causes that lag.
 const UNSEEN: f64 = 0.3;
@@ -48,8 +47,7 @@ impl Candidate {
     /// explain the same the simpler one is preferred.
     pub fn cost(&self) -> f64 {
         let pure = self.spread.map_or(0.0, |error| PURE * error.max(1e-12).ln());
-        let is_unlike = self.is_third_order() || (self.rings() && self.causes.len() == 2);
-        let alone = 1 + usize::from(is_unlike);
+        let alone = 1 + usize::from(self.is_third_order());
         let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(alone);
         let complexity: f64 = self.causes.iter().map(|cause| cause.complexity()).sum();
         let unseen = match (self.shows, &self.causes[..]) {
@@ -67,9 +65,11 @@ impl Candidate {
         (self.cost() - self.containment()) - (later.cost() - later.containment())
     }
 
-    /// How many causes it comes to: beside a mass that hardly overshoots the viscosity that damps it is named too.
+    /// How many causes it comes to: beside a mass that hardly overshoots the viscosity that damps it is named too, and beside one
+    /// that does overshoot no viscous force in the same balance.
     pub fn count(&self) -> usize {
-        self.causes.len() + usize::from(self.comes_to_more())
+        let is_one = self.has_mass_and_viscosity_in_balance() && !self.is_damped();
+        self.causes.len() + usize::from(self.comes_to_more()) - usize::from(is_one)
     }
 
     /// Whether it comes to one cause more than it has.
@@ -130,8 +130,7 @@ impl Candidate {
 
     /// Whether it has a mass and a viscous force beside it, both in the balance.
     pub fn has_mass_and_viscosity_in_balance(&self) -> bool {
-        let has = |form: Form| self.fit.effects.iter().any(|effect| effect.form == form);
-        has(Form::Inertia) && has(Form::Driven(Driver::Rate))
+        has_mass_and_viscosity_in_balance(&self.fit)
     }
 }
 
@@ -176,19 +175,6 @@ mod tests {
         let mass = |ratio| set(&[Cause::Inertia], Some(ratio), 0.0).cost();
         assert_eq!(mass(0.2), set(&[], None, 0.0).cost());
         assert_eq!(mass(0.7), mass(0.2) + Cause::Inertia.containment());
-    }
-
-    #[test]
-    fn a_width_is_not_like_a_ringing_mass_unless_a_third_cause_is_there() {
-        let pays = |others: &[Cause], ratio| {
-            let with = [others, &[Cause::RateDependentWidth]].concat();
-            let more = set(&with, ratio, 0.0).cost() - set(others, ratio, 0.0).cost();
-            more > Cause::RateDependentWidth.complexity() + 0.5 * ALIKE
-        };
-        assert!(!pays(&[Cause::Inertia], Some(0.2)));
-        assert!(pays(&[Cause::Inertia], Some(0.7)));
-        assert!(pays(&[Cause::Inertia, Cause::Creep], Some(0.2)));
-        assert!(pays(&[Cause::ViscousLag], None));
     }
 
     #[test]

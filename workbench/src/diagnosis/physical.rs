@@ -100,11 +100,26 @@ pub fn damping(mass: &Parameters) -> Option<(f64, f64)> {
     of("damping_ratio").zip(of("natural_frequency_hz"))
 }
 
-/// The damping ratio of the mass, if there is one.
+/// The damping ratio of the mass, if there is one, by all that damps it.
 pub fn damping_ratio(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> Option<f64> {
-    let place = causes.iter().position(|cause| *cause == Cause::Inertia)?;
-    let (_, mass) = parameters(search, causes, fit).swap_remove(place);
-    damping(&mass).map(|(ratio, _)| ratio)
+    let mass = causes.iter().position(|cause| *cause == Cause::Inertia)?;
+    let all = parameters(search, causes, fit);
+    let (own, frequency_hz) = damping(&all[mass].1)?;
+    let lag =
+        all.iter().find(|(cause, _)| *cause == Cause::ViscousLag && has_mass_and_viscosity_in_balance(fit));
+    let lag_s = lag.and_then(|(_, parameters)| parameters.first()).map_or(0.0, |(_, lag_s)| *lag_s);
+    Some(damped(own, frequency_hz, lag_s))
+}
+
+/// Whether there are a mass and a viscous force beside it, both in the balance: one equation of second order.
+pub fn has_mass_and_viscosity_in_balance(fit: &Fit) -> bool {
+    let has = |form: Form| fit.effects.iter().any(|effect| effect.form == form);
+    has(Form::Inertia) && has(Form::Driven(Driver::Rate))
+}
+
+/// The damping ratio of a mass with a viscous force beside it, of this time constant alone.
+pub fn damped(own: f64, natural_frequency_hz: f64, lag_s: f64) -> f64 {
+    own + std::f64::consts::PI * natural_frequency_hz * lag_s
 }
 
 /// Whether the motion that is named shows: an inertia swings, for damped beyond that it is two lags; and a lag is at least half

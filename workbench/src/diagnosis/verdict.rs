@@ -178,7 +178,7 @@ fn join(named: &mut Vec<Named>) {
         (of(Cause::Inertia, "damping_ratio"), of(Cause::Inertia, "natural_frequency_hz"));
     let lag_s = of(Cause::ViscousLag, "time_constant_s");
     let Some(((own, frequency_hz), lag_s)) = own.zip(frequency_hz).zip(lag_s) else { return };
-    let whole = own + PI * frequency_hz * lag_s;
+    let whole = physical::damped(own, frequency_hz, lag_s);
     if whole < DAMPED {
         named.retain(|named| named.cause != Cause::ViscousLag);
         let parameters = named.iter_mut().flat_map(|named| &mut named.parameters);

@@ -38,7 +38,7 @@ pub struct Candidate {
     pub spread: Option<f64>,
     /// Whether the motion that its causes name shows.
     pub shows: bool,
-    /// That of its mass, if it has one.
+    /// The damping ratio of its mass, if it has one, by all that damps it.
     pub damping_ratio: Option<f64>,
 }
 

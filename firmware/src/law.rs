@@ -4,8 +4,9 @@ use model_core::cascade::CascadeParameters;
 use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters, PiecewiseLinearParameters};
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentWidthParameters, ScheduleParameters, Sites, SupplySaturationParameters,
-    TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+    RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters, Sites,
+    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
+    WarmUpParameters,
 };
 use model_core::pid::PidParameters;
 use model_core::tracking::{Command, Prepared};
@@ -99,6 +100,11 @@ pub fn extended_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES
             exponent: 0.5,
             filter_s: 0.01,
             width: profile([0.05, 0.1, 0.2]),
+        }),
+        rate_dependent_thresholds: Some(RateDependentThresholdsParameters {
+            exponent: 0.5,
+            filter_s: 0.01,
+            gain: profile([0.02, 0.03, 0.04]),
         }),
         creep: Some(CreepParameters {
             time_constants_s: [0.1, 1.0, 10.0, 100.0, 1000.0, 10_000.0].into_iter().collect(),

@@ -108,6 +108,22 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M
     pub fn dead_zones(&self) -> &DeadZones<T, M> {
         &self.dead_zones
     }
+
+    /// What the plays hold back, from -1 to 1; of plays that can widen.
+    pub(crate) fn held_back(&self, state: &HysteresisState<T, N>) -> T {
+        self.plays.held_back(&state.plays)
+    }
+
+    /// The input behind the envelope, for [`step_wider`](Self::step_wider).
+    pub(crate) fn enveloped(&self, x: T) -> T {
+        self.envelope.value(self.input_range.extrapolated(x))
+    }
+
+    /// A step to an [enveloped](Self::enveloped) input with thresholds `times` as wide at this sample; of plays that can widen.
+    #[inline(always)]
+    pub(crate) fn step_wider(&self, state: &mut HysteresisState<T, N>, v: T, times: T) -> T {
+        self.dead_zones.value(self.plays.advance_wider(&mut state.plays, v, times))
+    }
 }
 
 impl<T: Real, const N: usize, const M: usize> Cascade<T, AnyEnvelope<T>, N, M> {
@@ -172,6 +188,23 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
     /// The model that this is the inverse of.
     pub fn forward(&self) -> &Cascade<T, E, N, M> {
         &self.forward
+    }
+
+    /// The inverse of [`Cascade::step_wider`], on a state of the model: moves it to the input that brings the output to `y`, or
+    /// as near as the range allows. Answers the input and the output.
+    #[inline(never)]
+    pub(crate) fn reach_wider(&self, state: &mut HysteresisState<T, N>, y: T, times: T) -> (T, T) {
+        let Cascade { envelope, plays, dead_zones, input_range, .. } = &self.forward;
+        let inner = &self.inner_ends.range;
+        let v = plays.input_wider(&state.plays, dead_zones.inverse(y), times);
+        let (x, v) = if v <= inner.min() {
+            (input_range.min(), inner.min())
+        } else if v >= inner.max() {
+            (input_range.max(), inner.max())
+        } else {
+            (input_range.limit(envelope.inverse(v)), v)
+        };
+        (x, self.forward.step_wider(state, v, times))
     }
 
     /// The step for an output that is known to be finite.

@@ -22,6 +22,8 @@ use crate::play_move::{Reached, go, passes};
 use crate::range::Range;
 use crate::real::Real;
 
+mod wider;
+
 /// So many plays at most.
 pub(crate) const FEW_PLAYS: usize = 10;
 

@@ -214,6 +214,46 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
+    /// Refuses a bank whose thresholds cannot change from sample to sample: one of many plays, or with a weight below 0, of which
+    /// a wider bank may move farther than a narrow one.
+    pub(crate) fn check_widening(&self) -> Result<(), ParameterError> {
+        if self.len() > FEW_PLAYS {
+            let check = Check::new("number of plays whose thresholds change", "");
+            return Err(check.length(self.len(), Requirement::AtMost(FEW_PLAYS as f64)));
+        }
+        let slopes = || self.curve.segments().map(Segment::slope);
+        for (i, (before, after)) in slopes().zip(slopes().skip(1)).enumerate() {
+            Check::at("play weights where thresholds change", i, "").at_least(after - before, T::ZERO)?;
+        }
+        Ok(())
+    }
+
+    /// As [`advance`](Self::advance), with thresholds `times` as wide at this sample; of a bank that can widen.
+    #[inline(always)]
+    pub(crate) fn advance_wider(&self, state: &mut PlayState<T, N>, v: T, times: T) -> T {
+        match &mut state.memory {
+            Memory::Few(few) => self.few.drive_wider(few, v, times),
+            Memory::Many(_) => self.advance(state, v),
+        }
+    }
+
+    /// What the plays of a bank that can widen hold back, from -1 (all follow a fall) to 1 (all follow a rise).
+    pub(crate) fn held_back(&self, state: &PlayState<T, N>) -> T {
+        match &state.memory {
+            Memory::Few(few) => self.few.held_back(few),
+            Memory::Many(_) => T::ZERO,
+        }
+    }
+
+    /// The v that [`advance_wider`](Self::advance_wider) would answer with `u`. Moves nothing.
+    #[inline(always)]
+    pub(crate) fn input_wider(&self, state: &PlayState<T, N>, u: T, times: T) -> T {
+        match &state.memory {
+            Memory::Few(few) => self.few.input_wider(few, u, times),
+            Memory::Many(many) => many.last.v,
+        }
+    }
+
     /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps, against the
     /// direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {

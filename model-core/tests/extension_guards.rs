@@ -7,12 +7,16 @@ mod effects;
 
 use common::{Parameters, SIZE as CAPACITY, cascades, history};
 use effects::{ELSEWHERE, EXACT, Effect, Extensions, LOSSY, PERIOD_S, SIZE, muscle, profile, together};
+use model_core::agpi::AgpiParameters;
 use model_core::extension::transport_delay::DELAY_SAMPLES;
 use model_core::extension::{
     CreepParameters, DeadbandForm, PeriodicDisturbanceParameters, ProfileParameters, Sample,
     TransportDelayParameters, ValveDeadbandParameters,
 };
-use model_core::{ExtendedInverse, ExtendedModel, ExtensionParameters, Hysteresis, InputError, Surroundings};
+use model_core::{
+    ExtendedInverse, ExtendedModel, ExtensionParameters, Hysteresis, InputError, ModelParameters,
+    Surroundings,
+};
 use proptest::prelude::*;
 
 fn every_effect() -> Extensions {
@@ -80,7 +84,7 @@ fn a_delay_holds_as_many_samples_as_it_says_and_refuses_more_without_a_change() 
 
 #[test]
 fn parameters_that_no_effect_has_are_refused_by_their_name() {
-    let cases: [(&str, Effect); 12] = [
+    let cases: [(&str, Effect); 14] = [
         (
             "valve_deadband band",
             ("", |all| {
@@ -122,6 +126,20 @@ fn parameters_that_no_effect_has_are_refused_by_their_name() {
             }),
         ),
         (
+            "rate_dependent_thresholds filter_s",
+            ("", |all| {
+                all.rate_dependent_thresholds.iter_mut().for_each(|width| width.filter_s = 0.0);
+            }),
+        ),
+        (
+            "rate_dependent_thresholds",
+            ("", |all| {
+                all.rate_dependent_thresholds
+                    .iter_mut()
+                    .for_each(|width| width.gain = profile([0.1, -0.1, 0.1]));
+            }),
+        ),
+        (
             "sum of creep fractions",
             ("", |all| {
                 all.creep.iter_mut().for_each(|creep| creep.fractions.iter_mut().for_each(|c| *c = 0.25));
@@ -140,6 +158,41 @@ fn parameters_that_no_effect_has_are_refused_by_their_name() {
         let refused = ExtendedModel::<f64, SIZE, SIZE>::try_new(&muscle(), &extensions);
         assert_eq!(refused.expect_err(parameter).parameter, parameter);
     }
+}
+
+#[test]
+fn thresholds_that_change_are_refused_where_the_plays_cannot_widen() {
+    let extensions = together(EXACT.iter().filter(|(name, _)| *name == "rate_dependent_thresholds"));
+    let refused = |parameters: &Parameters| {
+        let refused = ExtendedModel::<f64, CAPACITY, CAPACITY>::try_new(parameters, &extensions);
+        refused.expect_err("cannot widen").to_string()
+    };
+    let ModelParameters::Cascade(mut cascade) = muscle().convert().expect("fits") else { unreachable!() };
+    let plays = &mut cascade.plays;
+    while plays.thresholds.len() < CAPACITY {
+        let last = plays.thresholds.last().copied().expect("plays");
+        plays.thresholds.push(2.0 * last).expect("fits");
+        plays.weights.push(0.01).expect("fits");
+    }
+    let many = refused(&ModelParameters::Cascade(cascade.clone()));
+    assert_eq!(many, "number of plays whose thresholds change is 12, must be at most 10");
+    cascade.plays.thresholds.truncate(2);
+    cascade.plays.weights.truncate(2);
+    cascade.plays.weights[1] = -0.01;
+    let negative = refused(&ModelParameters::Cascade(cascade.clone()));
+    assert!(negative.starts_with("play weights where thresholds change[1] is -0.01"), "{negative}");
+    let two_envelopes = AgpiParameters {
+        rising: cascade.envelope.clone(),
+        falling: cascade.envelope,
+        plays: cascade.plays,
+        gain: 100.0,
+        offset: 0.0,
+        input_min: 0.0,
+        input_max: 6.0,
+        preconditioned: true,
+    };
+    let two = refused(&ModelParameters::Agpi(two_envelopes));
+    assert_eq!(two, "number of envelopes where thresholds change is 2, must be exactly 1");
 }
 
 /// The contraction after each of many steps of `dt_s` in single precision, the pressure as given.
@@ -202,6 +255,16 @@ fn effects() -> impl Strategy<Value = Extensions> {
     prop::sample::subsequence(list, 0..=count).prop_map(|set| together(&set))
 }
 
+/// Those of the effects that this cascade can have: the thresholds of ten plays at most can change, without negative weights.
+fn of(parameters: &Parameters, mut extensions: Extensions) -> Extensions {
+    let ModelParameters::Cascade(cascade) = parameters else { return extensions };
+    let plays = &cascade.plays;
+    if plays.thresholds.len() > 10 || plays.weights.iter().any(|weight| *weight < 0.0) {
+        extensions.rate_dependent_thresholds = None;
+    }
+    extensions
+}
+
 /// Numbers of every size.
 fn wild() -> impl Strategy<Value = f32> {
     prop_oneof![Just(0.0), -10.0..10.0_f32, -1e36..1e36_f32, -1e-36..1e-36_f32]
@@ -226,7 +289,7 @@ proptest! {
         parameters in cascades(), extensions in effects(),
         samples in prop::collection::vec((wild(), wild(), prop_oneof![Just(1e-3), 1e-9..1e9_f32]), 1..40),
     ) {
-        let (model, inverse) = extended(&parameters, &extensions);
+        let (model, inverse) = extended(&parameters, &of(&parameters, extensions));
         let (mut state, mut inverse_state) = (model.rest_state(), inverse.rest_state());
         for (number, load, dt_s) in samples {
             let surroundings = Surroundings { load: Some(load), temperature: Some(-load) };
@@ -244,7 +307,7 @@ proptest! {
         parameters in cascades(), shares in history(),
         set in prop::sample::subsequence([EXACT.as_slice(), &ELSEWHERE].concat(), 0..=EXACT.len()),
     ) {
-        let extensions = Extensions { transport_delay: None, ..together(&set) };
+        let extensions = of(&parameters, Extensions { transport_delay: None, ..together(&set) });
         let model = ExtendedModel::<f64, CAPACITY, CAPACITY>::try_new(&parameters, &extensions).expect("valid");
         let inverse = ExtendedInverse::<f64, CAPACITY, CAPACITY>::try_new(&parameters, &extensions, PERIOD_S, (-1e12, 1e12));
         let inverse = inverse.expect("valid");

@@ -99,9 +99,9 @@ mod tests {
     use model_core::envelope::{EnvelopeParameters, KNOTS, PiecewiseLinearParameters};
     use model_core::extension::{
         CreepParameters, DeadbandForm, DriftParameters, ExtensionParameters, PeriodicDisturbanceParameters,
-        ProfileParameters, RateDependentWidthParameters, ScheduleParameters, Sites,
-        SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
-        WarmUpParameters,
+        ProfileParameters, RateDependentThresholdsParameters, RateDependentWidthParameters,
+        ScheduleParameters, Sites, SupplySaturationParameters, TransportDelayParameters,
+        ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
     };
     use model_core::memoryless::MemorylessParameters;
     use model_core::pid::PidParameters;
@@ -194,6 +194,11 @@ mod tests {
                 exponent: number,
                 filter_s: number,
                 width: profile(),
+            }),
+            rate_dependent_thresholds: Some(RateDependentThresholdsParameters {
+                exponent: number,
+                filter_s: number,
+                gain: profile(),
             }),
             creep: Some(CreepParameters { time_constants_s: full(), fractions: full() }),
             drift: Some(DriftParameters { rate_per_s: number, compensated: true }),

@@ -51,6 +51,12 @@ filter_s = 0.01
 knots_mm = [10.0, 60.0, 110.0]
 width_bar = [0.05, 0.1, 0.2]
 
+[extensions.rate_dependent_thresholds]
+exponent = 0.6
+filter_s = 0.01
+knots_mm = [10.0, 60.0, 110.0]
+gain = [0.02, 0.03, 0.04]
+
 [extensions.creep]
 time_constants_s = [0.1, 1.0, 10.0]
 fractions = [0.02, 0.03, 0.03]

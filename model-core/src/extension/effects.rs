@@ -1,13 +1,16 @@
 //! The groups of effects with their steps of time and memories, as model and inverse share them.
 
 use crate::error::ParameterError;
+use crate::hysteresis::Hysteresis;
+use crate::model::Model;
 use crate::real::Real;
 
 use super::balance::{Balance, BalanceMemory, BalanceStep};
 use super::creep::{Creep, CreepMemory, CreepStep};
 use super::output::{OutputEffects, OutputMemory, OutputStep};
+use super::rate_dependent_thresholds::{RateDependentThresholds, ThresholdsStep};
 use super::valve::{Valve, ValveMemory, ValveStep};
-use super::{ExtensionParameters, Site};
+use super::{ExtensionParameters, Site, each};
 
 /// The validated effects, but for the delay.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +19,7 @@ pub(super) struct Effects<T> {
     /// Of the pressure.
     pub(super) creep: Option<Creep<T>>,
     pub(super) balance: Option<Balance<T>>,
+    pub(super) thresholds: Option<RateDependentThresholds<T>>,
     pub(super) output: Option<OutputEffects<T>>,
 }
 
@@ -25,6 +29,7 @@ pub(super) struct EffectsStep<T> {
     pub(super) valve: ValveStep<T>,
     pub(super) creep: Option<CreepStep<T>>,
     pub(super) balance: Option<BalanceStep<T>>,
+    pub(super) thresholds: Option<ThresholdsStep<T>>,
     pub(super) output: Option<OutputStep<T>>,
 }
 
@@ -36,6 +41,8 @@ pub(super) struct EffectsMemory<T> {
     /// The pressure that creeps. Input unit.
     pub(super) felt: T,
     pub(super) balance: BalanceMemory<T>,
+    /// The rate that thresholds depend on. Unit: output unit/s.
+    pub(super) rate: T,
     pub(super) output: Option<OutputMemory<T>>,
     /// The operator's input. Input unit.
     pub(super) u: T,
@@ -44,23 +51,26 @@ pub(super) struct EffectsMemory<T> {
 }
 
 impl<T: Real> Effects<T> {
-    /// `outputs`: the operator's lowest and highest.
-    pub(super) fn try_new(
+    /// Of this operator.
+    pub(super) fn try_new<const N: usize, const M: usize>(
         parameters: &ExtensionParameters<T>,
-        outputs: (T, T),
+        model: &Model<T, N, M>,
     ) -> Result<Self, ParameterError> {
+        let thresholds = |thresholds: &_| RateDependentThresholds::try_new(thresholds, model);
         Ok(Self {
             valve: Valve::try_new(parameters)?,
             creep: Creep::try_at(parameters, Site::Pressure)?,
             balance: Balance::try_new(parameters, Site::Pressure)?,
-            output: OutputEffects::try_new(parameters, outputs)?,
+            thresholds: each(&parameters.rate_dependent_thresholds, thresholds)?,
+            output: OutputEffects::try_new(parameters, model.output_range())?,
         })
     }
 
     /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
-        let Self { valve, creep, balance, output } = self;
-        valve.is_none() && creep.is_none() && balance.is_none() && output.is_none()
+        let Self { valve, creep, balance, thresholds, output } = self;
+        let is_before = valve.is_none() && creep.is_none() && balance.is_none();
+        is_before && thresholds.is_none() && output.is_none()
     }
 
     /// For a step of `dt` after one of `before`.
@@ -69,6 +79,7 @@ impl<T: Real> Effects<T> {
             valve: self.valve.as_ref().map_or(ValveStep::First, |valve| valve.step(dt)),
             creep: self.creep.as_ref().map(|creep| creep.step(dt)),
             balance: self.balance.as_ref().map(|balance| balance.step(dt, before)),
+            thresholds: self.thresholds.as_ref().map(|thresholds| thresholds.step(dt)),
             output: self.output.as_ref().map(|output| output.step(dt, before)),
         }
     }
@@ -79,6 +90,7 @@ impl<T: Real> Effects<T> {
             valve: ValveStep::First,
             creep: self.creep.as_ref().map(Creep::first),
             balance: self.balance.as_ref().map(Balance::first),
+            thresholds: self.thresholds.as_ref().map(|thresholds| thresholds.step(T::INFINITY)),
             output: self.output.as_ref().map(OutputEffects::first),
         }
     }
@@ -90,6 +102,7 @@ impl<T: Real> Effects<T> {
             creep: CreepMemory::resting(),
             felt: u,
             balance: Balance::resting(u),
+            rate: T::ZERO,
             output: self.output.as_ref().map(|output| output.resting(y0, time_s)),
             u,
             y0,

@@ -4,7 +4,8 @@
 //! The operator's input u is the root of F(u) = u + what the effects take at (u, operator(u)) - pressure. Where the operator
 //! stands F is known without a step of it; from there the root lies in the direction of F's sign, and F rises at
 //! least as fast as u where no effect falls with the contraction faster than the operator rises. The search tries steps
-//! on a copy of the operator's state, usually two or three, to [`TOLERANCE`] of the input range.
+//! on a copy of the operator's state, usually two or three, to [`TOLERANCE`] of the input range. Where thresholds depend on the
+//! rate each of these is a search in turn, for the thresholds ([`super::rate_dependent_thresholds`]).
 //!
 //! # Limits
 //! A pressure beyond the input range by more than its span counts as one that is not, as in the family. A profile that
@@ -16,7 +17,9 @@ use crate::model::{Model, ModelParameters};
 use crate::real::Real;
 
 use super::effects::{Effects, EffectsMemory, EffectsStep};
+use super::rate_dependent_thresholds::PresentThresholds;
 use super::root::{Point, root};
+
 use super::transport_delay::{DelayLine, TransportDelayParameters};
 use super::{ExtensionParameters, Surroundings, each};
 
@@ -68,6 +71,8 @@ pub struct ExtendedState<T, const N: usize> {
     line: DelayLine<T>,
     /// The slope of F that the last search found, where the next one begins with.
     slope: T,
+    /// How wide the thresholds were, where they depend on the rate. Unit: 1.
+    width: T,
     /// The step of time that `step` is of, and the one before; none before the second sample.
     times: Option<(T, T)>,
     step: EffectsStep<T>,
@@ -88,7 +93,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
         Ok(Self {
             tolerance: tolerance * (range.max() - range.min()),
             output_tolerance: tolerance * (highest - lowest),
-            effects: Effects::try_new(extensions, (lowest, highest))?,
+            effects: Effects::try_new(extensions, &model)?,
             delay_s: each(&extensions.transport_delay, TransportDelayParameters::checked)?,
             model,
         })
@@ -111,6 +116,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             effects: self.effects.resting(u, y0, T::ZERO),
             line: DelayLine::new(),
             slope: T::ONE,
+            width: T::ONE,
             times: None,
             step: self.effects.first(),
             has_begun: false,
@@ -172,24 +178,57 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
 
     /// Drives the operator with a pressure.
     fn operate(&self, state: &mut ExtendedState<T, N>, pressure: T, surroundings: &Surroundings<T>) {
-        let ExtendedState { operator, trial, effects, slope, step, .. } = state;
-        let (Some(balance), Some(step)) = (&self.effects.balance, &step.balance) else {
+        let ExtendedState { operator, trial, effects, slope, width, step, .. } = state;
+        let widening = match (&self.effects.thresholds, &step.thresholds, &self.model) {
+            (Some(thresholds), Some(step), Model::Cascade(cascade)) => {
+                Some((thresholds.at(step, effects.rate, cascade.held_back(operator)), cascade))
+            }
+            _ => None,
+        };
+        let (u0, y0) = (effects.u, effects.y0);
+        if widening.is_none() && self.effects.balance.is_none() {
             effects.y0 = self.output_at(operator, pressure);
             return;
-        };
-        let pressure = self.model.input_range().extrapolated(pressure);
-        let present = balance.at(step, &effects.balance, surroundings);
-        let (u0, y0) = (effects.u, effects.y0);
-        let f = u0 + present.value((u0, T::ZERO), (y0, T::ZERO)) - pressure;
-        if f.abs() > self.tolerance {
-            (effects.u, *slope) = root(Point { u: u0, f }, *slope, self.tolerance, |u| {
+        }
+        let mut answer = |u| match &widening {
+            Some((present, cascade)) => {
+                let v = cascade.enveloped(u);
+                widened(present, width, y0, |times| {
+                    trial.copy_from(operator);
+                    cascade.step_wider(trial, v, times)
+                })
+            }
+            None => {
                 trial.copy_from(operator);
-                effects.y0 = self.output_at(trial, u);
+                self.output_at(trial, u)
+            }
+        };
+        if let (Some(balance), Some(step)) = (&self.effects.balance, &step.balance) {
+            let pressure = self.model.input_range().extrapolated(pressure);
+            let present = balance.at(step, &effects.balance, surroundings);
+            let mut over = |u| {
+                effects.y0 = answer(u);
                 u + present.value((u, u - u0), (effects.y0, effects.y0 - y0)) - pressure
-            });
+            };
+            // Where thresholds are as they were the operator stands where it stood.
+            let stands = widening.is_none();
+            let f =
+                if stands { u0 + present.value((u0, T::ZERO), (y0, T::ZERO)) - pressure } else { over(u0) };
+            let is_found = f.abs() <= self.tolerance;
+            if !is_found {
+                (effects.u, *slope) = root(Point { u: u0, f }, *slope, self.tolerance, over);
+            }
+            if !(is_found && stands) {
+                operator.copy_from(trial);
+            }
+            effects.balance = present.remembered((effects.u, effects.u - u0), effects.y0 - y0);
+        } else {
+            effects.y0 = answer(pressure);
             operator.copy_from(trial);
         }
-        effects.balance = present.remembered((effects.u, effects.u - u0), effects.y0 - y0);
+        if let Some((present, _)) = &widening {
+            effects.rate = present.rate(effects.y0 - y0);
+        }
     }
 
     /// A step of the operator, whose input is finite.
@@ -209,6 +248,27 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             _ => *y0,
         }
     }
+}
+
+/// The answer of the operator, at `y0` before, whose thresholds are as wide as the answer says; `width` is where the search
+/// for that begins, and the next one will.
+fn widened<T: Real>(
+    present: &PresentThresholds<'_, T>,
+    width: &mut T,
+    y0: T,
+    mut answer: impl FnMut(T) -> T,
+) -> T {
+    let mut y = y0;
+    let mut over = |times| {
+        y = answer(times);
+        times - present.times((y, y - y0))
+    };
+    let tolerance = T::from_f64(TOLERANCE).at_least(T::from_f64(4.0) * T::EPSILON);
+    let f = over(*width);
+    if f.abs() > tolerance {
+        *width = root(Point { u: *width, f }, T::ONE, tolerance, over).0;
+    }
+    y
 }
 
 /// A time step that time passes in.

@@ -51,6 +51,7 @@ struct Compensation<T> {
 /// What the inverse of an extended model remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExtendedInverseState<T, const N: usize> {
+    /// That of the operator's inverse; where thresholds depend on the rate that of the operator itself.
     operator: HysteresisState<T, N>,
     /// None where nothing is compensated.
     compensation: Option<CompensationState<T>>,
@@ -76,7 +77,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
     ) -> Result<Self, ParameterError> {
         let period_s = Check::new("period_s", "s").above(period_s, T::ZERO)?;
         let model = Model::try_new(parameters)?;
-        let effects = Effects::try_new(&extensions.compensated(), model.output_range())?;
+        let effects = Effects::try_new(&extensions.compensated(), &model)?;
         let delay_s = each(&extensions.transport_delay, TransportDelayParameters::checked)?;
         let highest = effects.valve.as_ref().map_or(limits.1, |valve| valve.supplied(limits.1));
         let limits = Range::try_new(limits.0, highest, "command range", "bar")?;
@@ -114,7 +115,12 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
             effects: effects.resting(u, y0, self.delay_s),
             has_begun: false,
         });
-        ExtendedInverseState { operator: self.operator.rest_state(), compensation }
+        let widens = self.compensation.as_ref().is_some_and(|all| all.effects.thresholds.is_some());
+        let operator = match &self.operator {
+            InverseModel::Cascade(cascade) if widens => cascade.forward().rest_state(),
+            operator => operator.rest_state(),
+        };
+        ExtendedInverseState { operator, compensation }
     }
 
     /// One sample: the command that brings the contraction, a delay later, to `wanted`, or as near as the limits allow.
@@ -153,10 +159,18 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
         let Compensation { effects, first, step, .. } = compensation;
         let step = if state.has_begun { step } else { first };
         state.has_begun = true;
-        let EffectsMemory { valve, creep, felt, balance, output, u: last_u, y0: last_y0 } =
+        let EffectsMemory { valve, creep, felt, balance, rate, output, u: last_u, y0: last_y0 } =
             &mut state.effects;
 
         let mut operate = |y0: T| -> Result<(T, T), InputError> {
+            if let (Some(thresholds), Some(step), InverseModel::Cascade(cascade)) =
+                (&effects.thresholds, &step.thresholds, &self.operator)
+            {
+                let present = thresholds.at(step, *rate, cascade.forward().held_back(operator));
+                let (u, reached) = cascade.reach_wider(operator, y0, present.times((y0, y0 - *last_y0)));
+                *rate = present.rate(reached - *last_y0);
+                return Ok((u, reached));
+            }
             let u = self.operator.step(operator, y0)?;
             let is_end = u <= self.input_range.min() || u >= self.input_range.max();
             Ok((u, if is_end { self.operator.last_output(operator) } else { y0 }))

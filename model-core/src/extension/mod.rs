@@ -16,7 +16,7 @@
 //! | load, temperature | either balance | [`schedule`] |
 //! | warm-up | either balance | [`warm_up`] |
 //! | viscosity, inertia | either balance | `viscous_lag`, `inertia` |
-//! | width that depends on the rate | balance before the operator | [`rate_dependent_width`] |
+//! | width that depends on the rate | balance before the operator, or the operator's plays | [`rate_dependent_width`], [`rate_dependent_thresholds`] |
 //! | creep | pressure or contraction | [`creep`] |
 //! | drift, tone | output | [`drift`], [`periodic_disturbance`] |
 //!
@@ -48,6 +48,7 @@ pub(crate) mod output;
 pub mod periodic_disturbance;
 pub(crate) mod preview;
 pub mod profile;
+pub mod rate_dependent_thresholds;
 pub mod rate_dependent_width;
 mod relaxation;
 mod root;
@@ -69,6 +70,7 @@ pub use forward::{ExtendedModel, ExtendedState, Output, Sample};
 pub use inverse::{ExtendedInverse, ExtendedInverseState};
 pub use periodic_disturbance::PeriodicDisturbanceParameters;
 pub use profile::ProfileParameters;
+pub use rate_dependent_thresholds::RateDependentThresholdsParameters;
 pub use rate_dependent_width::RateDependentWidthParameters;
 pub use schedule::ScheduleParameters;
 pub use site::{Site, Sites};
@@ -99,6 +101,8 @@ pub struct ExtensionParameters<T> {
     /// Nowhere below 0. Unit: input unit s²/output unit; behind the hysteresis s².
     pub inertia: Option<ProfileParameters<T>>,
     pub rate_dependent_width: Option<RateDependentWidthParameters<T>>,
+    /// The same cause in the thresholds.
+    pub rate_dependent_thresholds: Option<RateDependentThresholdsParameters<T>>,
     pub creep: Option<CreepParameters<T>>,
     pub drift: Option<DriftParameters<T>>,
     pub periodic_disturbance: Option<PeriodicDisturbanceParameters<T>>,
@@ -120,6 +124,7 @@ impl<T> Default for ExtensionParameters<T> {
             viscous_lag: None,
             inertia: None,
             rate_dependent_width: None,
+            rate_dependent_thresholds: None,
             creep: None,
             drift: None,
             periodic_disturbance: None,
@@ -173,6 +178,10 @@ impl<T: Real> ExtensionParameters<T> {
             viscous_lag: each(&self.viscous_lag, ProfileParameters::convert)?,
             inertia: each(&self.inertia, ProfileParameters::convert)?,
             rate_dependent_width: each(&self.rate_dependent_width, RateDependentWidthParameters::convert)?,
+            rate_dependent_thresholds: each(
+                &self.rate_dependent_thresholds,
+                RateDependentThresholdsParameters::convert,
+            )?,
             creep: each(&self.creep, CreepParameters::convert)?,
             drift: self.drift.map(|drift| drift.convert()),
             periodic_disturbance: self.periodic_disturbance.map(|tone| tone.convert()),

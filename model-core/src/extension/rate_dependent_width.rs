@@ -17,8 +17,8 @@ use super::profile::{Profile, ProfileParameters};
 use super::relaxation;
 
 /// The largest exponent of the rate.
-const LARGEST_EXPONENT: f64 = 4.0;
-/// Below this the rate counts as none. Unit: input unit/s.
+pub(super) const LARGEST_EXPONENT: f64 = 4.0;
+/// Below this a rate counts as none. Unit: that of the rate.
 const SLOWEST: f64 = 1e-9;
 
 /// Raw parameters of a rate-dependent width.
@@ -135,12 +135,7 @@ impl<T: Real> Width<'_, T> {
     #[inline(always)]
     pub(super) fn value(&self, u: T, pushed: T, y: T) -> T {
         let (WidthMemory { rate, .. }, stop) = self.next(u, pushed);
-        if rate < T::from_f64(SLOWEST) {
-            return T::ZERO;
-        }
-        // The power by the logarithm that the operator has anyway.
-        let power = (T::from_f64(2.0) * self.effect.exponent * T::atanh_of_ratio(rate, T::ONE)).exp();
-        self.effect.width.value(y) * power * stop
+        self.effect.width.value(y) * power(rate, self.effect.exponent) * stop
     }
 
     /// What is remembered after the move.
@@ -148,4 +143,13 @@ impl<T: Real> Width<'_, T> {
     pub(super) fn moved(&self, u: T, pushed: T) -> WidthMemory<T> {
         self.next(u, pushed).0
     }
+}
+
+/// A rate to a power, by the logarithm that the operator has anyway.
+#[inline(always)]
+pub(super) fn power<T: Real>(rate: T, exponent: T) -> T {
+    if rate < T::from_f64(SLOWEST) {
+        return T::ZERO;
+    }
+    (T::from_f64(2.0) * exponent * T::atanh_of_ratio(rate, T::ONE)).exp()
 }

@@ -3,8 +3,9 @@
 
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentWidthParameters, ScheduleParameters, Site, SupplySaturationParameters,
-    TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+    RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters, Site,
+    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
+    WarmUpParameters,
 };
 use model_core::{ExtensionParameters, ModelParameters, paper};
 
@@ -35,7 +36,7 @@ fn deadband(form: DeadbandForm) -> Option<ValveDeadbandParameters<f64>> {
 }
 
 /// Those of which forward of inverse and inverse of forward are exact.
-pub const EXACT: [Effect; 11] = [
+pub const EXACT: [Effect; 12] = [
     ("valve_lag", |all| {
         all.valve_lag = Some(ValveLagParameters { time_constant_s: 0.05, lead_limit: 100.0 })
     }),
@@ -57,6 +58,13 @@ pub const EXACT: [Effect; 11] = [
             exponent: 0.5,
             filter_s: 0.01,
             width: profile([0.05, 0.1, 0.2]),
+        });
+    }),
+    ("rate_dependent_thresholds", |all| {
+        all.rate_dependent_thresholds = Some(RateDependentThresholdsParameters {
+            exponent: 0.5,
+            filter_s: 0.01,
+            gain: profile([0.02, 0.03, 0.04]),
         });
     }),
     ("creep", |all| {

@@ -9,8 +9,9 @@ use model_core::extension::creep::CREEP_ELEMENTS;
 use model_core::extension::profile::PROFILE_KNOTS;
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentWidthParameters, ScheduleParameters, Site, SupplySaturationParameters,
-    TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+    RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters, Site,
+    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
+    WarmUpParameters,
 };
 use toml::{Table, Value};
 
@@ -79,6 +80,7 @@ fn causes(
         viscous_lag,
         inertia,
         rate_dependent_width,
+        rate_dependent_thresholds,
         creep,
         drift,
         periodic_disturbance,
@@ -135,6 +137,12 @@ fn causes(
         fields.number("exponent", &mut width.exponent)?;
         fields.number("filter_s", &mut width.filter_s)?;
         fields.profile(&knots, &format!("width_{input}"), &mut width.width)
+    })?;
+    let blank = RateDependentThresholdsParameters { exponent: 0.0, filter_s: 0.0, gain: profile() };
+    file.cause("rate_dependent_thresholds", rate_dependent_thresholds, blank, |fields, thresholds| {
+        fields.number("exponent", &mut thresholds.exponent)?;
+        fields.number("filter_s", &mut thresholds.filter_s)?;
+        fields.profile(&knots, "gain", &mut thresholds.gain)
     })?;
     let blank = CreepParameters { time_constants_s: empty(), fractions: empty() };
     file.cause("creep", creep, blank, |fields, creep| {

@@ -1,14 +1,15 @@
 //! From the effects of the search to the nearest extensions of the model.
 //!
-//! What the search has on either side of the hysteresis the model has too. Widths of whatever kind become the one that
-//! depends on the rate of the operator's input.
+//! What the search has on either side of the hysteresis the model has too. Thresholds that follow a rate follow that of the
+//! contraction; a stop that does is the width before the operator.
 
 use model_core::ExtensionParameters;
 use model_core::extension::profile::{PROFILE_KNOTS, Profile};
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentWidthParameters, ScheduleParameters, Site, SupplySaturationParameters,
-    TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+    RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters, Site,
+    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
+    WarmUpParameters,
 };
 
 use crate::diagnosis::Columns;
@@ -22,10 +23,10 @@ use crate::diagnosis::valve::{BandForm, ValveFit};
 
 /// Time constant of the speed of a width. Unit: s.
 const FILTER_S: f64 = 0.01;
-/// The least slope of the loop that an output is divided by, as a share of the mean one.
-const LEAST_SLOPE: f64 = 0.1;
 /// The least half width of a loop, as a share of the input's span.
 const LEAST_WIDTH: f64 = 0.01;
+/// The least slope of the loop that an output is divided by, as a share of the mean one.
+const LEAST_SLOPE: f64 = 0.1;
 /// Where the knots of a profile lie between the ends of the contraction.
 const KNOTS: [f64; PROFILE_KNOTS] = [0.0, 0.2, 0.8, 1.0];
 
@@ -40,6 +41,31 @@ pub fn extensions(columns: &Columns, search: &Search<'_>, set: &Candidate) -> Ex
         carrier.add(&mut all, cause, &set.fit.effects[first + i], weights);
     }
     all
+}
+
+/// The same extensions for an operator whose thresholds cannot change: what they do with the rate is a width before it.
+pub fn before_operator(
+    all: &ExtensionParameters<f64>,
+    search: &Search<'_>,
+    set: &Candidate,
+) -> ExtensionParameters<f64> {
+    let signals = search.signals;
+    let turn = Loop::of(search, &set.fit);
+    let rate_dependent_width = all.rate_dependent_thresholds.as_ref().map(|thresholds| {
+        let RateDependentThresholdsParameters { exponent, filter_s, gain } = thresholds;
+        let radius = turn.half_width(signals.knots[TENTS / 2]).max(LEAST_WIDTH * signals.input_span);
+        // At the speed of the contraction for one of the input of 1.
+        let mut width = gain.clone();
+        for (&knot, value) in gain.knots.iter().zip(&mut width.values) {
+            *value *= radius * turn.slope(knot).max(0.0).powf(*exponent);
+        }
+        RateDependentWidthParameters { radius, exponent: *exponent, filter_s: *filter_s, width }
+    });
+    ExtensionParameters {
+        rate_dependent_width: rate_dependent_width.or_else(|| all.rate_dependent_width.clone()),
+        rate_dependent_thresholds: None,
+        ..all.clone()
+    }
 }
 
 /// Adds what stands between command and pressure.
@@ -109,10 +135,12 @@ impl Carrier<'_> {
                 self.add_driven(all, cause, driver, parameter(0), (Site::Contraction, offset));
             }
             Form::Thresholds(rate) => {
-                let half =
-                    self.turn.half_width(signals.knots[TENTS / 2]).max(LEAST_WIDTH * signals.input_span);
-                let width = parameter(1) * half / self.typical(rate).powf(parameter(0));
-                self.add_width(all, half, self.profile(|_| width), parameter(0));
+                let gain = self.profile(|y| parameter(1) / self.typical_at(rate, y).powf(parameter(0)));
+                all.rate_dependent_thresholds = Some(RateDependentThresholdsParameters {
+                    exponent: parameter(0),
+                    filter_s: FILTER_S,
+                    gain,
+                });
             }
             Form::Friction(rate) => {
                 let range = parameter(1).exp();
@@ -216,6 +244,15 @@ impl Carrier<'_> {
                 let reference = mean(&self.columns.temperature_c);
                 all.temperature = Some(ScheduleParameters { reference, offset });
             }
+        }
+    }
+
+    /// The typical speed of the contraction, where that is at `y`. Unit: output unit/s.
+    fn typical_at(&self, rate: Rate, y: f64) -> f64 {
+        let typical = self.signals.typical_speed(rate);
+        match rate {
+            Rate::Input => typical / self.per_slope(y),
+            Rate::Contraction => typical,
         }
     }
 

@@ -1,7 +1,10 @@
 //! An operator model that the user has: whether it is of this muscle, and whether its form is rich enough.
 
+use model_core::ExtensionParameters;
+
 use super::refine::Task;
 use super::{Extension, Operator};
+use crate::identification::HostExtendedModel;
 
 /// Another muscle: the model's error is so many times that of the same form fitted to the recording.
 const OTHER: f64 = 2.0;
@@ -18,12 +21,15 @@ pub struct Given {
     pub refitted_rmse: f64,
     /// Of the richer form.
     pub richer_rmse: f64,
+    /// As it was given, without extensions, over the error of the richer form without.
+    pub plain_ratio: f64,
 }
 
 impl Given {
-    /// Whether it describes another muscle, or this one in another state.
+    /// Whether it describes another muscle, or this one in another state; not where it is as good as can be without extensions:
+    /// it was then found with what they stand for in it.
     pub fn is_of_another_muscle(&self) -> bool {
-        self.rmse > OTHER * self.refitted_rmse
+        self.rmse > OTHER * self.refitted_rmse && self.plain_ratio > OTHER
     }
 
     /// Whether its form is what is wrong.
@@ -37,12 +43,24 @@ impl Given {
     }
 }
 
-/// A given operator beside the extended model of the richer one; with it, the given one fitted with the same extensions.
-/// None where it does not run through the rows.
-pub(super) fn judge(task: &Task<'_>, operator: &Operator, richer: &Extension) -> Option<(Given, Extension)> {
-    let as_given = operator.with(richer.extensions.clone());
+/// A given operator beside the richer one, plain and extended; with it, the given one fitted with the same extensions, or, where
+/// it cannot have these, with those `before` it. None where it does not run through the rows.
+pub(super) fn judge(
+    task: &Task<'_>,
+    operator: &Operator,
+    (plain, richer): (&Extension, &Extension),
+    before: impl Fn(&ExtensionParameters<f64>) -> ExtensionParameters<f64>,
+) -> Option<(Given, Extension)> {
+    let same = operator.with(richer.extensions.clone());
+    let can_have = HostExtendedModel::try_new(&same.parameters, &same.extensions).is_ok();
+    let as_given = if can_have { same } else { operator.with(before(&richer.extensions)) };
     let rmse = task.rms(&as_given)?;
     let (refitted, _) = task.refined(as_given)?;
-    let given = Given { rmse, refitted_rmse: task.rms(&refitted)?, richer_rmse: task.rms(richer)? };
+    let given = Given {
+        rmse,
+        refitted_rmse: task.rms(&refitted)?,
+        richer_rmse: task.rms(richer)?,
+        plain_ratio: task.rms(&operator.with(ExtensionParameters::default()))? / task.rms(plain)?,
+    };
     Some((given, refitted))
 }

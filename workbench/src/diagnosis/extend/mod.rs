@@ -17,8 +17,8 @@
 //!
 //! # Limits
 //! The causes, and where the fit begins, come from the whole recording; a gain that is free of that too takes another
-//! recording. A delay that was found between command and pressure has no place in the chain, and is left out. Of a width
-//! that depends on the rate the model has one form, to which the others of the search are only near.
+//! recording. A delay that was found between command and pressure has no place in the chain, and is left out. Thresholds that
+//! follow the rate of the input in the search follow that of the contraction in the model, which is only near.
 
 mod carry;
 pub mod given;
@@ -180,7 +180,8 @@ pub fn extend(
     let given = match given {
         None => None,
         Some(operator) => {
-            let (given, refitted) = given::judge(&before, operator, &extended)?;
+            let before_it = |all: &_| carry::before_operator(all, search, set);
+            let (given, refitted) = given::judge(&before, operator, (&plain, &extended), before_it)?;
             if !given.is_too_poor() {
                 (plain, _) = before.refined(operator.with(none()))?;
                 extended = refitted;

@@ -1,15 +1,17 @@
 //! A made-up muscle whose extensions are known.
 
 use model_core::extension::{
-    CreepParameters, DriftParameters, ProfileParameters, TransportDelayParameters, ValveLagParameters,
+    CreepParameters, DriftParameters, ProfileParameters, RateDependentThresholdsParameters,
+    RateDependentWidthParameters, TransportDelayParameters, ValveLagParameters,
 };
 use model_core::{ExtensionParameters, Kind};
 
-use super::Extension;
+use super::given::judge;
 use super::heldout::gain;
 use super::refine::Task;
+use super::{Extension, Operator};
 use crate::diagnosis::Columns;
-use crate::identification::{Loss, Options, Problem, Weights, identify};
+use crate::identification::{HostParameters, Loss, Options, Problem, Weights, identify};
 
 /// Triangles of several heights and speeds, with a hold. Units: s, bar.
 fn drive() -> (Vec<f64>, Vec<f64>) {
@@ -52,6 +54,11 @@ pub fn model() -> Extension {
         valve_lag: Some(ValveLagParameters::new(0.1)),
         transport_delay: Some(TransportDelayParameters { delay_s: 0.05 }),
         viscous_lag: Some(ProfileParameters::constant(0.004)),
+        rate_dependent_thresholds: Some(RateDependentThresholdsParameters {
+            exponent: 0.5,
+            filter_s: 0.01,
+            gain: ProfileParameters::constant(0.05),
+        }),
         creep: Some(CreepParameters {
             time_constants_s: [1.0].into_iter().collect(),
             fractions: [0.1].into_iter().collect(),
@@ -85,6 +92,34 @@ fn refining_finds_the_effects_again() {
     assert!(after < 0.1 * before, "{before} {after}");
     let delay_s = found.extensions.transport_delay.expect("a delay").delay_s;
     assert!((delay_s - 0.05).abs() < 0.005, "{delay_s}");
+}
+
+#[test]
+fn a_given_operator_whose_thresholds_cannot_change_is_extended_before_itself() {
+    let truth = model();
+    let columns = recorded(&truth);
+    let rows: Vec<usize> = (0..columns.time_s.len()).collect();
+    let task = Task { columns: &columns, scored: &rows };
+    let plain = Extension { extensions: ExtensionParameters::default(), ..truth.clone() };
+    let before = |all: &ExtensionParameters<f64>| ExtensionParameters {
+        rate_dependent_thresholds: None,
+        rate_dependent_width: Some(RateDependentWidthParameters {
+            radius: 0.4,
+            exponent: 0.5,
+            filter_s: 0.01,
+            width: ProfileParameters::constant(0.05),
+        }),
+        ..all.clone()
+    };
+    let form = |parameters| {
+        let operator = Operator { parameters, density: truth.density };
+        let (_, refitted) = judge(&task, &operator, (&plain, &truth), before).expect("it runs");
+        refitted.extensions.rate_dependent_thresholds.is_some()
+    };
+    assert!(form(truth.parameters.clone()));
+    let HostParameters::Cascade(mut negative) = truth.parameters.clone() else { panic!("a cascade") };
+    negative.plays.weights[1] = -0.1 * negative.plays.q;
+    assert!(!form(HostParameters::Cascade(negative)));
 }
 
 #[test]

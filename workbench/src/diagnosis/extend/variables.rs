@@ -186,6 +186,12 @@ fn visit_extensions(
         let step = largest(&width.width.values);
         width.width.values.iter_mut().for_each(|value| mirrored(value, step, change));
     }
+    if let Some(thresholds) = &mut extensions.rate_dependent_thresholds {
+        logarithm(&mut thresholds.exponent, change);
+        thresholds.exponent = thresholds.exponent.min(LARGEST_EXPONENT);
+        let step = largest(&thresholds.gain.values);
+        thresholds.gain.values.iter_mut().for_each(|value| mirrored(value, step, change));
+    }
     if let Some(creep) = &mut extensions.creep {
         creep.fractions.iter_mut().for_each(|fraction| mirrored(fraction, SHARE_STEP, change));
     }

@@ -25,6 +25,8 @@ use super::{ExtensionParameters, Surroundings, each};
 
 /// How exactly the root is found: this share of the input range, as far as the number type allows.
 pub const TOLERANCE: f64 = 1e-11;
+/// How exactly the width of thresholds that depend on the rate is found. Unit: 1.
+const WIDTH_TOLERANCE: f64 = 1e-9;
 /// The shortest time between samples. Unit: s.
 pub const SHORTEST_STEP_S: f64 = 1e-9;
 
@@ -71,8 +73,8 @@ pub struct ExtendedState<T, const N: usize> {
     line: DelayLine<T>,
     /// The slope of F that the last search found, where the next one begins with.
     slope: T,
-    /// How wide the thresholds were, where they depend on the rate. Unit: 1.
-    width: T,
+    /// Where they depend on the rate: how wide the thresholds were, and the slope there of the search for that.
+    width: (T, T),
     /// The step of time that `step` is of, and the one before; none before the second sample.
     times: Option<(T, T)>,
     step: EffectsStep<T>,
@@ -116,7 +118,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             effects: self.effects.resting(u, y0, T::ZERO),
             line: DelayLine::new(),
             slope: T::ONE,
-            width: T::ONE,
+            width: (T::ONE, T::ONE),
             times: None,
             step: self.effects.first(),
             has_begun: false,
@@ -254,7 +256,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
 /// for that begins, and the next one will.
 fn widened<T: Real>(
     present: &PresentThresholds<'_, T>,
-    width: &mut T,
+    (width, slope): &mut (T, T),
     y0: T,
     mut answer: impl FnMut(T) -> T,
 ) -> T {
@@ -263,10 +265,15 @@ fn widened<T: Real>(
         y = answer(times);
         times - present.times((y, y - y0))
     };
-    let tolerance = T::from_f64(TOLERANCE).at_least(T::from_f64(4.0) * T::EPSILON);
+    let tolerance = T::from_f64(WIDTH_TOLERANCE).at_least(T::from_f64(4.0) * T::EPSILON);
     let f = over(*width);
     if f.abs() > tolerance {
-        *width = root(Point { u: *width, f }, T::ONE, tolerance, over).0;
+        let found = root(Point { u: *width, f }, *slope, tolerance, over);
+        *width = found.0;
+        // Of two tries that are next to each other it may be anything.
+        if found.1.is_finite() && found.1 >= T::ONE {
+            *slope = found.1;
+        }
     }
     y
 }

@@ -1,9 +1,10 @@
 //! Operator and extensions together, by Levenberg-Marquardt on the residual of the model that runs free.
 //!
-//! Derivatives by differences: a run is a few milliseconds, and there are about thirty variables. Rows before the last
-//! scored one are run through, and no others.
+//! Derivatives by differences: a run is a few milliseconds, and there are about thirty variables. Where the residual has moved
+//! about as the last derivatives said, they are not taken anew but corrected along the step (Broyden), at most [`CORRECTIONS`]
+//! times in a row. Rows before the last scored one are run through, and no others.
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use model_core::ExtendedModel;
@@ -27,6 +28,9 @@ const ENOUGH: f64 = 4e-3;
 const STAY: f64 = 0.03;
 /// Evaluations at most, per variable.
 const PATIENCE: usize = 1;
+/// Derivatives are corrected so many times in a row, where the residual has moved by no more than this share otherwise than they said.
+const CORRECTIONS: usize = 2;
+const OTHERWISE: f64 = 0.4;
 /// A size that most operators keep within: their states are copied often.
 const SMALL: usize = 16;
 
@@ -48,6 +52,35 @@ struct Problem<'a> {
     stay: f64,
     variables: DVector<f64>,
     residuals: OnceLock<Option<DVector<f64>>>,
+    derivatives: Mutex<Option<Derivatives>>,
+}
+
+/// The derivatives that were last asked for, and where.
+#[derive(Clone)]
+struct Derivatives {
+    variables: DVector<f64>,
+    residuals: DVector<f64>,
+    jacobian: DMatrix<f64>,
+    /// How often they have been corrected since they were taken.
+    corrections: usize,
+}
+
+impl Derivatives {
+    /// Corrected for a step to here, if they have held.
+    fn corrected(mut self, variables: &DVector<f64>, residuals: &DVector<f64>) -> Option<Self> {
+        let step = variables - &self.variables;
+        let moved = residuals - &self.residuals;
+        let otherwise = &moved - &self.jacobian * &step;
+        let length = step.norm_squared();
+        let holds = otherwise.norm() < OTHERWISE * moved.norm() && self.corrections < CORRECTIONS;
+        if !holds || length == 0.0 {
+            return None;
+        }
+        self.jacobian.ger(1.0 / length, &otherwise, &step, 1.0);
+        self.corrections += 1;
+        (self.variables, self.residuals) = (variables.clone(), residuals.clone());
+        Some(self)
+    }
 }
 
 impl Task<'_> {
@@ -64,8 +97,16 @@ impl Task<'_> {
         let variables = DVector::from_vec(of(&base, &units));
         let stay = STAY * self.residuals(&with(&base, &units, variables.as_slice()))?.norm();
         let start = variables.clone();
-        let problem =
-            Problem { task: *self, units, base, start, stay, variables, residuals: OnceLock::new() };
+        let problem = Problem {
+            task: *self,
+            units,
+            base,
+            start,
+            stay,
+            variables,
+            residuals: OnceLock::new(),
+            derivatives: Mutex::new(None),
+        };
         let kernel = LevenbergMarquardt::new().with_ftol(ENOUGH).with_patience(PATIENCE).with_stepbound(1.0);
         let (problem, report) = kernel.minimize(problem);
         Some((problem.model(&problem.variables), (&report.termination).into()))
@@ -138,17 +179,32 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         let here = self.residuals()?;
+        let mut last = self.derivatives.lock().unwrap_or_else(PoisonError::into_inner);
+        let corrected = last.take().and_then(|last| last.corrected(&self.variables, &here));
+        let derivatives = corrected.unwrap_or_else(|| Derivatives {
+            variables: self.variables.clone(),
+            jacobian: self.differences(&here),
+            residuals: here,
+            corrections: 0,
+        });
+        Some(last.insert(derivatives).jacobian.clone())
+    }
+}
+
+impl Problem<'_> {
+    /// Derivatives by differences to the errors `here`.
+    fn differences(&self, here: &DVector<f64>) -> DMatrix<f64> {
         let columns: Vec<DVector<f64>> = (0..self.variables.len())
             .into_par_iter()
             .map(|variable| {
                 let mut moved = self.variables.clone();
                 moved[variable] += STEP;
                 match self.at(&moved) {
-                    Some(there) => (there - &here) / STEP,
+                    Some(there) => (there - here) / STEP,
                     None => DVector::zeros(here.len()),
                 }
             })
             .collect();
-        Some(DMatrix::from_columns(&columns))
+        DMatrix::from_columns(&columns)
     }
 }

@@ -68,7 +68,7 @@ impl Candidate {
     /// How many causes it comes to: beside a mass that hardly overshoots the viscosity that damps it is named too, and beside one
     /// that does overshoot no viscous force in the same balance.
     pub fn count(&self) -> usize {
-        let is_one = self.has_mass_and_viscosity_in_balance() && !self.is_damped();
+        let is_one = has_mass_and_viscosity_in_balance(&self.fit) && !self.is_damped();
         self.causes.len() + usize::from(self.comes_to_more()) - usize::from(is_one)
     }
 
@@ -127,11 +127,6 @@ impl Candidate {
     pub fn is_third_order(&self) -> bool {
         self.fit.effects.iter().any(|effect| effect.form == Form::LagBefore)
     }
-
-    /// Whether it has a mass and a viscous force beside it, both in the balance.
-    pub fn has_mass_and_viscosity_in_balance(&self) -> bool {
-        has_mass_and_viscosity_in_balance(&self.fit)
-    }
 }
 
 /// Whether the delay that no recording is free of is as long as it may be.
@@ -145,7 +140,7 @@ fn has_whole_small_delay(fit: &Fit) -> bool {
 mod tests {
     use super::*;
     use crate::diagnosis::basis::Seen;
-    use crate::diagnosis::effect::{Parameter, Rate};
+    use crate::diagnosis::effect::{Driver, Parameter, Rate};
 
     /// With a small delay of a share of its bound.
     fn set(causes: &[Cause], damping_ratio: Option<f64>, share: f64) -> Candidate {
@@ -211,5 +206,18 @@ mod tests {
         assert_eq!(set(&[Cause::Inertia], Some(0.8), 0.0).count(), 2);
         assert_eq!(set(&[Cause::Inertia], Some(0.3), 0.0).count(), 1);
         assert_eq!(set(&[Cause::Inertia, Cause::ViscousLag], Some(0.8), 0.0).count(), 2);
+    }
+
+    #[test]
+    fn a_mass_that_overshoots_and_the_viscous_force_in_its_balance_come_to_one_cause() {
+        let both = |forms: [Form; 2], ratio| {
+            let mut set = set(&[Cause::Inertia, Cause::ViscousLag], Some(ratio), 0.0);
+            set.fit.effects.extend(forms.map(|form| Effect { form, parameters: Vec::new() }));
+            set.count()
+        };
+        let in_balance = [Form::Inertia, Form::Driven(Driver::Rate)];
+        assert_eq!(both(in_balance, 0.3), 1);
+        assert_eq!(both(in_balance, 0.8), 2);
+        assert_eq!(both([Form::Inertia, Form::OutputLag], 0.3), 2);
     }
 }

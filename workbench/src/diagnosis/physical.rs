@@ -220,7 +220,8 @@ pub(super) fn ringing(mass: f64, damping: f64) -> Parameters {
     ]
 }
 
-fn width(gain: f64, exponent: f64, rate: Rate) -> Parameters {
+/// The gain and the exponent of thresholds that follow a rate.
+pub(super) fn width(gain: f64, exponent: f64, rate: Rate) -> Parameters {
     let name = match rate {
         Rate::Input => "width_gain",
         Rate::Contraction => "width_gain_of_contraction_rate",

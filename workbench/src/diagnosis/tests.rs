@@ -5,7 +5,10 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::cause::Cause;
+use super::effect::Effect;
 use super::reject::Unexplained;
+use super::search::Search;
+use super::signals::Signals;
 use super::valve::examine;
 use super::{Columns, Diagnosis, DiagnosisError, Verdict, diagnose};
 
@@ -239,4 +242,29 @@ fn a_command_that_goes_on_between_the_recorded_rows_is_no_delay() {
     };
     let found = examine(&columns, 0.002).expect("there is a command");
     assert_eq!(found.causes, [], "{:?}", found.valve);
+}
+
+#[test]
+fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
+    let plant = Plant::new();
+    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let mut signals = Signals::new(&plant.recorded(&hysteresis(&late)));
+    let search = Search::new(&mut signals, vec![Cause::TransportDelay]).expect("a baseline");
+    let starts = Effect::starts(Cause::TransportDelay, search.signals);
+    let found = search.race(search.runners(&search.baseline, Cause::TransportDelay, starts));
+    let erring = |times: f64| {
+        let mut other = search.baseline.clone();
+        other.score.blocks.iter_mut().for_each(|block| *block *= times);
+        other
+    };
+    let without = |sizes: &[Vec<_>]| {
+        let without = search.without(&found[0], Cause::TransportDelay, sizes).expect("a fit");
+        assert!(without.causes.is_empty());
+        without.score.mean()
+    };
+    let alone = without(&[]);
+    assert_eq!(without(&[vec![erring(2.0)]]), alone);
+    let better = erring(0.5);
+    assert_eq!(without(&[vec![better.clone()]]), better.score.mean());
+    assert!(better.score.mean() < alone);
 }

@@ -63,6 +63,15 @@ impl Named {
         self.parameters.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value)
     }
 
+    /// Takes over what of its parameters has been measured anew.
+    pub(super) fn measure(&mut self, parameters: &[(&'static str, f64)]) {
+        for (name, value) in &mut self.parameters {
+            if let Some((_, measured)) = parameters.iter().find(|(measured, _)| measured == name) {
+                *value = *measured;
+            }
+        }
+    }
+
     /// That the form of a given operator model is too poor.
     pub fn shape(given: &Given) -> Self {
         let sizes = [("envelope_knots", KNOTS), ("plays", PLAYS), ("dead_zones", DEAD_ZONES)];
@@ -144,7 +153,7 @@ pub fn named(
             Named { cause, parameters, share, evidence, without }
         })
         .collect();
-    if best.has_mass_and_viscosity_in_balance() {
+    if physical::has_mass_and_viscosity_in_balance(&best.fit) {
         join(&mut all);
     }
     all.extend(damping(&all));

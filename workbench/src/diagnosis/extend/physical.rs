@@ -8,13 +8,13 @@ use model_core::extension::{ProfileParameters, Site};
 
 use super::Extended;
 use crate::diagnosis::cause::Cause;
-use crate::diagnosis::effect::Driver;
+use crate::diagnosis::effect::{Driver, Rate};
 use crate::diagnosis::physical::{self, Loop, Parameters};
 use crate::identification::{HostModel, simulate};
 
 /// The parameters of the muscle's effects that show in motion: a model that runs free is not misled by the noise of
-/// measured rates. Those of load and temperature, and of a width, the search measures where they are defined, on the
-/// contraction and in the thresholds. None where there is no loop to take them from.
+/// measured rates. Those of load and temperature the search measures where they are defined, on the contraction, and so it does a
+/// width's gain by the rate of the input. None where there is no loop to take them from.
 pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
     let parameters = &extended.model.parameters;
     let model = HostModel::try_new(parameters).ok()?;
@@ -24,6 +24,7 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
         warm_up,
         viscous_lag,
         inertia,
+        rate_dependent_thresholds,
         creep,
         drift,
         periodic_disturbance,
@@ -58,6 +59,10 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
             all.push((Cause::ViscousLag, vec![("time_constant_s", time_constant_s)]));
         }
         (None, None) => {}
+    }
+    if let Some(thresholds) = rate_dependent_thresholds {
+        let gain = Profile::try_new(&thresholds.gain, "profile", "").ok()?.value(middle(&thresholds.gain));
+        all.push((Cause::RateDependentWidth, physical::width(gain, thresholds.exponent, Rate::Contraction)));
     }
     if let Some(creep) = creep {
         all.push((Cause::Creep, physical::creep(&creep.fractions, &creep.time_constants_s)));

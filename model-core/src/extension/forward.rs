@@ -25,7 +25,7 @@ use super::{ExtensionParameters, Surroundings, each};
 
 /// How exactly the root is found: this share of the input range, as far as the number type allows.
 pub const TOLERANCE: f64 = 1e-11;
-/// How exactly the width of thresholds that depend on the rate is found. Unit: 1.
+/// The same of the factor that thresholds are wider by.
 const WIDTH_TOLERANCE: f64 = 1e-9;
 /// The shortest time between samples. Unit: s.
 pub const SHORTEST_STEP_S: f64 = 1e-9;
@@ -192,13 +192,14 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             effects.y0 = self.output_at(operator, pressure);
             return;
         }
+        // Every try begins where the last sample has ended: what it answers does not depend on the tries before.
+        let start = *width;
         let mut answer = |u| match &widening {
             Some((present, cascade)) => {
                 let v = cascade.enveloped(u);
-                widened(present, width, y0, |times| {
-                    trial.copy_from(operator);
-                    cascade.step_wider(trial, v, times)
-                })
+                *width = widened(present, start, y0, |times| cascade.output_wider(operator, v, times));
+                trial.copy_from(operator);
+                cascade.step_wider(trial, v, width.0)
             }
             None => {
                 trial.copy_from(operator);
@@ -252,30 +253,24 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
     }
 }
 
-/// The answer of the operator, at `y0` before, whose thresholds are as wide as the answer says; `width` is where the search
-/// for that begins, and the next one will.
+/// How wide the thresholds of an operator are, at `y0` before, that are as wide as its `answer` says, and the slope there of the
+/// search for that, which begins with such a pair.
 fn widened<T: Real>(
     present: &PresentThresholds<'_, T>,
-    (width, slope): &mut (T, T),
+    (start, slope): (T, T),
     y0: T,
-    mut answer: impl FnMut(T) -> T,
-) -> T {
-    let mut y = y0;
-    let mut over = |times| {
-        y = answer(times);
+    answer: impl Fn(T) -> T,
+) -> (T, T) {
+    let over = |times| {
+        let y = answer(times);
         times - present.times((y, y - y0))
     };
     let tolerance = T::from_f64(WIDTH_TOLERANCE).at_least(T::from_f64(4.0) * T::EPSILON);
-    let f = over(*width);
-    if f.abs() > tolerance {
-        let found = root(Point { u: *width, f }, *slope, tolerance, over);
-        *width = found.0;
-        // Of two tries that are next to each other it may be anything.
-        if found.1.is_finite() && found.1 >= T::ONE {
-            *slope = found.1;
-        }
+    let f = over(start);
+    if f.abs() <= tolerance {
+        return (start, slope);
     }
-    y
+    root(Point { u: start, f }, slope, tolerance, over)
 }
 
 /// A time step that time passes in.

@@ -168,9 +168,7 @@ impl<T: Real> OutputEffects<T> {
         let moved = y1 - last;
         let contraction = step.creep.as_ref().map_or(y1, |creep| creep.output(&memory.creep, y1, moved));
         let balance = present.map(|present| remembered(&present, y1, moved));
-        if slope.is_finite() && slope > T::ZERO {
-            memory.slope = slope;
-        }
+        memory.slope = slope;
         step.keep(memory, y1, moved, balance);
         contraction
     }

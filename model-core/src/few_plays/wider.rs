@@ -24,6 +24,12 @@ impl<T: Real> FewPlays<T> {
         u
     }
 
+    /// The answer of such a move. Moves nothing.
+    #[inline(always)]
+    pub(crate) fn output_wider(&self, state: &Outputs<T>, v: T, times: T) -> T {
+        self.drive_wider(&mut state.clone(), v, times)
+    }
+
     /// What the plays hold back, over what they do where all follow a rise with thresholds as they are: from there (1), or with
     /// thresholds that are wider beyond, to where all follow a fall (-1). Within these limits. Unit: 1.
     pub(crate) fn held_back(&self, state: &Outputs<T>) -> T {
@@ -41,7 +47,7 @@ impl<T: Real> FewPlays<T> {
     /// The v to move to with thresholds `times` as wide for the answer `u`. Moves nothing.
     #[inline(always)]
     pub(crate) fn input_wider(&self, state: &Outputs<T>, u: T, times: T) -> T {
-        let here = self.drive_wider(&mut state.clone(), state.v, times);
+        let here = self.output_wider(state, state.v, times);
         if u >= here {
             self.input_toward::<true>(state, (u, here), times)
         } else {

@@ -188,7 +188,7 @@ pub fn diagnose_and_extend(
     let is_simpler = |cause| is_third_order && matches!(cause, Cause::ViscousLag | Cause::Inertia);
     for (cause, parameters) in measured.into_iter().filter(|(cause, _)| !is_simpler(*cause)) {
         if let Some(named) = diagnosis.causes.iter_mut().find(|named| named.cause == cause) {
-            named.measure(&parameters);
+            named.measure(parameters);
         }
     }
     // A mass that rings faster than rows can show has gone out of the refined model.

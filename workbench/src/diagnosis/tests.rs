@@ -10,6 +10,7 @@ use super::reject::Unexplained;
 use super::search::Search;
 use super::signals::Signals;
 use super::valve::examine;
+use super::verdict::Named;
 use super::{Columns, Diagnosis, DiagnosisError, Verdict, diagnose};
 
 const STEP_S: f64 = 0.02;
@@ -267,4 +268,16 @@ fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     let better = erring(0.5);
     assert_eq!(without(&[vec![better.clone()]]), better.score.mean());
     assert!(better.score.mean() < alone);
+}
+
+#[test]
+fn a_width_keeps_the_gain_that_it_has_and_takes_the_measured_exponent() {
+    let named =
+        |cause, parameters| Named { cause, parameters, share: 1.0, evidence: Vec::new(), without: None };
+    let mut width = named(Cause::RateDependentWidth, vec![("width_gain", 0.4), ("rate_exponent", 0.4)]);
+    width.measure(vec![("width_gain_of_contraction_rate", 0.05), ("rate_exponent", 0.5)]);
+    assert_eq!(width.parameters, [("width_gain", 0.4), ("rate_exponent", 0.5)]);
+    let mut creep = named(Cause::Creep, vec![("time_constants_s", 1.0)]);
+    creep.measure(vec![("time_constants_s", 2.0), ("time_constants_s", 20.0)]);
+    assert_eq!(creep.parameters, [("time_constants_s", 2.0), ("time_constants_s", 20.0)]);
 }

@@ -63,8 +63,12 @@ impl Named {
         self.parameters.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value)
     }
 
-    /// Takes over what of its parameters has been measured anew.
-    pub(super) fn measure(&mut self, parameters: &[(&'static str, f64)]) {
+    /// Takes over its parameters as measured anew; of a width those that it has, since not every gain is of the same rate.
+    pub(super) fn measure(&mut self, parameters: Parameters) {
+        if self.cause != Cause::RateDependentWidth {
+            self.parameters = parameters;
+            return;
+        }
         for (name, value) in &mut self.parameters {
             if let Some((_, measured)) = parameters.iter().find(|(measured, _)| measured == name) {
                 *value = *measured;

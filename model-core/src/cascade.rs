@@ -109,12 +109,6 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M
         &self.dead_zones
     }
 
-    /// The output of such a step. Moves nothing.
-    #[inline(always)]
-    pub(crate) fn output_wider(&self, state: &HysteresisState<T, N>, v: T, times: T) -> T {
-        self.dead_zones.value(self.plays.output_wider(&state.plays, v, times))
-    }
-
     /// What the plays hold back, from -1 to 1; of plays that can widen.
     pub(crate) fn held_back(&self, state: &HysteresisState<T, N>) -> T {
         self.plays.held_back(&state.plays)
@@ -129,6 +123,12 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M
     #[inline(always)]
     pub(crate) fn step_wider(&self, state: &mut HysteresisState<T, N>, v: T, times: T) -> T {
         self.dead_zones.value(self.plays.advance_wider(&mut state.plays, v, times))
+    }
+
+    /// The output of such a step. Moves nothing.
+    #[inline(always)]
+    pub(crate) fn output_wider(&self, state: &HysteresisState<T, N>, v: T, times: T) -> T {
+        self.dead_zones.value(self.plays.output_wider(&state.plays, v, times))
     }
 }
 

@@ -15,8 +15,9 @@ use crate::real::Real;
 use super::derivative::{Affine, Derivative, Stencil};
 use super::inertia::Inertia;
 use super::profile::Profile;
-use super::rate_dependent_width::{RateDependentWidth, Width, WidthMemory, WidthStep};
+use super::rate_dependent_width::{RateDependentWidth, Width, WidthMemory};
 use super::schedule::Schedule;
+use super::sliding::SlidingStep;
 use super::sum::Sum;
 use super::viscous_lag::ViscousLag;
 use super::warm_up::WarmUp;
@@ -44,7 +45,7 @@ pub(super) struct Balance<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BalanceStep<T> {
     stencil: Stencil<T>,
-    width: Option<WidthStep<T>>,
+    width: Option<SlidingStep<T>>,
 }
 
 /// What they remember.

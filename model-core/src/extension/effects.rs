@@ -8,7 +8,8 @@ use crate::real::Real;
 use super::balance::{Balance, BalanceMemory, BalanceStep};
 use super::creep::{Creep, CreepMemory, CreepStep};
 use super::output::{OutputEffects, OutputMemory, OutputStep};
-use super::rate_dependent_thresholds::{RateDependentThresholds, ThresholdsStep};
+use super::rate_dependent_thresholds::RateDependentThresholds;
+use super::sliding::SlidingStep;
 use super::valve::{Valve, ValveMemory, ValveStep};
 use super::{ExtensionParameters, Site, each};
 
@@ -29,7 +30,7 @@ pub(super) struct EffectsStep<T> {
     pub(super) valve: ValveStep<T>,
     pub(super) creep: Option<CreepStep<T>>,
     pub(super) balance: Option<BalanceStep<T>>,
-    pub(super) thresholds: Option<ThresholdsStep<T>>,
+    pub(super) thresholds: Option<SlidingStep<T>>,
     pub(super) output: Option<OutputStep<T>>,
 }
 

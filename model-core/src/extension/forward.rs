@@ -19,7 +19,6 @@ use crate::real::Real;
 use super::effects::{Effects, EffectsMemory, EffectsStep};
 use super::rate_dependent_thresholds::PresentThresholds;
 use super::root::{Point, root};
-
 use super::transport_delay::{DelayLine, TransportDelayParameters};
 use super::{ExtensionParameters, Surroundings, each};
 

@@ -54,6 +54,7 @@ mod relaxation;
 mod root;
 pub mod schedule;
 pub mod site;
+mod sliding;
 pub(crate) mod smoother;
 mod sum;
 pub mod supply_saturation;

@@ -22,8 +22,7 @@ use crate::model::Model;
 use crate::real::Real;
 
 use super::profile::{Profile, ProfileParameters};
-use super::rate_dependent_width::{LARGEST_EXPONENT, power};
-use super::relaxation;
+use super::sliding::{Sliding, SlidingStep};
 
 /// The largest g.
 const WIDEST: f64 = 1e3;
@@ -57,25 +56,15 @@ impl<T: Real> RateDependentThresholdsParameters<T> {
 /// Validated thresholds that depend on the rate.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RateDependentThresholds<T> {
-    exponent: T,
-    filter_s: T,
+    sliding: Sliding<T>,
     gain: Profile<T>,
-}
-
-/// What a step of time makes of them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ThresholdsStep<T> {
-    /// That the filter goes of its way.
-    share: T,
-    /// The same over the step's length. Unit: 1/s.
-    share_per_second: T,
 }
 
 /// The effect at a sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PresentThresholds<'a, T> {
     effect: &'a RateDependentThresholds<T>,
-    step: &'a ThresholdsStep<T>,
+    step: &'a SlidingStep<T>,
     /// ρ at the sample before. Unit: output unit/s.
     rate: T,
     /// s.
@@ -95,29 +84,22 @@ impl<T: Real> RateDependentThresholds<T> {
                 return Err(check.length(2, Requirement::Exactly(1.0)));
             }
         }
-        let exponent = Check::new("rate_dependent_thresholds exponent", "");
-        exponent.above(parameters.exponent, T::ZERO)?;
         Ok(Self {
-            exponent: exponent.at_most(parameters.exponent, T::from_f64(LARGEST_EXPONENT))?,
-            filter_s: Check::new("rate_dependent_thresholds filter_s", "s")
-                .above(parameters.filter_s, T::ZERO)?,
+            sliding: Sliding::try_new(
+                ("rate_dependent_thresholds exponent", parameters.exponent),
+                ("rate_dependent_thresholds filter_s", parameters.filter_s),
+            )?,
             gain: Profile::try_positive(&parameters.gain, "rate_dependent_thresholds", "")?,
         })
     }
 
     /// For a step of `dt`; an endless one is a rest.
-    pub(super) fn step(&self, dt: T) -> ThresholdsStep<T> {
-        let share = relaxation::share(dt, self.filter_s);
-        ThresholdsStep { share, share_per_second: share / dt }
+    pub(super) fn step(&self, dt: T) -> SlidingStep<T> {
+        self.sliding.step(dt)
     }
 
     /// For the next sample, with ρ and s as they were at the last.
-    pub(super) fn at<'a>(
-        &'a self,
-        step: &'a ThresholdsStep<T>,
-        rate: T,
-        side: T,
-    ) -> PresentThresholds<'a, T> {
+    pub(super) fn at<'a>(&'a self, step: &'a SlidingStep<T>, rate: T, side: T) -> PresentThresholds<'a, T> {
         PresentThresholds { effect: self, step, rate, side }
     }
 }
@@ -126,14 +108,13 @@ impl<T: Real> PresentThresholds<'_, T> {
     /// ρ after a move of the output by `moved`.
     #[inline(always)]
     pub(super) fn rate(&self, moved: T) -> T {
-        let slid = (self.side * moved).at_least(T::ZERO);
-        self.rate - self.rate * self.step.share + slid * self.step.share_per_second
+        self.step.rate(self.rate, self.side, moved)
     }
 
     /// g after a move by `moved` to `y`.
     #[inline(always)]
     pub(super) fn times(&self, (y, moved): (T, T)) -> T {
-        let wider = self.effect.gain.value(y) * power(self.rate(moved), self.effect.exponent);
+        let wider = self.effect.gain.value(y) * self.effect.sliding.power(self.rate(moved));
         (T::ONE + wider).at_most(T::from_f64(WIDEST))
     }
 }

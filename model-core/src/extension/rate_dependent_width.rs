@@ -14,12 +14,7 @@ use crate::error::{Check, ParameterError};
 use crate::real::Real;
 
 use super::profile::{Profile, ProfileParameters};
-use super::relaxation;
-
-/// The largest exponent of the rate.
-pub(super) const LARGEST_EXPONENT: f64 = 4.0;
-/// Below this a rate counts as none. Unit: that of the rate.
-const SLOWEST: f64 = 1e-9;
+use super::sliding::{Sliding, SlidingStep};
 
 /// Raw parameters of a rate-dependent width.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,8 +50,7 @@ impl<T: Real> RateDependentWidthParameters<T> {
 pub(super) struct RateDependentWidth<T> {
     radius: T,
     per_radius: T,
-    exponent: T,
-    filter_s: T,
+    sliding: Sliding<T>,
     width: Profile<T>,
 }
 
@@ -76,20 +70,11 @@ impl<T: Real> WidthMemory<T> {
     }
 }
 
-/// What a step of time makes of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct WidthStep<T> {
-    /// That the filter goes of its way.
-    share: T,
-    /// The same over the step's length. Unit: 1/s.
-    share_per_second: T,
-}
-
 /// The effect at a sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Width<'a, T> {
     effect: &'a RateDependentWidth<T>,
-    step: &'a WidthStep<T>,
+    step: &'a SlidingStep<T>,
     memory: &'a WidthMemory<T>,
 }
 
@@ -97,24 +82,23 @@ impl<T: Real> RateDependentWidth<T> {
     pub(super) fn try_new(parameters: &RateDependentWidthParameters<T>) -> Result<Self, ParameterError> {
         let radius =
             Check::new("rate_dependent_width radius", "input unit").above(parameters.radius, T::ZERO)?;
-        let exponent = Check::new("rate_dependent_width exponent", "");
-        exponent.above(parameters.exponent, T::ZERO)?;
         Ok(Self {
             radius,
             per_radius: Check::new("1/radius", "1/input unit").finite(T::ONE / radius)?,
-            exponent: exponent.at_most(parameters.exponent, T::from_f64(LARGEST_EXPONENT))?,
-            filter_s: Check::new("rate_dependent_width filter_s", "s").above(parameters.filter_s, T::ZERO)?,
+            sliding: Sliding::try_new(
+                ("rate_dependent_width exponent", parameters.exponent),
+                ("rate_dependent_width filter_s", parameters.filter_s),
+            )?,
             width: Profile::try_positive(&parameters.width, "rate_dependent_width", "input unit")?,
         })
     }
 
     /// For a step of `dt`; an endless one is a rest.
-    pub(super) fn step(&self, dt: T) -> WidthStep<T> {
-        let share = relaxation::share(dt, self.filter_s);
-        WidthStep { share, share_per_second: share / dt }
+    pub(super) fn step(&self, dt: T) -> SlidingStep<T> {
+        self.sliding.step(dt)
     }
 
-    pub(super) fn at<'a>(&'a self, step: &'a WidthStep<T>, memory: &'a WidthMemory<T>) -> Width<'a, T> {
+    pub(super) fn at<'a>(&'a self, step: &'a SlidingStep<T>, memory: &'a WidthMemory<T>) -> Width<'a, T> {
         Width { effect: self, step, memory }
     }
 }
@@ -126,16 +110,14 @@ impl<T: Real> Width<'_, T> {
         let RateDependentWidth { radius, per_radius, .. } = self.effect;
         let play = self.memory.play.limit(u - *radius, u + *radius);
         let stop = (u - play) * *per_radius;
-        let slid = (stop * pushed).at_least(T::ZERO);
-        let rate = self.memory.rate - self.memory.rate * self.step.share + slid * self.step.share_per_second;
-        (WidthMemory { play, rate }, stop)
+        (WidthMemory { play, rate: self.step.rate(self.memory.rate, stop, pushed) }, stop)
     }
 
     /// What the effect takes, with the operator's output at `y`. Input unit.
     #[inline(always)]
     pub(super) fn value(&self, u: T, pushed: T, y: T) -> T {
         let (WidthMemory { rate, .. }, stop) = self.next(u, pushed);
-        self.effect.width.value(y) * power(rate, self.effect.exponent) * stop
+        self.effect.width.value(y) * self.effect.sliding.power(rate) * stop
     }
 
     /// What is remembered after the move.
@@ -143,13 +125,4 @@ impl<T: Real> Width<'_, T> {
     pub(super) fn moved(&self, u: T, pushed: T) -> WidthMemory<T> {
         self.next(u, pushed).0
     }
-}
-
-/// A rate to a power, by the logarithm that the operator has anyway.
-#[inline(always)]
-pub(super) fn power<T: Real>(rate: T, exponent: T) -> T {
-    if rate < T::from_f64(SLOWEST) {
-        return T::ZERO;
-    }
-    (T::from_f64(2.0) * exponent * T::atanh_of_ratio(rate, T::ONE)).exp()
 }

@@ -12,6 +12,11 @@ use crate::identification::{FREE, Options, Weights};
 /// By what share of the error each unknown makes a model worse.
 const PENALTY: f64 = 1e-3;
 
+/// An error, and what the unknowns have to pay beside it.
+pub fn penalised(error: f64, options: &Options) -> f64 {
+    error * (1.0 + PENALTY * options.unknowns() as f64)
+}
+
 /// Every model of the family in the sizes of `base`; the richest ones also with a piecewise-linear envelope of `knots`
 /// knots, with free weights, and with twice the plays.
 pub fn candidates(base: &Options, knots: usize) -> Vec<Options> {
@@ -32,9 +37,7 @@ pub fn candidates(base: &Options, knots: usize) -> Vec<Options> {
 impl Comparison<'_> {
     /// The model to take; None where none could be made.
     pub fn chosen(&self) -> Option<&Row> {
-        let score = |(row, outcome): &(&Row, &super::Outcome)| {
-            outcome.judged().rmse * (1.0 + PENALTY * row.options.unknowns() as f64)
-        };
+        let score = |(row, outcome): &(&Row, &super::Outcome)| penalised(outcome.judged().rmse, &row.options);
         self.made().min_by(|one, other| score(one).total_cmp(&score(other))).map(|(row, _)| row)
     }
 }

@@ -65,7 +65,7 @@ use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
 use cause::Cause;
-use extend::{Extended, Given, Operator, extend};
+use extend::{Extended, Operator, extend};
 use reject::{Unexplained, no_gain, unexplained};
 use search::Search;
 use signals::Signals;
@@ -210,8 +210,10 @@ pub fn diagnose_and_extend(
         diagnosis.verdict = Verdict::Unexplained;
         diagnosis.unexplained = Some(no_gain);
     }
-    if let Some(given) = extended.as_ref().and_then(|extended| extended.given).filter(Given::is_too_poor) {
-        diagnosis.causes.push(Named::shape(&given));
+    if let Some(extended) = &extended
+        && let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor())
+    {
+        diagnosis.causes.push(Named::shape(given, &extended.model.parameters));
         if diagnosis.verdict == Verdict::Adequate {
             diagnosis.verdict = Verdict::Explained;
         }

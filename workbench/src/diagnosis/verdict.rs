@@ -2,14 +2,16 @@
 
 use std::f64::consts::PI;
 
+use model_core::envelope::EnvelopeParameters;
+
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::extend::Given;
-use super::extend::start::{DEAD_ZONES, KNOTS, PLAYS};
 use super::physical::{self, DAMPED, Parameters};
 use super::reject::Unexplained;
 use super::search::Search;
 use super::valve::ValveFit;
+use crate::identification::HostParameters;
 
 /// Sets whose costs differ by less than this cannot be told apart.
 const APART: f64 = 0.04;
@@ -76,12 +78,11 @@ impl Named {
         }
     }
 
-    /// That the form of a given operator model is too poor.
-    pub fn shape(given: &Given) -> Self {
-        let sizes = [("envelope_knots", KNOTS), ("plays", PLAYS), ("dead_zones", DEAD_ZONES)];
+    /// That the form of a given operator model is too poor; the parameters are the sizes of the richer one.
+    pub fn shape(given: &Given, richer: &HostParameters) -> Self {
         Self {
             cause: Cause::HysteresisShape,
-            parameters: sizes.map(|(name, size)| (name, size as f64)).to_vec(),
+            parameters: sizes(richer),
             share: given.share(),
             evidence: vec![format!(
                 "fitted to the recording, the form of the given model errs by {:.3}, a richer one by {:.3}",
@@ -90,6 +91,23 @@ impl Named {
             without: None,
         }
     }
+}
+
+/// How many of what an operator has; no knots where its envelope is a tanh.
+fn sizes(parameters: &HostParameters) -> Parameters {
+    let HostParameters::Cascade(cascade) = parameters else { return Vec::new() };
+    let knots = match &cascade.envelope {
+        EnvelopeParameters::PiecewiseLinear(envelope) => Some(envelope.values.len()),
+        EnvelopeParameters::Tanh(_) | EnvelopeParameters::Identity => None,
+    };
+    [
+        ("envelope_knots", knots),
+        ("plays", Some(cascade.plays.thresholds.len())),
+        ("dead_zones", Some(cascade.dead_zones.thresholds.len())),
+    ]
+    .into_iter()
+    .filter_map(|(name, size)| Some((name, size? as f64)))
+    .collect()
 }
 
 /// A set of causes that was looked at.

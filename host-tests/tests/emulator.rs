@@ -11,7 +11,7 @@ use model_core::{Kind, Mode, ModelParameters, Surroundings, paper};
 use wire::{Configuration, VERSION};
 use workbench::child::Stop;
 use workbench::emulator::{Emulator, image};
-use workbench::identification::{Loss, Options, Weights};
+use workbench::identification::{CONVERGED, Loss, Options, Weights};
 use workbench::pil::PilError;
 use workbench::pil::lock_step::{Measurement, Plant};
 use workbench::pil::results::log;
@@ -95,6 +95,7 @@ fn every_model() -> Result<(), Failed> {
             starts: 4,
             seed: 1,
             threads: 0,
+            tolerance: CONVERGED,
         };
         let configuration = configuration(&identified(&options));
         let name = format!("{model}, knots {knots:?}");

@@ -7,7 +7,7 @@ use host_tests::{
 };
 use model_core::envelope::EnvelopeParameters;
 use model_core::{Hysteresis, Kind, Mgpi, MgpiParameters, Mode, ModelParameters, paper};
-use workbench::identification::{Loss, Options, Weights};
+use workbench::identification::{CONVERGED, Loss, Options, Weights};
 
 const SIZE: usize = paper::SIZE;
 /// Lag of the pressure under feedback. Unit: s.
@@ -115,6 +115,7 @@ fn models_identified_with_other_numbers_of_operators_track_their_plant() {
             starts: 8,
             seed: 1,
             threads: 0,
+            tolerance: CONVERGED,
         };
         let model = identified(&options);
         let what = format!("identified with {plays} plays, {dead_zones} dead zones");

@@ -5,7 +5,7 @@
 use host_tests::{HostBoard, configuration, figures, raised_cosines, rig, run};
 use model_core::{Hysteresis, Kind, Mode};
 use wire::Protection;
-use workbench::identification::{Fit, Loss, Options, Problem, Weights, identify};
+use workbench::identification::{CONVERGED, Fit, Loss, Options, Problem, Weights, identify};
 
 /// The model of the project's own recording, as `mgpi identify` finds it.
 fn identified() -> Fit {
@@ -28,6 +28,7 @@ fn identified() -> Fit {
         starts: 16,
         seed: 1,
         threads: 0,
+        tolerance: CONVERGED,
     };
     identify(&problem, &options, &|_| ()).expect("identified")
 }

@@ -8,7 +8,7 @@ use model_core::Kind;
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::Error;
 use crate::comparison::{Comparison, FREE_WEIGHTS, HeldOut, PIECEWISE_LINEAR, has_dead_zones};
-use crate::identification::{DEAD_ZONES, Loss, Options, PLAYS, Weights};
+use crate::identification::{CONVERGED, DEAD_ZONES, Loss, Options, PLAYS, Weights};
 use crate::output::Outputs;
 use crate::report::comparison::to_html;
 
@@ -154,6 +154,7 @@ impl Arguments {
                         starts,
                         seed,
                         threads,
+                        tolerance: CONVERGED,
                     });
                 }
             }

@@ -11,7 +11,7 @@ use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::comparison::{self, Comparison, choice};
 use crate::holdout::{self, later_cycles};
 use crate::identification::named::slope_dimension;
-use crate::identification::{self, Fit, Loss, Options, Weights, searches};
+use crate::identification::{self, CONVERGED, Fit, Loss, Options, Weights, searches};
 use crate::model_file::names::Names;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
@@ -265,6 +265,7 @@ impl Arguments {
             starts,
             seed,
             threads,
+            tolerance: CONVERGED,
         }
     }
 }

@@ -47,7 +47,7 @@ mod tests {
     use super::*;
     use crate::comparison::HeldOut;
     use crate::figures::Figures;
-    use crate::identification::Loss;
+    use crate::identification::{CONVERGED, Loss};
     use crate::recording::{Choice, Recording};
 
     #[test]
@@ -69,6 +69,7 @@ mod tests {
                     starts: 1,
                     seed: 1,
                     threads: 1,
+                    tolerance: CONVERGED,
                 },
                 seconds: 0.0,
                 outcome: Ok(super::super::Outcome {
@@ -100,6 +101,7 @@ mod tests {
             starts: 1,
             seed: 1,
             threads: 1,
+            tolerance: CONVERGED,
         };
         let candidates = candidates(&base, 12);
         for kind in Kind::ALL {

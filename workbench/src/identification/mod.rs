@@ -81,10 +81,21 @@ pub type HostExtendedModel = ExtendedModel<f64, PLAYS, DEAD_ZONES>;
 const FREED: usize = 3;
 /// The share by which the sum of squares of a fresh muscle has to be smaller to be believed.
 const CLEARLY: f64 = 0.02;
-/// Evaluations per coordinate that every start gets.
-const SCREENING: usize = 4;
-/// Evaluations per coordinate that the best starts get.
-const CONVERGENCE: usize = 60;
+/// The share of the sum of squares that a search which is at its end gains no more.
+pub const CONVERGED: f64 = 1e-9;
+/// What every start gets.
+const SCREENING: Limits = Limits { patience: 4, tolerance: CONVERGED };
+/// What the best starts get.
+const CONVERGENCE: Limits = Limits { patience: 60, tolerance: CONVERGED };
+
+/// What ends a search that gets no further by itself.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    /// Evaluations per coordinate.
+    patience: usize,
+    /// A step that gains less than this share of the sum of squares is the last.
+    tolerance: f64,
+}
 
 /// A recording to identify from.
 #[derive(Clone, Copy, Debug)]
@@ -118,12 +129,19 @@ pub struct Options {
     pub seed: u64,
     /// Threads; 0 for one a core.
     pub threads: usize,
+    /// A step that gains less than this share of the sum of squares is the last of a search: [`CONVERGED`], or more where the
+    /// answer is only a beginning. Outliers are looked for at [`CONVERGED`].
+    pub tolerance: f64,
 }
 
 impl Options {
     /// How many independent numbers are found: the raw parameters less those that scalings of the model leave open.
     pub fn unknowns(&self) -> usize {
         Structure { weights: self.weights, ..Structure::new(self) }.unknowns()
+    }
+
+    fn convergence(&self) -> Limits {
+        Limits { tolerance: self.tolerance, ..CONVERGENCE }
     }
 }
 
@@ -222,7 +240,8 @@ pub fn identify(
     // Free weights go on from where exponential ones end.
     let free = data.with_free_weights();
     let freed: Vec<Start> = ends.iter().take(FREED).map(|(end, _)| end.freed(&data)).collect();
-    let search = || with_capacity!(free.coordinates.len(), search_all(&free, &freed, CONVERGENCE, &count));
+    let search =
+        || with_capacity!(free.coordinates.len(), search_all(&free, &freed, options.convergence(), &count));
     let ends = prefer_preconditioned(pool.install(search));
     with_capacity!(free.coordinates.len(), first_model(problem, options, &free, ends))
 }
@@ -236,7 +255,7 @@ fn search_everywhere<const K: usize>(data: &Data, options: &Options, count: &(dy
     // The best of the other kind of muscle, if only one is left.
     others.retain(|at| best.iter().all(|other| other.preconditioned != at.preconditioned));
     best.extend(others.into_iter().next());
-    prefer_preconditioned(search_all::<K>(data, &best, CONVERGENCE, count))
+    prefer_preconditioned(search_all::<K>(data, &best, options.convergence(), count))
 }
 
 /// The model of the best end that has an inverse; that of most models is certain, that of the extended one is not.
@@ -292,11 +311,11 @@ fn finalists(starts: usize) -> usize {
 fn search_all<const K: usize>(
     data: &Data,
     starts: &[Start],
-    patience: usize,
+    limits: Limits,
     count: &(dyn Fn() + Sync),
 ) -> Vec<End> {
     let one = |start: &Start| {
-        let end = search::<K>(data, start, patience);
+        let end = search::<K>(data, start, limits);
         count();
         end
     };
@@ -316,9 +335,12 @@ struct Reached {
     reason: TerminationReason,
 }
 
-fn search<const K: usize>(data: &Data, start: &Start, patience: usize) -> End {
-    let kernel =
-        LevenbergMarquardt::new().with_ftol(1e-9).with_xtol(1e-9).with_gtol(1e-9).with_patience(patience);
+fn search<const K: usize>(data: &Data, start: &Start, limits: Limits) -> End {
+    let kernel = LevenbergMarquardt::new()
+        .with_ftol(limits.tolerance)
+        .with_xtol(CONVERGED)
+        .with_gtol(CONVERGED)
+        .with_patience(limits.patience);
     let (problem, report) = kernel.minimize(Reduced::<K>::new(data, start));
     let point = problem.into_point();
     let reached = Reached { cost: point.cost(), reason: report.termination };

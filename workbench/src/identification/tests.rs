@@ -76,6 +76,7 @@ pub fn options() -> Options {
         starts: 8,
         seed: 1,
         threads: 1,
+        tolerance: CONVERGED,
     }
 }
 
@@ -198,7 +199,8 @@ fn u_is_that_of_the_model_which_the_search_ends_in() {
         let options = Options { model, ..options() };
         let data = data(&input, &output, &options);
         for start in starts::starts(&data.coordinates, 8, 2) {
-            let (end, Reached { reason, .. }) = search::<8>(&data, &start, 1);
+            let (end, Reached { reason, .. }) =
+                search::<8>(&data, &start, Limits { patience: 1, tolerance: CONVERGED });
             let point = Point::<8>::new(&data, end);
             let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
             let end = (point.at.clone(), Reached { cost: 0.0, reason });

@@ -17,14 +17,16 @@ use crate::figures::Figures;
 use crate::identification::{Loss, Options, Problem, Weights, identify};
 
 /// Rows that are looked at, about.
-const ROWS: usize = 800;
+const ROWS: usize = 1600;
 /// The envelopes that are tried: tanh, and piecewise-linear with so many knots.
 const ENVELOPES: [Option<usize>; 2] = [None, Some(12)];
 /// Sizes of the operator.
 const PLAYS: usize = 10;
 const DEAD_ZONES: usize = 10;
 /// Starts of the search for each envelope.
-pub const STARTS: usize = 8;
+pub const STARTS: usize = 16;
+/// A step that gains less than this share of the sum of squares is their last.
+const TOLERANCE: f64 = 1e-4;
 /// Their seed.
 const SEED: u64 = 1;
 
@@ -85,6 +87,7 @@ pub fn operator(seen: &Seen, scored: &[usize]) -> Option<Operator> {
             starts: STARTS,
             seed: SEED,
             threads: 0,
+            tolerance: TOLERANCE,
         };
         let fit = identify(&problem, &options, &|_| ()).ok()?;
         let rmse = Figures::of(problem.output, &fit.simulated, problem.scored).rmse;

@@ -11,7 +11,7 @@ use super::heldout::gain;
 use super::refine::Task;
 use super::{Extension, Operator};
 use crate::diagnosis::Columns;
-use crate::identification::{HostParameters, Loss, Options, Problem, Weights, identify};
+use crate::identification::{CONVERGED, HostParameters, Loss, Options, Problem, Weights, identify};
 
 /// Triangles of several heights and speeds, with a hold. Units: s, bar.
 fn drive() -> (Vec<f64>, Vec<f64>) {
@@ -48,6 +48,7 @@ pub fn model() -> Extension {
         starts: 2,
         seed: 1,
         threads: 1,
+        tolerance: CONVERGED,
     };
     let fit = identify(&problem, &options, &|_| ()).expect("a model");
     let extensions = ExtensionParameters {

@@ -245,8 +245,9 @@ pub(super) fn moved(knots: &[f64], cause: Cause, driver: Driver, lambda: f64, ch
         _ => {
             let stroke = knots[knots.len() - 1] - knots[0];
             let largest = changes.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
-            // Positive where the first strokes are too short, as is usual.
-            vec![("fraction", -largest / stroke.max(1e-9)), ("travel_mm", lambda.exp())]
+            // Positive where the first strokes are too short, as is usual. What they lack is of the stroke that comes to be.
+            let lacking = -largest / stroke.max(1e-9);
+            vec![("fraction", lacking / (1.0 + lacking.max(0.0))), ("travel_mm", lambda.exp())]
         }
     }
 }
@@ -260,4 +261,20 @@ pub(super) fn creep(fractions: &[f64], time_constants_s: &[f64]) -> Parameters {
     let mut all = vec![("fraction_per_decade", sum / decades.max(1.0))];
     all.extend(active.iter().map(|&i| ("time_constants_s", time_constants_s[i])));
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cause, Driver, moved};
+
+    #[test]
+    fn what_the_first_strokes_lack_is_a_share_of_the_stroke_that_comes_to_be() {
+        // 80 mm of 100: at each contraction a quarter of it.
+        let (knots, changes) = ([0.0, 50.0, 100.0], [0.0, -12.5, -25.0]);
+        let parameters = moved(&knots, Cause::WarmUp, Driver::WarmUp, 300f64.ln(), &changes);
+        let [("fraction", fraction), ("travel_mm", travel_mm)] = parameters[..] else {
+            panic!("{parameters:?}")
+        };
+        assert!((fraction - 0.2).abs() < 1e-12 && (travel_mm - 300.0).abs() < 1e-9, "{parameters:?}");
+    }
 }

@@ -12,15 +12,17 @@ use crate::diagnosis::effect::{Driver, Rate};
 use crate::diagnosis::physical::{self, Loop, Parameters};
 use crate::identification::{HostModel, simulate};
 
-/// The parameters of the muscle's effects that show in motion: a model that runs free is not misled by the noise of
-/// measured rates. Those of load and temperature the search measures where they are defined, on the contraction, and so it does a
-/// width's gain by the rate of the input. None where there is no loop to take them from.
+/// The parameters of the muscle's effects: a model that runs free is not misled by the noise of measured rates, and its operator
+/// takes up less of what the effects do. Only a width's gain by the rate of the input the search alone has. None where there is
+/// no loop to take them from.
 pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
     let parameters = &extended.model.parameters;
     let model = HostModel::try_new(parameters).ok()?;
     let turn = Loop::new(parameters.input(), |input| simulate(&model, input));
     let ExtensionParameters {
         transport_delay,
+        load,
+        temperature,
         warm_up,
         viscous_lag,
         inertia,
@@ -35,12 +37,19 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
     if let Some(delay) = transport_delay {
         all.push((Cause::TransportDelay, vec![("delay_s", delay.delay_s)]));
     }
-    if let Some(warm_up) = warm_up {
-        let ProfileParameters { knots, values } = &warm_up.offset;
-        let change = |(&knot, value): (&f64, &f64)| -value * per_input(&turn, sites.warm_up, knot);
+    let mut add_moved = |cause, driver, lambda: f64, site, ProfileParameters { knots, values }: &_| {
+        let change = |(&knot, value): (&f64, &f64)| -value * per_input(&turn, site, knot);
         let changes: Vec<f64> = knots.iter().zip(values).map(change).collect();
-        let parameters = physical::moved(knots, Cause::WarmUp, Driver::WarmUp, warm_up.travel.ln(), &changes);
-        all.push((Cause::WarmUp, parameters));
+        all.push((cause, physical::moved(knots, cause, driver, lambda, &changes)));
+    };
+    if let Some(load) = load {
+        add_moved(Cause::Load, Driver::Load, 0.0, sites.load, &load.offset);
+    }
+    if let Some(temperature) = temperature {
+        add_moved(Cause::Temperature, Driver::Temperature, 0.0, sites.temperature, &temperature.offset);
+    }
+    if let Some(warm_up) = warm_up {
+        add_moved(Cause::WarmUp, Driver::WarmUp, warm_up.travel.ln(), sites.warm_up, &warm_up.offset);
     }
     // At mid stroke.
     let late = |profile: &Option<ProfileParameters<f64>>, site| -> Option<f64> {

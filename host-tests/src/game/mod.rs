@@ -1,12 +1,14 @@
 //! The sealed game: a cause is hidden in a plant, a diagnosis sees nothing but the recording, and its verdict
 //! is held against what was hidden.
 //!
-//! [`case`] lists the games, [`finder`] is who is examined, [`score`] counts. Two plants hide the same effects
+//! [`case`] lists the games, [`finder`] is who is examined, [`score`] counts; [`gain`] holds what is gained against what [`hidden`] parameters would. Two plants hide the same effects
 //! in different forms, so that whoever has learnt one of them fails on the other. Right is the exact set of
 //! causes; `hysteresis_shape` does not count, since it is true of both plants under any finite model.
 
 pub mod case;
 pub mod finder;
+pub mod gain;
+pub mod hidden;
 pub mod score;
 
 use std::time::Instant;

@@ -21,7 +21,7 @@ const POINTS: usize = 400;
 pub type Parameters = Vec<(&'static str, f64)>;
 
 /// A loop over the whole input range: input and output, up and down.
-pub(super) struct Loop {
+pub struct Loop {
     input: Vec<f64>,
     output: Vec<f64>,
 }
@@ -33,8 +33,8 @@ impl Loop {
         })
     }
 
-    /// Of a rate-independent model between two inputs.
-    pub(super) fn new((low, high): (f64, f64), simulate: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+    /// Of a rate-independent model between two inputs; `simulate` answers with an output for each input.
+    pub fn new((low, high): (f64, f64), simulate: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let step = (high - low) / POINTS as f64;
         let up = (0..=POINTS).map(|i| low + step * i as f64);
         let down = (0..POINTS).rev().map(|i| low + step * i as f64);
@@ -46,7 +46,7 @@ impl Loop {
     }
 
     /// The mean slope of both branches around an output. Unit: output unit/input unit.
-    pub(super) fn slope(&self, at: f64) -> f64 {
+    pub fn slope(&self, at: f64) -> f64 {
         let (low, high) = range(&self.output);
         let near = 0.08 * (high - low);
         let slopes: Vec<f64> = self

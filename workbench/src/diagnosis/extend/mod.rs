@@ -99,6 +99,22 @@ pub struct Extended {
     pub given: Option<Given>,
     /// Whether one of the causes is the valve's: the gain is then counted from the command.
     pub valve_is_named: bool,
+    counted: Counted,
+}
+
+/// What the gain was counted with.
+#[derive(Clone, Debug)]
+struct Counted {
+    /// The scored rows.
+    scored: Vec<usize>,
+    /// The models that were fitted to the first of them.
+    plain: Extension,
+    extended: Extension,
+}
+
+/// The rows that the compared models are fitted to, and those that they are compared on.
+fn split(scored: &[usize]) -> (&[usize], &[usize]) {
+    scored.split_at((TAUGHT * scored.len() as f64) as usize)
 }
 
 impl Extension {
@@ -116,6 +132,19 @@ impl Extension {
 }
 
 impl Extended {
+    /// What other extensions gain in the place of those that were found, the operator fitted anew beside them: counted as
+    /// [`Self::heldout`] is, on the recording that this was found in. None where no model runs through it.
+    pub fn gain_with(&self, columns: &Columns, extensions: ExtensionParameters<f64>) -> Option<HeldOutGain> {
+        let Counted { scored, plain, extended } = &self.counted;
+        let (taught, untaught) = split(scored);
+        let task = Task { columns, scored: taught };
+        let there = task.operator_refined(Extension { extensions, ..extended.clone() })?;
+        // It began where other extensions had led it.
+        let fitted = task.operator_refined(there)?;
+        let seen = self.seen_from(columns);
+        heldout::gain(&seen, untaught, (plain, &fitted), self.heldout.noise_floor)
+    }
+
     /// A recording with the input that the gain is counted from: where something is wrong with the valve the command, also
     /// where the pressure was recorded.
     fn seen_from<'a>(&self, columns: &'a Columns) -> Cow<'a, Columns> {
@@ -158,7 +187,7 @@ pub fn extend(
 ) -> Option<Extended> {
     let signals = search.signals;
     let scored: Vec<usize> = signals.rows.iter().map(|row| row.at).collect();
-    let (taught, untaught) = scored.split_at((TAUGHT * scored.len() as f64) as usize);
+    let (taught, untaught) = split(&scored);
     let before = Task { columns, scored: taught };
     let whole = Task { columns, scored: &scored };
 
@@ -194,6 +223,7 @@ pub fn extend(
     let seen = seen_from(columns, valve_is_named);
     let heldout = heldout::gain(&seen, untaught, (&plain, &extended), signals.noise)?;
 
+    let counted = Counted { scored: scored.clone(), plain: plain.clone(), extended: extended.clone() };
     let (plain, termination) = whole.refined(plain)?;
     progress(0.8);
     let (model, termination) = if set.causes.is_empty() {
@@ -216,6 +246,7 @@ pub fn extend(
         termination,
         given,
         valve_is_named,
+        counted,
     })
 }
 

@@ -86,6 +86,15 @@ impl Derivatives {
 impl Task<'_> {
     /// The model refined from where it stands; None where it does not run through the rows.
     pub fn refined(&self, base: Extension) -> Option<(Extension, Termination)> {
+        self.searched(base, true)
+    }
+
+    /// The same, its extensions left as they are.
+    pub fn operator_refined(&self, base: Extension) -> Option<Extension> {
+        self.searched(base, false).map(|(model, _)| model)
+    }
+
+    fn searched(&self, base: Extension, with_extensions: bool) -> Option<(Extension, Termination)> {
         let Columns { time_s, output, input_is_command, .. } = self.columns;
         let (low, high) = range(output);
         let last = self.scored.last()?;
@@ -93,6 +102,7 @@ impl Task<'_> {
             stroke: high - low,
             duration_s: time_s[*last] - time_s[0],
             with_valve: *input_is_command,
+            with_extensions,
         };
         let variables = DVector::from_vec(of(&base, &units));
         let stay = STAY * self.residuals(&with(&base, &units, variables.as_slice()))?.norm();

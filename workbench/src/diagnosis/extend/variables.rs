@@ -21,6 +21,8 @@ pub struct Units {
     pub duration_s: f64,
     /// Whether the valve is part of what is fitted.
     pub with_valve: bool,
+    /// Whether the extensions are.
+    pub with_extensions: bool,
 }
 
 /// A step of a delay. Unit: s.
@@ -53,7 +55,9 @@ pub fn with(model: &Extension, units: &Units, variables: &[f64]) -> Extension {
 /// Hands every variable to `change`, and takes what that answers.
 fn visit(model: &mut Extension, units: &Units, change: &mut impl FnMut(f64) -> f64) {
     visit_operator(&mut model.parameters, &mut model.density, units, change);
-    visit_extensions(&mut model.extensions, units, change);
+    if units.with_extensions {
+        visit_extensions(&mut model.extensions, units, change);
+    }
 }
 
 fn logarithm(value: &mut f64, change: &mut impl FnMut(f64) -> f64) {
@@ -211,7 +215,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::extend::tests::model;
 
-    const UNITS: Units = Units { stroke: 100.0, duration_s: 50.0, with_valve: true };
+    const UNITS: Units = Units { stroke: 100.0, duration_s: 50.0, with_valve: true, with_extensions: true };
 
     #[test]
     fn a_model_with_its_own_variables_is_itself() {

@@ -24,7 +24,7 @@ use crate::diagnosis::valve::{BandForm, ValveFit};
 /// Time constant of the speed of a width. Unit: s.
 const FILTER_S: f64 = 0.01;
 /// The least slope of the loop that an output is divided by, as a share of the mean one.
-const LEAST_SLOPE: f64 = 0.1;
+pub(super) const LEAST_SLOPE: f64 = 0.1;
 /// The least half width of a loop, as a share of the input's span.
 const LEAST_WIDTH: f64 = 0.01;
 /// Where the knots of a profile lie between the ends of the contraction.

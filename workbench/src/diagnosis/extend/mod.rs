@@ -6,6 +6,7 @@
 //! | `carry` | from the effects of the search to the nearest extensions of the model |
 //! | `start` | the operator to begin with, identified from what the operators see in the search |
 //! | `variables` | operator and extensions as numbers that a search can move |
+//! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
 //! | [`given`] | what is said of an operator model that the user has |
 //! | [`heldout`] | the gain on rows that took no part in the fit |
@@ -25,6 +26,7 @@ pub mod given;
 pub mod heldout;
 pub mod physical;
 mod refine;
+mod side;
 pub(super) mod start;
 mod variables;
 
@@ -204,7 +206,7 @@ pub fn extend(
         let found = before
             .refined(start::operator(&start::Seen::of(search, set), taught)?.with(extensions.clone()))?
             .0;
-        nearer(&before, found, &plain, extensions)?
+        side::nearer(&before, nearer(&before, found, &plain, extensions)?)?
     };
     let given = match given {
         None => None,

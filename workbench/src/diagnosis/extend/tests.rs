@@ -71,7 +71,7 @@ pub fn model() -> Extension {
 }
 
 /// What that muscle would be recorded to do.
-fn recorded(model: &Extension) -> Columns {
+pub fn recorded(model: &Extension) -> Columns {
     let (time_s, input) = drive();
     let scored = vec![true; time_s.len()];
     let columns = Columns { time_s, input, input_is_command: true, scored, ..Columns::default() };

@@ -57,8 +57,8 @@ impl Turn {
 /// The extensions of `found` with the parameters of `cause` as they are hidden in a plant; the rest stays. None where the
 /// extension is not there, or has none of them.
 ///
-/// A width of the plant that is forces goes by the speed relative to [`RATE_UNIT_MM_PER_S`], that of the operator
-/// plant by the rate of the pressure; the fraction of a warm-up there is one of a stiffness, so that the found one stays.
+/// On the plant that is forces a width goes by the speed relative to [`RATE_UNIT_MM_PER_S`], and a warm-up's fraction is one of a
+/// stiffness, so that the found one stays; on the operator plant a width goes by the rate of the pressure.
 pub fn with_hidden(
     found: &Extension,
     kind: Kind,
@@ -104,7 +104,7 @@ pub fn with_hidden(
             let time_constants_s = hidden.get("time_constants_s")?.as_array()?.iter().map(Value::as_f64);
             let time_constants_s = time_constants_s.collect::<Option<heapless::Vec<f64, _>>>()?;
             let fractions = time_constants_s.iter().map(|_| fraction).collect();
-            all.creep.as_mut()?;
+            all.creep.as_ref()?;
             all.creep = Some(CreepParameters { time_constants_s, fractions });
             all.sites.creep = match kind {
                 Kind::Rig => Site::Contraction,

@@ -1,9 +1,10 @@
 //! The sealed game: a cause is hidden in a plant, a diagnosis sees nothing but the recording, and its verdict
 //! is held against what was hidden.
 //!
-//! [`case`] lists the games, [`finder`] is who is examined, [`score`] counts; [`gain`] holds what is gained against what [`hidden`] parameters would. Two plants hide the same effects
-//! in different forms, so that whoever has learnt one of them fails on the other. Right is the exact set of
-//! causes; `hysteresis_shape` does not count, since it is true of both plants under any finite model.
+//! [`case`] lists the games, [`finder`] is who is examined, [`score`] counts; [`gain`] holds what an extension gains against
+//! what the parameters in [`hidden`] would. Two plants hide the same effects in different forms, so that whoever has learnt one
+//! of them fails on the other. Right is the exact set of causes; `hysteresis_shape` does not count, since it is true of both
+//! plants under any finite model.
 
 pub mod case;
 pub mod finder;

@@ -3,8 +3,9 @@
 
 use std::process::ExitCode;
 
+use anyhow::Result;
 use clap::Parser;
-use host_tests::game::case::{Case, Group, whole};
+use host_tests::game::case::{Group, only, whole};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// The share of the gain of the hidden parameters that is asked for.
@@ -25,15 +26,23 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let mut cases = whole(cli.first_seed, cli.seeds);
-    cases.retain(|case: &Case| case.group() == Group::Strong);
-    if let Some(text) = &cli.only {
-        cases.retain(|case| case.to_string().contains(text.as_str()));
+    match gain(&Cli::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
     }
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} games, {eta} left");
-    let bar = ProgressBar::new(cases.len() as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+}
+
+/// Whether all gain enough.
+fn gain(cli: &Cli) -> Result<bool> {
+    let mut cases = whole(cli.first_seed, cli.seeds);
+    cases.retain(|case| case.group() == Group::Strong);
+    let cases = only(cases, cli.only.as_deref())?;
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} games, {eta} left")?;
+    let bar = ProgressBar::new(cases.len() as u64).with_style(style);
     println!("{:<78} {:>8} {:>8} {:>8} {:>8}", "held-out error, mm", "plain", "found", "hidden", "gain");
     let mut enough = 0;
     for case in &cases {
@@ -52,5 +61,5 @@ fn main() -> ExitCode {
     }
     bar.finish_and_clear();
     println!("{enough} of {} gain at least {BOUND} of what the hidden parameters do", cases.len());
-    if enough == cases.len() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    Ok(enough == cases.len())
 }

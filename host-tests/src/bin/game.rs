@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use host_tests::game::case::{Case, sample, whole};
+use host_tests::game::case::{only, sample, whole};
 use host_tests::game::finder::DiagnoseCommand;
 use host_tests::game::play;
 use host_tests::game::score::Score;
@@ -47,10 +47,8 @@ fn main() -> ExitCode {
 }
 
 fn game(cli: &Cli) -> Result<Vec<String>> {
-    let mut cases = if cli.sample { sample(cli.first_seed) } else { whole(cli.first_seed, cli.seeds) };
-    if let Some(text) = &cli.only {
-        cases.retain(|case: &Case| case.to_string().contains(text.as_str()));
-    }
+    let cases = if cli.sample { sample(cli.first_seed) } else { whole(cli.first_seed, cli.seeds) };
+    let cases = only(cases, cli.only.as_deref())?;
     let program = match &cli.program {
         Some(program) => program.clone(),
         None => std::env::current_exe().context("where is this program?")?.with_file_name("mgpi"),

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use anyhow::{Result, ensure};
 use rig::effect::Effect;
 use rig::effects::Effects;
 use rig::plant::{Kind, Setup};
@@ -149,6 +150,18 @@ pub fn whole(first_seed: u64, seeds: u64) -> Vec<Case> {
     cases
 }
 
+/// Those of the games that have a text in their names, if one is given.
+///
+/// # Errors
+/// There is none: a game of nothing would be passed by anybody.
+pub fn only(mut cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>> {
+    if let Some(text) = text {
+        cases.retain(|case| case.to_string().contains(text));
+        ensure!(!cases.is_empty(), "no game has `{text}` in its name");
+    }
+    Ok(cases)
+}
+
 /// A small sample of the whole: every strong cause once and some of everything else, the plants in turn.
 pub fn sample(first_seed: u64) -> Vec<Case> {
     let slow = pairs().filter(|pair| !pair.iter().all(|effect| effect.is_fast())).step_by(18);
@@ -188,6 +201,14 @@ mod tests {
             assert_eq!(of_group.len(), count, "{group}");
             assert_eq!(of_group.iter().filter(|case| case.kind == Kind::Rig).count(), count / 2, "{group}");
         }
+    }
+
+    #[test]
+    fn a_text_that_no_game_has_is_refused() {
+        let of_creep = only(sample(1), Some("creep")).expect("some");
+        assert!(!of_creep.is_empty() && of_creep.iter().all(|case| case.hidden().contains("creep")));
+        assert!(only(sample(1), Some("crepe")).is_err());
+        assert_eq!(only(sample(1), None).expect("all").len(), sample(1).len());
     }
 
     #[test]

@@ -10,6 +10,7 @@
 //! are tried, and the better one stands for the cause. An equivalent input is `u = p(t - delay) - sum of h(y) d(t)`: a
 //! force that acts on the muscle, over its area. `h` is made of a few tents over the contraction.
 
+use super::anatomy::spectrum::LEAST_PERIODS;
 use super::cause::Cause;
 use super::signals::{Signals, TENTS};
 use crate::numbers::root_mean_square;
@@ -223,8 +224,8 @@ impl Effect {
     /// A tone of this frequency. Unit: Hz.
     pub fn tone(frequency_hz: f64, signals: &Signals) -> Self {
         let width_hz = 1.0 / signals.duration_s();
-        let (low_hz, high_hz) =
-            ((frequency_hz - 2.0 * width_hz).max(width_hz), frequency_hz + 2.0 * width_hz);
+        let low_hz = (frequency_hz - 2.0 * width_hz).max(LEAST_PERIODS * width_hz);
+        let high_hz = frequency_hz + 2.0 * width_hz;
         Self::new(Form::Tone, [Parameter::new(frequency_hz, low_hz, high_hz, 1e-3 * width_hz)])
     }
 

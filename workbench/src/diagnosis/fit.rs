@@ -177,6 +177,11 @@ impl<'a> Descent<'a> {
         Some(Self { signals, basis, point, sensitivities: Vec::new(), steps: 0 })
     }
 
+    /// The effects as they stand.
+    pub fn effects(&self) -> &[Effect] {
+        &self.point.effects
+    }
+
     /// Sum of squares so far.
     pub fn squares(&self) -> f64 {
         self.point.squares

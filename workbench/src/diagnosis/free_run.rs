@@ -16,8 +16,9 @@ use super::signals::{Signals, TENTS};
 
 /// Evaluations of the balance a row, at most.
 const EVALUATIONS: usize = 40;
-/// A balance is met within this; also the width of an interval that its root is known to lie in. Input or output unit.
-const CLOSE: f64 = 1e-7;
+/// A balance is met within this share of the input's span, or of the stroke; also the width of an interval that its root is
+/// known to lie in.
+const CLOSE: f64 = 3e-6;
 
 /// A free run.
 pub struct FreeRun {
@@ -114,6 +115,8 @@ struct State<'a> {
     travel: f64,
     /// How the balances of the input and of the contraction rose at the last root.
     rises: [f64; 2],
+    /// Within what these are met. Units: those of input and output.
+    close: [f64; 2],
 }
 
 /// A width, its stop, and the power of the rate that its range follows.
@@ -133,6 +136,7 @@ impl Width {
 
     /// The stop after a change of the input, where the thresholds are `wider` and the contraction is so fast. Unit: output
     /// unit/s.
+    #[inline(always)]
     fn moved(&self, signals: &Signals, change: f64, wider: f64, rate: f64) -> f64 {
         let times = self.power.map_or(wider, |power| faster(signals, Rate::Contraction, power, rate));
         let range = self.friction.range * times;
@@ -170,6 +174,7 @@ impl<'a> State<'a> {
             motion: Motion { place: signals.output[0], rate: 0.0, acceleration: 0.0 },
             travel: 0.0,
             rises: [1.0; 2],
+            close: [signals.input_span, signals.stroke()].map(|span| CLOSE * span),
         }
     }
 
@@ -181,9 +186,6 @@ impl<'a> State<'a> {
             through(tents, &std::array::from_fn(|tent| parameters[tent].value))
         };
         let strength = |parameters: &[Parameter]| through(&self.signals.tents[at], parameters);
-        // Where the muscle will be about.
-        let ahead = self.signals.moving_tents_at(self.motion.place + self.motion.rate * step_s);
-        let moving = |parameters: &[Parameter]| through(&ahead, parameters);
         for effect in self.effects {
             let parameters = &effect.parameters;
             match effect.form {
@@ -196,8 +198,10 @@ impl<'a> State<'a> {
                     wanted -= strength(parameters) * output::driven(self.signals, driver, 1.0, at);
                 }
                 Form::Inertia => {
-                    mass += moving(parameters);
-                    viscosity += moving(&parameters[TENTS..]);
+                    // Where the muscle will be about.
+                    let ahead = self.signals.moving_tents_at(self.motion.place + self.motion.rate * step_s);
+                    mass += through(&ahead, parameters);
+                    viscosity += through(&ahead, &parameters[TENTS..]);
                 }
                 _ => {}
             }
@@ -208,6 +212,7 @@ impl<'a> State<'a> {
     /// One row: its place, the pressure, its speed and the time since the row before. Returns the muscle's contraction.
     fn step(&mut self, at: usize, pressure: f64, input_speed: f64, step_s: f64) -> f64 {
         let signals = self.signals;
+        let [close, close_contraction] = self.close;
         let (wanted, viscosity, mass) = self.forces(at, pressure, step_s);
         self.widths.iter_mut().for_each(|width| width.slope = width.friction.slope(signals, at));
         let follows = self.widening.is_some_and(|(_, rate)| rate == Rate::Contraction);
@@ -216,35 +221,39 @@ impl<'a> State<'a> {
             self.widening.map_or(1.0, |(effect, rate)| wider(signals, effect, rate, speed))
         };
         let resting = wider_at(0.0);
-        let answer = |u: f64, wider: f64| {
-            let mut walk = self.walk;
-            self.curved.advance(&mut walk, u, wider);
-            (self.weights.sum(&walk), walk)
-        };
         let before = self.motion;
-        let [mut rise, mut rise_of_contraction] = self.rises;
-        let mut near = before.place;
-        let balance = |u: f64| {
-            let (y, walk) = if follows && step_s > 0.0 {
-                // Thresholds that follow the speed of the contraction: the more it moves the less it moves, one root.
-                let miss = |y: f64| {
-                    let (reached, walk) = answer(u, wider_at((y - before.place) / step_s));
-                    (y - reached, (y, walk))
-                };
-                root(near, &mut rise_of_contraction, miss).1
-            } else {
-                answer(u, resting)
-            };
-            near = y;
-            let motion = before.to(y, step_s, mass > 0.0);
-            let wider = if follows { wider_at(motion.rate) } else { resting };
-            let change = u - self.last_input;
+        let (widths, last_input) = (&self.widths, self.last_input);
+        let over = |u: f64, motion: &Motion, wider: f64| {
+            let change = u - last_input;
             let width = |width: &Width| width.slope * width.moved(signals, change, wider, motion.rate);
-            let width: f64 = self.widths.iter().map(width).sum();
-            let miss = u + width + viscosity * motion.rate + mass * motion.acceleration - wanted;
-            (miss, Reached { walk, motion, wider })
+            let width: f64 = widths.iter().map(width).sum();
+            u + width + viscosity * motion.rate + mass * motion.acceleration - wanted
         };
-        let (u, Reached { walk, motion, wider }) = root(self.last_input, &mut rise, balance);
+        let [mut rise, mut rise_of_contraction] = self.rises;
+        let mut reached =
+            Reached { walk: self.walk, motion: before.to(before.place, step_s, mass > 0.0), wider: resting };
+        // Where nothing moves the balance is known without a step of the operators, about.
+        let start = last_input - over(last_input, &reached.motion, resting) / rise;
+        let balance = |u: f64| {
+            let mut answer = |wider: f64| {
+                reached.walk = self.walk;
+                self.curved.advance(&mut reached.walk, u, wider);
+                self.weights.sum(&reached.walk)
+            };
+            let y = if follows && step_s > 0.0 {
+                // Thresholds that follow the speed of the contraction: the more it moves the less it moves, one root.
+                let near = reached.motion.place;
+                let miss = |y: f64| y - answer(wider_at((y - before.place) / step_s));
+                root(near, &mut rise_of_contraction, close_contraction, miss)
+            } else {
+                answer(resting)
+            };
+            reached.motion = before.to(y, step_s, mass > 0.0);
+            reached.wider = if follows { wider_at(reached.motion.rate) } else { resting };
+            over(u, &reached.motion, reached.wider)
+        };
+        let u = root(start, &mut rise, close, balance);
+        let Reached { walk, motion, wider } = reached;
         let change = u - self.last_input;
         for width in &mut self.widths {
             width.stop = width.moved(signals, change, wider, motion.rate);
@@ -266,6 +275,7 @@ struct Motion {
 
 impl Motion {
     /// The motion that ends at `place` after a step: by Newmark's rule where there is a mass, else by the difference.
+    #[inline(always)]
     fn to(&self, place: f64, step_s: f64, with_mass: bool) -> Self {
         if step_s <= 0.0 {
             return Self { place, rate: 0.0, acceleration: 0.0 };
@@ -315,11 +325,12 @@ impl Late {
     }
 }
 
-/// The root of a function that rises by at least as much as what it is of, near `start`, and what else the function says
-/// there: by secants, the first one with the rise of the last root, inside of what is known to enclose it.
-fn root<T>(start: f64, rise: &mut f64, mut f: impl FnMut(f64) -> (f64, T)) -> (f64, T) {
+/// The root of a function that rises by at least as much as what it is of, near `start`: by secants, the first one with the
+/// rise of the last root, inside of what is known to enclose it. It is the last argument that the function was asked for.
+#[inline(always)]
+fn root(start: f64, rise: &mut f64, close: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-    let (mut at, (mut value, mut there)) = (start, f(start));
+    let (mut at, mut value) = (start, f(start));
     for _ in 1..EVALUATIONS {
         if value > 0.0 {
             high = at;
@@ -327,16 +338,16 @@ fn root<T>(start: f64, rise: &mut f64, mut f: impl FnMut(f64) -> (f64, T)) -> (f
             low = at;
         }
         // A run that has gone out of all bounds stays there.
-        if value.abs() < CLOSE || high - low < CLOSE || !value.is_finite() {
+        if value.abs() < close || high - low < close || !value.is_finite() {
             break;
         }
         let secant = at - value / *rise;
         let next = if low < secant && secant < high { secant } else { 0.5 * (low + high) };
-        let (next_value, next_there) = f(next);
+        let next_value = f(next);
         *rise = ((next_value - value) / (next - at)).max(1.0);
-        (at, value, there) = (next, next_value, next_there);
+        (at, value) = (next, next_value);
     }
-    (at, there)
+    at
 }
 
 #[cfg(test)]
@@ -353,7 +364,8 @@ mod tests {
         for start in [-3.0, 0.0, 0.4, 7.0] {
             for last in [1.0, 30.0, 5e4] {
                 let mut rise = last;
-                let (u, value) = root(start, &mut rise, |u| (kinked(u), kinked(u)));
+                let u = root(start, &mut rise, CLOSE, kinked);
+                let value = kinked(u);
                 assert!(value.abs() < 1e3 * CLOSE, "from {start}, rise {last}: {value} at {u}");
             }
         }
@@ -364,9 +376,9 @@ mod tests {
         let mut evaluations = 0;
         let line = |u: f64| {
             evaluations += 1;
-            (40.0 * (u - 0.7), ())
+            40.0 * (u - 0.7)
         };
-        let (u, ()) = root(0.0, &mut 40.0, line);
+        let u = root(0.0, &mut 40.0, CLOSE, line);
         assert!((u - 0.7).abs() < CLOSE);
         assert_eq!(evaluations, 2);
     }
@@ -376,9 +388,9 @@ mod tests {
         let mut evaluations = 0;
         let nowhere = |_: f64| {
             evaluations += 1;
-            (f64::NAN, ())
+            f64::NAN
         };
-        root(0.0, &mut 1.0, nowhere);
+        root(0.0, &mut 1.0, CLOSE, nowhere);
         assert_eq!(evaluations, 1);
     }
 }

@@ -6,6 +6,7 @@
 //! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
 //! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
+//! | `thinning` | the rows of it that are enough for a direction or a rank |
 //! | [`basis`] | the baseline: any rate-independent hysteresis, linear in its weights |
 //! | [`effect`], [`equivalent`], [`output`] | each cause as a nested extension in its physical place |
 //! | [`fit`] | baseline and effects together by Gauss-Newton, and tried on blocks that it has not seen |
@@ -49,6 +50,7 @@ pub mod search;
 mod series;
 pub mod signals;
 mod swing;
+mod thinning;
 pub mod valve;
 pub mod verdict;
 pub mod words;
@@ -229,7 +231,6 @@ fn diagnose_and<T>(
     check(columns)?;
     progress(0.0, "preparing");
     let mut signals = Signals::new(columns);
-    let valve = examine(columns, signals.input_noise);
     let scored = Scored::of(columns);
     let excitation = Excitation::of(&scored.residual(&scored.output));
     let of_command = scored
@@ -248,8 +249,15 @@ fn diagnose_and<T>(
         .filter(|&cause| can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command));
     let muscle = muscle.collect();
     progress(0.1, "baseline");
-    let search = Search::new(&mut signals, muscle).ok_or(DiagnosisError::NoBaseline)?;
-    let (best, sizes) = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
+    let input_noise = signals.input_noise;
+    let searched = || {
+        let search = Search::new(&mut signals, muscle)?;
+        let found = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
+        Some((search, found))
+    };
+    // What the valve does is asked beside: it says nothing about the muscle's causes.
+    let (valve, searched) = rayon::join(|| examine(columns, input_noise), searched);
+    let (search, (best, sizes)) = searched.ok_or(DiagnosisError::NoBaseline)?;
     let alternatives = verdict::alternatives(&search.baseline, &best, &sizes);
     // No choice of the search, so its rivals are those of the width alone.
     let best = best.with_viscosity(&sizes).unwrap_or(best);

@@ -1,5 +1,5 @@
-//! Many starts, few finishes: sets of causes are begun from several starts each, and only those that do well early are
-//! fitted to the end.
+//! Many starts, few finishes: sets of causes are begun from several starts each on a thinned recording, and only those that do
+//! well early are fitted on the whole one.
 
 use rayon::prelude::*;
 
@@ -19,6 +19,8 @@ const SETS: usize = 8;
 const SAME: f64 = 2.5e-3;
 /// Of ends with the same effects those are tuned whose sums of squares, running free, are within so many times the best one's.
 const NEAR: f64 = 1.2;
+/// Of sets with more causes than this the best one alone.
+const NEAR_UP_TO: usize = 2;
 /// A start whose sum of squares is more than so many times the best one's is not fitted to the end: running free costs a
 /// set less than that. Of single causes all are, since a pair may begin with any.
 const BEHIND: f64 = 4.0;
@@ -77,7 +79,7 @@ impl Search<'_> {
     /// The sets of these starts, fitted and judged, the best first.
     pub fn race(&self, runners: Vec<Runner>) -> Vec<Candidate> {
         let start =
-            |Runner { causes, effects }| Some((causes, Descent::new(self.signals, &self.basis, effects)?));
+            |Runner { causes, effects }| Some((causes, Descent::new(&self.thinned, &self.basis, effects)?));
         let mut running: Vec<(Vec<Cause>, Descent<'_>)> = runners.into_par_iter().filter_map(start).collect();
         let mut sets: Vec<(Vec<Cause>, usize)> = Vec::new();
         for (steps, going) in HEATS {
@@ -101,8 +103,12 @@ impl Search<'_> {
             (causes.len() == 1 || descent.squares() <= BEHIND * best)
                 && sets.iter().any(|(set, _)| is_same(set, causes))
         });
-        let finished: Vec<(Vec<Cause>, Fit)> =
-            running.into_par_iter().map(|(causes, descent)| (causes, descent.finish())).collect();
+        let finished: Vec<(Vec<Cause>, Fit)> = running
+            .into_par_iter()
+            .filter_map(|(causes, descent)| {
+                Some((causes, fit(self.signals, &self.basis, descent.effects())?))
+            })
+            .collect();
         let mut found: Vec<Candidate> = self
             .worth_tuning(finished)
             .into_par_iter()
@@ -138,14 +144,15 @@ impl Search<'_> {
             .into_par_iter()
             .map(|(causes, fit)| (causes, Running::of(self.signals, &self.basis, fit)))
             .collect();
-        let is_far = |one: &Running| {
-            let is_behind = |other: &Running| one.squares() > NEAR * other.squares();
+        let is_far = |(causes, one): &(Vec<Cause>, Running)| {
+            let times = if causes.len() > NEAR_UP_TO { 1.0 } else { NEAR };
+            let is_behind = |other: &Running| one.squares() > times * other.squares();
             // What runs out of all bounds may be tuned back into them.
             let is_bounded = one.squares().is_finite();
             is_bounded
                 && running.iter().any(|(_, other)| is_behind(other) && has_forms_of(&one.fit, &other.fit))
         };
-        let far: Vec<bool> = running.iter().map(|(_, one)| is_far(one)).collect();
+        let far: Vec<bool> = running.iter().map(is_far).collect();
         running.into_iter().zip(far).filter(|(_, is_far)| !is_far).map(|(one, _)| one).collect()
     }
 

@@ -63,6 +63,8 @@ const HOPELESS: f64 = 0.04;
 pub struct Search<'a> {
     /// The recording.
     pub signals: &'a Signals,
+    /// The same thinned, for what only ranks.
+    pub thinned: Signals,
     /// The baseline.
     pub basis: Basis,
     /// The causes that it can show.
@@ -116,7 +118,16 @@ impl<'a> Search<'a> {
             shows: true,
             damping_ratio: None,
         };
-        Some(Self { signals, basis, examinable, mask, baseline, largest: LARGEST, pure })
+        Some(Self {
+            signals,
+            thinned: signals.thinned(),
+            basis,
+            examinable,
+            mask,
+            baseline,
+            largest: LARGEST,
+            pure,
+        })
     }
 
     /// The effects that could stand for a cause beside a set.
@@ -132,7 +143,7 @@ impl<'a> Search<'a> {
 
     /// The promising causes beside a set, each with its most promising effects.
     fn promising(&self, set: &Candidate) -> Vec<(Cause, Vec<Effect>)> {
-        let Some(screen) = Screen::new(self.signals, &self.basis, &set.fit) else { return Vec::new() };
+        let Some(screen) = Screen::new(&self.thinned, &self.basis, &set.fit) else { return Vec::new() };
         let others = self.examinable.iter().filter(|cause| !set.causes.contains(cause));
         let mut all: Vec<(f64, Cause, Vec<Effect>)> = others
             .map(|&cause| {

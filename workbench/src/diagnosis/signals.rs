@@ -13,10 +13,13 @@ use super::anatomy::noise::{self, NoiseFloor};
 use super::anatomy::steps;
 use super::effect::Rate;
 use super::output::low_pass;
+use super::thinning::Thinning;
 use crate::numbers::{quantiles, range, root_mean_square, travel};
 
 /// Most rows that are scored in the search.
 const SCORED_ROWS: usize = 4000;
+/// Most of them where only a rank comes out.
+const RANKED_ROWS: usize = 2000;
 /// Folds of the cross-validation.
 pub const FOLDS: usize = 4;
 /// Blocks of time, in all.
@@ -42,7 +45,7 @@ const STIFFEST: f64 = 10.0;
 const CREEP: usize = 6;
 
 /// Rows of one block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Its place in the recording.
     pub at: usize,
@@ -183,10 +186,8 @@ impl Signals {
 
     /// How much more input a change of contraction takes than at mid stroke.
     pub fn stiffer(&self, y: f64) -> f64 {
-        let (low, high) = (self.knots[0], self.knots[TENTS - 1]);
-        let places: [f64; STIFFNESS] =
-            std::array::from_fn(|i| low + (high - low) * i as f64 / (STIFFNESS - 1) as f64);
-        hats(&places, y).iter().zip(self.stiffness).map(|(hat, stiffer)| hat * stiffer).sum()
+        let (left, share) = between((self.knots[0], self.knots[TENTS - 1]), STIFFNESS, y);
+        self.stiffness[left] + share * (self.stiffness[left + 1] - self.stiffness[left])
     }
 
     /// [`Self::moving_tents`] at a contraction.
@@ -203,6 +204,33 @@ impl Signals {
         Self { rate, acceleration, jerk, smooth, moving_tents, ..self.clone() }
     }
 
+    /// The scored rows and what leads to them, some of them scored: enough for a rank.
+    pub fn thinned(&self) -> Self {
+        let thinning = Thinning::to(&self.rows.iter().map(|row| row.at).collect::<Vec<_>>());
+        let of = |values: &Vec<f64>| thinning.of(values);
+        let every = self.rows.len().div_ceil(RANKED_ROWS).max(1);
+        let places = self.rows.iter().zip(&thinning.scored).step_by(every);
+        Self {
+            time_s: of(&self.time_s),
+            input: of(&self.input),
+            output: of(&self.output),
+            rate: of(&self.rate),
+            acceleration: of(&self.acceleration),
+            jerk: of(&self.jerk),
+            speeds: self.speeds.each_ref().map(of),
+            creep_s: self.creep_s.clone(),
+            slow: self.slow.iter().map(|slow| slow.iter().copied().step_by(every).collect()).collect(),
+            travel: of(&self.travel),
+            load: self.load.as_ref().map(of),
+            temperature: self.temperature.as_ref().map(of),
+            tents: thinning.of(&self.tents),
+            moving_tents: thinning.of(&self.moving_tents),
+            smooth: of(&self.smooth),
+            rows: places.map(|(row, &at)| Row { at, ..*row }).collect(),
+            ..*self
+        }
+    }
+
     /// The speed that a width depends on.
     pub fn speed_of(&self, rate: Rate) -> &[f64] {
         &self.speeds[rate as usize]
@@ -216,6 +244,11 @@ impl Signals {
     /// Times of the scored rows. Unit: s.
     pub fn scored_s(&self) -> Vec<f64> {
         self.rows.iter().map(|row| self.time_s[row.at]).collect()
+    }
+
+    /// Between the outer knots. Output unit.
+    pub fn stroke(&self) -> f64 {
+        self.knots[TENTS - 1] - self.knots[0]
     }
 
     /// From the first to the last time. Unit: s.
@@ -284,13 +317,19 @@ fn speed(time_s: &[f64], values: &[f64], step_s: f64, noise: f64) -> Vec<f64> {
 
 /// Weights of hat functions on equally spaced knots, constant outside.
 pub fn hats<const K: usize>(knots: &[f64; K], value: f64) -> [f64; K] {
-    let step = (knots[K - 1] - knots[0]) / (K - 1) as f64;
-    let place = ((value - knots[0]) / step.max(1e-12)).clamp(0.0, (K - 1) as f64);
-    let left = (place as usize).min(K - 2);
+    let (left, share) = between((knots[0], knots[K - 1]), K, value);
     let mut weights = [0.0; K];
-    weights[left] = 1.0 - (place - left as f64);
-    weights[left + 1] = place - left as f64;
+    weights[left] = 1.0 - share;
+    weights[left + 1] = share;
     weights
+}
+
+/// The knot to the left of a value, of so many equally spaced ones, and the weight of the one to its right.
+fn between((low, high): (f64, f64), knots: usize, value: f64) -> (usize, f64) {
+    let last = (knots - 1) as f64;
+    let place = ((value - low) * last / (high - low).max(1e-12)).clamp(0.0, last);
+    let left = (place as usize).min(knots - 2);
+    (left, place - left as f64)
 }
 
 /// A column less its mean, if it varies.

@@ -19,6 +19,8 @@ use serde::Serialize;
 use super::steps;
 use crate::numbers::median;
 
+/// Periods of a tone: what comes back less often is as well a drift, a warm-up or the order of an experiment.
+pub const LEAST_PERIODS: f64 = 5.0;
 /// The most steps of the grid.
 const MOST_STEPS: f64 = 65_536.0;
 /// The main lobe of the window, to either side. Unit: lines.
@@ -74,11 +76,13 @@ impl Spectrum {
     }
 }
 
-/// Frequencies of the strongest tones of a residual, `most` of them at most, the strongest first. Unit: Hz.
+/// Frequencies of the strongest tones of a residual that are seen for [`LEAST_PERIODS`], `most` of them at most, the strongest
+/// first. Unit: Hz.
 pub fn tones(time_s: &[f64], residual: &[f64], most: usize) -> Vec<f64> {
     let grid = Grid::of(time_s);
     let peaks = grid.peaks(&grid.lines(residual), &[]);
-    peaks.iter().take(most).map(|peak| peak.frequency_hz).collect()
+    let is_seen = |frequency_hz: &f64| *frequency_hz >= LEAST_PERIODS * grid.line_hz;
+    peaks.iter().map(|peak| peak.frequency_hz).filter(is_seen).take(most).collect()
 }
 
 /// Equal steps of time.
@@ -254,6 +258,18 @@ mod tests {
         assert!((peak.frequency_hz - frequency).abs() < 1e-3, "{peak:?}");
         assert!((peak.amplitude / amplitude - 1.0).abs() < 0.15, "{peak:?}");
         assert!(!peak.in_input);
+    }
+
+    #[test]
+    fn what_comes_back_less_than_five_times_is_no_tone() {
+        let time_s = times(6000, 0.01);
+        let mut noise = Noise::new(3);
+        let wave = |periods: f64, noise: &mut Noise| -> Vec<f64> {
+            time_s.iter().map(|t| (TAU * periods * t / 60.0).sin() + noise.white(0.05)).collect()
+        };
+        assert!(tones(&time_s, &wave(4.0, &mut noise), 2).iter().all(|hz| *hz >= 5.0 / 60.0));
+        let seen = tones(&time_s, &wave(7.0, &mut noise), 1);
+        assert!((seen[0] - 7.0 / 60.0).abs() < 2e-3, "{seen:?}");
     }
 
     #[test]

@@ -8,6 +8,7 @@
 //! | `variables` | operator and extensions as numbers that a search can move |
 //! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
+//! | `thinned` | the rows that derivatives are taken on |
 //! | [`given`] | what is said of an operator model that the user has |
 //! | [`heldout`] | the gain on rows that took no part in the fit |
 //! | [`physical`] | the extensions' parameters in the units that people measure in |
@@ -28,6 +29,7 @@ pub mod physical;
 mod refine;
 mod side;
 pub(super) mod start;
+mod thinned;
 mod variables;
 
 use std::borrow::Cow;
@@ -194,19 +196,22 @@ pub fn extend(
     let whole = Task { columns, scored: &scored };
 
     let none = ExtensionParameters::default;
-    let plain = start::operator(&start::Seen::plain(columns), taught)?;
-    progress(0.2);
-    let (mut plain, _) = before.refined(plain.with(none()))?;
-    progress(0.4);
+    let without_causes = || {
+        let plain = start::operator(&start::Seen::plain(columns), taught)?;
+        Some(before.refined(plain.with(none()))?.0)
+    };
     let mut extensions = carry::extensions(columns, search, set);
     carry::add_valve(&mut extensions, valve);
-    let mut extended = if set.causes.is_empty() {
-        Extension { extensions, ..plain.clone() }
-    } else {
-        let found = before
-            .refined(start::operator(&start::Seen::of(search, set), taught)?.with(extensions.clone()))?
-            .0;
-        side::nearer(&before, nearer(&before, found, &plain, extensions)?)?
+    let with_causes = || {
+        let start = start::operator(&start::Seen::of(search, set), taught)?;
+        Some(before.refined(start.with(extensions.clone()))?.0)
+    };
+    let (plain, found) = rayon::join(without_causes, || (!set.causes.is_empty()).then(with_causes));
+    let mut plain = plain?;
+    progress(0.4);
+    let mut extended = match found {
+        None => Extension { extensions, ..plain.clone() },
+        Some(found) => side::nearer(&before, nearer(&before, found?, &plain, extensions)?)?,
     };
     let given = match given {
         None => None,
@@ -226,12 +231,12 @@ pub fn extend(
     let heldout = heldout::gain(&seen, untaught, (&plain, &extended), signals.noise)?;
 
     let counted = Counted { scored: scored.clone(), plain: plain.clone(), extended: extended.clone() };
-    let (plain, termination) = whole.refined(plain)?;
-    progress(0.8);
-    let (model, termination) = if set.causes.is_empty() {
-        (Extension { extensions: extended.extensions, ..plain.clone() }, termination)
-    } else {
-        whole.refined(extended)?
+    let with_causes = || (!set.causes.is_empty()).then(|| whole.refined(extended.clone()));
+    let (plain, model) = rayon::join(|| whole.refined(plain), with_causes);
+    let (plain, termination) = plain?;
+    let (model, termination) = match model {
+        None => (Extension { extensions: extended.extensions, ..plain.clone() }, termination),
+        Some(model) => model?,
     };
     let (simulated, plain_simulated) = (model.answer(&seen)?, plain.answer(&seen)?);
     let rmse = |simulated: &[f64]| Figures::of(&columns.output, simulated, &columns.scored).rmse;

@@ -1,6 +1,7 @@
 //! Operator and extensions together, by Levenberg-Marquardt on the residual of the model that runs free.
 //!
-//! Derivatives by differences: a run is a few milliseconds, and there are about thirty variables. Where the residual has moved
+//! Derivatives by differences, of the thinned recording: a run is a few milliseconds, and there are about thirty variables. They
+//! show the way, and whether it has led anywhere the whole recording says. Where the residual has moved
 //! about as the last derivatives said, they are not taken anew but corrected along the step (Broyden), at most [`CORRECTIONS`]
 //! times in a row. Rows before the last scored one are run through, and no others.
 
@@ -11,6 +12,7 @@ use model_core::ExtendedModel;
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use rayon::prelude::*;
 
+use super::thinned::Thinned;
 use super::variables::{Units, of, with};
 use super::{Extension, rows};
 use crate::diagnosis::Columns;
@@ -50,6 +52,8 @@ struct Problem<'a> {
     /// Where it began, and what it costs to leave that. Output unit.
     start: DVector<f64>,
     stay: f64,
+    /// What derivatives are taken on; none where there is a mass: what rings turns within a few rows.
+    thinned: Option<Thinned>,
     variables: DVector<f64>,
     residuals: OnceLock<Option<DVector<f64>>>,
     derivatives: Mutex<Option<Derivatives>>,
@@ -107,12 +111,14 @@ impl Task<'_> {
         let variables = DVector::from_vec(of(&base, &units));
         let stay = STAY * self.residuals(&with(&base, &units, variables.as_slice()))?.norm();
         let start = variables.clone();
+        let thinned = base.extensions.inertia.is_none().then(|| Thinned::of(self));
         let problem = Problem {
             task: *self,
             units,
             base,
             start,
             stay,
+            thinned,
             variables,
             residuals: OnceLock::new(),
             derivatives: Mutex::new(None),
@@ -158,9 +164,9 @@ impl Problem<'_> {
         with(&self.base, &self.units, variables.as_slice())
     }
 
-    /// The errors of the scored rows, and what the variables' ways cost.
-    fn at(&self, variables: &DVector<f64>) -> Option<DVector<f64>> {
-        let errors = self.task.residuals(&self.model(variables))?;
+    /// The errors of a task's scored rows, and what the variables' ways cost.
+    fn at(&self, task: &Task<'_>, variables: &DVector<f64>) -> Option<DVector<f64>> {
+        let errors = task.residuals(&self.model(variables))?;
         let ways = (variables - &self.start) * self.stay;
         Some(DVector::from_iterator(errors.len() + ways.len(), errors.iter().chain(&ways).copied()))
     }
@@ -184,7 +190,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
         let count = self.task.scored.len() + self.start.len();
         let far = || DVector::from_element(count, 1e3 * self.units.stroke);
         // What cannot be simulated is no better than anything that can.
-        Some(self.residuals.get_or_init(|| self.at(&self.variables)).clone().unwrap_or_else(far))
+        Some(self.residuals.get_or_init(|| self.at(&self.task, &self.variables)).clone().unwrap_or_else(far))
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
@@ -193,7 +199,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
         let corrected = last.take().and_then(|last| last.corrected(&self.variables, &here));
         let derivatives = corrected.unwrap_or_else(|| Derivatives {
             variables: self.variables.clone(),
-            jacobian: self.differences(&here),
+            jacobian: self.differences(),
             residuals: here,
             corrections: 0,
         });
@@ -202,19 +208,22 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// Derivatives by differences to the errors `here`.
-    fn differences(&self, here: &DVector<f64>) -> DMatrix<f64> {
-        let columns: Vec<DVector<f64>> = (0..self.variables.len())
-            .into_par_iter()
-            .map(|variable| {
-                let mut moved = self.variables.clone();
-                moved[variable] += STEP;
-                match self.at(&moved) {
-                    Some(there) => (there - here) / STEP,
-                    None => DVector::zeros(here.len()),
-                }
-            })
-            .collect();
-        DMatrix::from_columns(&columns)
+    /// Derivatives by differences, of the thinned recording where there is one.
+    fn differences(&self) -> DMatrix<f64> {
+        let task = self.thinned.as_ref().map_or(self.task, Thinned::task);
+        let moved = |variable: Option<usize>| {
+            let mut moved = self.variables.clone();
+            variable.into_iter().for_each(|variable| moved[variable] += STEP);
+            self.at(&task, &moved)
+        };
+        let count = self.variables.len();
+        let mut errors: Vec<_> =
+            (0..=count).into_par_iter().map(|i| moved((i < count).then_some(i))).collect();
+        let here = errors.pop().flatten();
+        let column = |there: Option<DVector<f64>>| match (there, &here) {
+            (Some(there), Some(here)) => (there - here) / STEP,
+            _ => DVector::zeros(task.scored.len() + count),
+        };
+        DMatrix::from_columns(&errors.into_iter().map(column).collect::<Vec<_>>())
     }
 }

@@ -1,0 +1,58 @@
+//! The rows of a recording that are enough where what comes out is a direction or a rank: the scored ones.
+//!
+//! Where others lie between, so many of them are kept that no step of time is much longer than from one scored row to the next.
+
+use crate::numbers::median;
+
+/// Kept rows, in order.
+pub struct Thinning {
+    /// Their places in the recording.
+    pub rows: Vec<usize>,
+    /// The places of the scored ones among them.
+    pub scored: Vec<usize>,
+}
+
+impl Thinning {
+    /// To these scored rows, which are in order, and what leads to them.
+    pub fn to(scored: &[usize]) -> Self {
+        let mut apart: Vec<f64> = scored.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
+        let step = (median(&mut apart) as usize).max(1);
+        let mut thinning =
+            Self { rows: Vec::with_capacity(scored.len()), scored: Vec::with_capacity(scored.len()) };
+        let mut next = 0;
+        for &row in scored {
+            thinning.rows.extend((next..row).step_by(step));
+            thinning.scored.push(thinning.rows.len());
+            thinning.rows.push(row);
+            next = row + step;
+        }
+        thinning
+    }
+
+    /// What is kept of a column.
+    pub fn of<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        self.rows.iter().map(|&row| values[row]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_scored_is_kept_and_what_leads_to_it_in_steps_that_are_no_longer() {
+        // Every third row, then none from 9 to 20.
+        let scored = [3, 6, 9, 20, 23];
+        let thinning = Thinning::to(&scored);
+        assert_eq!(thinning.rows, [0, 3, 6, 9, 12, 15, 18, 20, 23]);
+        let kept: Vec<usize> = thinning.scored.iter().map(|&place| thinning.rows[place]).collect();
+        assert_eq!(kept, scored);
+    }
+
+    #[test]
+    fn where_all_rows_are_scored_none_goes() {
+        let thinning = Thinning::to(&[0, 1, 2, 3]);
+        assert_eq!(thinning.rows, [0, 1, 2, 3]);
+        assert_eq!(thinning.scored, thinning.rows);
+    }
+}

@@ -77,7 +77,7 @@ impl Body for Balance {
         let along = |shift_mm: &dyn Fn(f64, f64) -> f64| {
             let points = (4..=24).map(|quarters_bar| {
                 let pressure_bar = 0.25 * f64::from(quarters_bar);
-                let ratio = frictionless_ratio(pressure_bar, self.dead_load_n);
+                let ratio = frictionless_ratio(pressure_bar, self.dead_load_n, 1.0);
                 (ratio * NOMINAL_LENGTH_MM, shift_mm(ratio, sliding_stiffness_n(pressure_bar, ratio)))
             });
             Sensitivity::fitted(points)
@@ -89,6 +89,15 @@ impl Body for Balance {
                     let force_n_per_k = hidden.softening_per_k * SKIN_STIFFNESS_N * ratio;
                     hidden.expansion_mm_per_k + NOMINAL_LENGTH_MM * force_n_per_k / stiffness_n
                 })
+            }),
+            lacking: self.warm_up.as_ref().map(|hidden| {
+                let ratio = |pressure_bar, skin| frictionless_ratio(pressure_bar, self.dead_load_n, skin);
+                let stroke = ratio(VALVE_RANGE_BAR, 1.0) - ratio(0.0, 1.0);
+                let lacks =
+                    |pressure_bar| ratio(pressure_bar, 1.0) - ratio(pressure_bar, 1.0 + hidden.fraction);
+                (0..=24)
+                    .map(|quarters_bar| lacks(0.25 * f64::from(quarters_bar)) / stroke)
+                    .fold(0.0, f64::max)
             }),
         }
     }
@@ -116,10 +125,10 @@ fn dynamics(load_n: f64, effects: &Effects) -> Dynamics {
 /// Stiffness at mid stroke between 0 bar and the range's end, without friction, N per unit of contraction
 /// ratio.
 fn mid_stroke_stiffness_n(load_n: f64) -> f64 {
-    let ends = [0.0, VALVE_RANGE_BAR].map(|pressure_bar| frictionless_ratio(pressure_bar, load_n));
+    let ends = [0.0, VALVE_RANGE_BAR].map(|pressure_bar| frictionless_ratio(pressure_bar, load_n, 1.0));
     let middle = 0.5 * (ends[0] + ends[1]);
     let pressure_bar =
-        bisected(0.0, VALVE_RANGE_BAR, |pressure_bar| frictionless_ratio(pressure_bar, load_n) < middle);
+        bisected(0.0, VALVE_RANGE_BAR, |pressure_bar| frictionless_ratio(pressure_bar, load_n, 1.0) < middle);
     sliding_stiffness_n(pressure_bar, middle)
 }
 
@@ -128,11 +137,11 @@ fn sliding_stiffness_n(pressure_bar: f64, ratio: f64) -> f64 {
     SKIN_STIFFNESS_N - Braid::new().pull_n(pressure_bar, ratio).1
 }
 
-/// The contraction ratio at which pull, skin and load balance.
-fn frictionless_ratio(pressure_bar: f64, load_n: f64) -> f64 {
-    let braid = Braid::new();
-    bisected(-load_n / SKIN_STIFFNESS_N, braid.neutral_ratio(), |ratio| {
-        braid.pull_n(pressure_bar, ratio).0 > SKIN_STIFFNESS_N * ratio + load_n
+/// The contraction ratio at which pull, skin and load balance. `skin`: factor on the skin's stiffness.
+fn frictionless_ratio(pressure_bar: f64, load_n: f64, skin: f64) -> f64 {
+    let (braid, stiffness_n) = (Braid::new(), skin * SKIN_STIFFNESS_N);
+    bisected(-load_n / stiffness_n, braid.neutral_ratio(), |ratio| {
+        braid.pull_n(pressure_bar, ratio).0 > stiffness_n * ratio + load_n
     })
 }
 

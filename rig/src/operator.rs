@@ -181,6 +181,7 @@ impl Body for Operator {
             .temperature
             .as_ref()
             .map(|hidden| Sensitivity { offset_mm: hidden.expansion_mm_per_k, gain: hidden.softening_per_k });
-        Sensitivities { per_n: self.per_newton, per_k }
+        let lacking = self.warm_up.as_ref().map(|hidden| hidden.fraction);
+        Sensitivities { per_n: self.per_newton, per_k, lacking }
     }
 }

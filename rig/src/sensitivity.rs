@@ -1,4 +1,4 @@
-//! What a newton or a kelvin does to the contraction: an offset, and a gain on the contraction itself.
+//! What a newton or a kelvin does to the contraction: an offset, and a gain on the contraction itself; and what a first stroke lacks.
 
 /// Shift of the contraction y for one unit of a quantity: `offset_mm + gain y`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,11 +21,13 @@ impl Sensitivity {
     }
 }
 
-/// What load and temperature do to a body.
+/// What load, temperature and rest do to a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivities {
     /// For one newton.
     pub per_n: Sensitivity,
     /// For one kelvin, where the body feels it.
     pub per_k: Option<Sensitivity>,
+    /// The most that a stroke lacks before any travel, as a share of the whole stroke, where it does.
+    pub lacking: Option<f64>,
 }

@@ -33,6 +33,12 @@ impl Truth {
                 parameters.insert(gain.to_owned(), json!(sensitivity.gain));
             }
         }
+        // Drawn is the share of what the plant is made of, a stiffness or a stroke.
+        if let (Some(parameters), Some(lacking)) =
+            (causes.get_mut(Effect::WarmUp.name()), sensitivities.lacking)
+        {
+            parameters.insert("fraction".to_owned(), json!(lacking));
+        }
         let outsiders =
             effects.outsiders.iter().map(|outsider| (outsider.effect.name(), outsider.strength)).collect();
         Self { causes, outsiders }

@@ -46,6 +46,16 @@ impl Turn {
         times.is_finite().then_some(())
     }
 
+    /// Scales a profile to what comes to such a share of the stroke at most.
+    fn scale_to_most(&self, profile: &mut ProfileParameters<f64>, site: Site, share: f64) -> Option<()> {
+        let moved =
+            profile.knots.iter().zip(&profile.values).map(|(&at, value)| value * self.contraction(site, at));
+        let most = moved.map(f64::abs).fold(0.0, f64::max);
+        let times = share * (profile.knots.last()? - profile.knots.first()?) / most;
+        profile.values.iter_mut().for_each(|value| *value *= times);
+        times.is_finite().then_some(())
+    }
+
     /// Sets a profile to what moves the contraction by so much at every contraction.
     fn set(&self, profile: &mut ProfileParameters<f64>, site: Site, moved: impl Fn(f64) -> f64) {
         for (&at, value) in profile.knots.iter().zip(&mut profile.values) {
@@ -57,8 +67,8 @@ impl Turn {
 /// The extensions of `found` with the parameters of `cause` as they are hidden in a plant; the rest stays. None where the
 /// extension is not there, or has none of them.
 ///
-/// On the plant that is forces a width goes by the speed relative to [`RATE_UNIT_MM_PER_S`], and a warm-up's fraction is one of a
-/// stiffness, so that the found one stays; on the operator plant a width goes by the rate of the pressure.
+/// On the plant that is forces a width goes by the speed relative to [`RATE_UNIT_MM_PER_S`], and a warm-up's form is that of a force, so
+/// that the found one stays; on the operator plant a width goes by the rate of the pressure.
 pub fn with_hidden(
     found: &Extension,
     kind: Kind,
@@ -123,8 +133,10 @@ pub fn with_hidden(
             let warm_up = all.warm_up.as_mut()?;
             warm_up.travel = get("travel_mm")?;
             let fraction = get("fraction")?;
-            if kind == Kind::Mgpi {
-                turn.set(&mut warm_up.offset, sites.warm_up, |y| -y * fraction / (1.0 - fraction));
+            let lacking = fraction / (1.0 - fraction);
+            match kind {
+                Kind::Rig => turn.scale_to_most(&mut warm_up.offset, sites.warm_up, lacking)?,
+                Kind::Mgpi => turn.set(&mut warm_up.offset, sites.warm_up, |y| -y * lacking),
             }
         }
         "drift" => all.drift.as_mut()?.rate_per_s = get("mm_per_s")?,

@@ -8,6 +8,7 @@
 //! | `variables` | operator and extensions as numbers that a search can move |
 //! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
+//! | `roughness` | how unevenly an operator rises, which costs where effects make its input |
 //! | `thinned` | the rows that derivatives are taken on |
 //! | [`given`] | what is said of an operator model that the user has |
 //! | [`heldout`] | the gain on rows that took no part in the fit |
@@ -27,6 +28,7 @@ pub mod given;
 pub mod heldout;
 pub mod physical;
 mod refine;
+mod roughness;
 mod side;
 pub(super) mod start;
 mod thinned;
@@ -42,6 +44,7 @@ use super::search::Search;
 use super::valve::ValveFit;
 use crate::figures::Figures;
 use crate::identification::{Density, HostExtendedModel, HostParameters, Termination};
+use crate::numbers::root_mean_square;
 use crate::simulation::Rows;
 pub use given::Given;
 pub use heldout::HeldOutGain;
@@ -111,6 +114,8 @@ pub struct Extended {
 struct Counted {
     /// The scored rows.
     scored: Vec<usize>,
+    /// What the search erred by.
+    reached: f64,
     /// The models that were fitted to the first of them.
     plain: Extension,
     extended: Extension,
@@ -139,9 +144,9 @@ impl Extended {
     /// What other extensions gain in the place of those that were found, the operator fitted anew beside them: counted as
     /// [`Self::heldout`] is, on the recording that this was found in. None where no model runs through it.
     pub fn gain_with(&self, columns: &Columns, extensions: ExtensionParameters<f64>) -> Option<HeldOutGain> {
-        let Counted { scored, plain, extended } = &self.counted;
+        let Counted { scored, reached, plain, extended } = &self.counted;
         let (taught, untaught) = split(scored);
-        let task = Task { columns, scored: taught };
+        let task = Task { columns, scored: taught, reached: *reached };
         let there = task.operator_refined(Extension { extensions, ..extended.clone() })?;
         // It began where other extensions had led it.
         let fitted = task.operator_refined(there)?;
@@ -192,8 +197,9 @@ pub fn extend(
     let signals = search.signals;
     let scored: Vec<usize> = signals.rows.iter().map(|row| row.at).collect();
     let (taught, untaught) = split(&scored);
-    let before = Task { columns, scored: taught };
-    let whole = Task { columns, scored: &scored };
+    let reached = root_mean_square(&set.residual);
+    let before = Task { columns, scored: taught, reached };
+    let whole = Task { columns, scored: &scored, reached };
 
     let none = ExtensionParameters::default;
     let without_causes = || {
@@ -230,7 +236,8 @@ pub fn extend(
     let seen = seen_from(columns, valve_is_named);
     let heldout = heldout::gain(&seen, untaught, (&plain, &extended), signals.noise)?;
 
-    let counted = Counted { scored: scored.clone(), plain: plain.clone(), extended: extended.clone() };
+    let counted =
+        Counted { scored: scored.clone(), reached, plain: plain.clone(), extended: extended.clone() };
     let with_causes = || (!set.causes.is_empty()).then(|| whole.refined(extended.clone()));
     let (plain, model) = rayon::join(|| whole.refined(plain), with_causes);
     let (plain, termination) = plain?;

@@ -8,10 +8,11 @@
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use model_core::ExtendedModel;
+use model_core::{ExtendedModel, ExtensionParameters};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use rayon::prelude::*;
 
+use super::roughness::roughness;
 use super::thinned::Thinned;
 use super::variables::{Units, of, with};
 use super::{Extension, rows};
@@ -28,6 +29,9 @@ const ENOUGH: f64 = 4e-3;
 /// teaches; but a slope that next to no row teaches would grow without end, which costs the taught rows nothing, and throws those
 /// that come later by more than a stroke.
 const STAY: f64 = 0.03;
+/// What it costs that the logarithms of neighbouring slopes differ by 1, where effects make the operator's input, as a share of the
+/// root of the sum of squares that the search has come to.
+const EVEN: f64 = 0.15;
 /// Evaluations at most, per variable.
 const PATIENCE: usize = 1;
 /// Derivatives are corrected so many times in a row, where the residual has moved by no more than this share otherwise than they said.
@@ -42,6 +46,8 @@ pub struct Task<'a> {
     pub columns: &'a Columns,
     /// In order.
     pub scored: &'a [usize],
+    /// What the search errs by with the same effects, root mean square: by that it is measured what unevenness costs. Output unit.
+    pub reached: f64,
 }
 
 /// The problem at a point.
@@ -52,6 +58,8 @@ struct Problem<'a> {
     /// Where it began, and what it costs to leave that. Output unit.
     start: DVector<f64>,
     stay: f64,
+    /// What it costs to be uneven. Output unit.
+    even: f64,
     /// What derivatives are taken on; none where there is a mass: what rings turns within a few rows.
     thinned: Option<Thinned>,
     variables: DVector<f64>,
@@ -109,7 +117,8 @@ impl Task<'_> {
             with_extensions,
         };
         let variables = DVector::from_vec(of(&base, &units));
-        let stay = STAY * self.residuals(&with(&base, &units, variables.as_slice()))?.norm();
+        let first = self.residuals(&with(&base, &units, variables.as_slice()))?.norm();
+        let is_alone = base.acting(self.columns) == ExtensionParameters::default();
         let start = variables.clone();
         let thinned = base.extensions.inertia.is_none().then(|| Thinned::of(self));
         let problem = Problem {
@@ -117,7 +126,8 @@ impl Task<'_> {
             units,
             base,
             start,
-            stay,
+            stay: STAY * first,
+            even: if is_alone { 0.0 } else { EVEN * self.reached * (self.scored.len() as f64).sqrt() },
             thinned,
             variables,
             residuals: OnceLock::new(),
@@ -164,11 +174,18 @@ impl Problem<'_> {
         with(&self.base, &self.units, variables.as_slice())
     }
 
-    /// The errors of a task's scored rows, and what the variables' ways cost.
+    /// The errors of a task's scored rows, and what the variables' ways and the operator's roughness cost.
     fn at(&self, task: &Task<'_>, variables: &DVector<f64>) -> Option<DVector<f64>> {
-        let errors = task.residuals(&self.model(variables))?;
-        let ways = (variables - &self.start) * self.stay;
-        Some(DVector::from_iterator(errors.len() + ways.len(), errors.iter().chain(&ways).copied()))
+        let model = self.model(variables);
+        let mut all: Vec<f64> = task.residuals(&model)?.data.into();
+        all.extend(variables.iter().zip(&self.start).map(|(variable, start)| self.stay * (variable - start)));
+        all.extend(roughness(&model.parameters).iter().map(|rough| self.even * rough));
+        Some(DVector::from_vec(all))
+    }
+
+    /// How many these are.
+    fn count(&self) -> usize {
+        self.task.scored.len() + self.start.len() + roughness(&self.base.parameters).len()
     }
 }
 
@@ -187,8 +204,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        let count = self.task.scored.len() + self.start.len();
-        let far = || DVector::from_element(count, 1e3 * self.units.stroke);
+        let far = || DVector::from_element(self.count(), 1e3 * self.units.stroke);
         // What cannot be simulated is no better than anything that can.
         Some(self.residuals.get_or_init(|| self.at(&self.task, &self.variables)).clone().unwrap_or_else(far))
     }
@@ -222,7 +238,7 @@ impl Problem<'_> {
         let here = errors.pop().flatten();
         let column = |there: Option<DVector<f64>>| match (there, &here) {
             (Some(there), Some(here)) => (there - here) / STEP,
-            _ => DVector::zeros(task.scored.len() + count),
+            _ => DVector::zeros(self.count()),
         };
         DMatrix::from_columns(&errors.into_iter().map(column).collect::<Vec<_>>())
     }

@@ -83,7 +83,7 @@ fn refining_finds_the_effects_again() {
     let truth = model();
     let columns = recorded(&truth);
     let rows: Vec<usize> = (0..columns.time_s.len()).collect();
-    let task = Task { columns: &columns, scored: &rows };
+    let task = Task { columns: &columns, scored: &rows, reached: 0.1 };
     let mut start = truth.clone();
     start.extensions.transport_delay = Some(TransportDelayParameters { delay_s: 0.03 });
     start.extensions.viscous_lag = Some(ProfileParameters::constant(0.002));
@@ -100,7 +100,7 @@ fn a_given_operator_whose_thresholds_cannot_change_is_extended_before_itself() {
     let truth = model();
     let columns = recorded(&truth);
     let rows: Vec<usize> = (0..columns.time_s.len()).collect();
-    let task = Task { columns: &columns, scored: &rows };
+    let task = Task { columns: &columns, scored: &rows, reached: 0.1 };
     let plain = Extension { extensions: ExtensionParameters::default(), ..truth.clone() };
     let before = |all: &ExtensionParameters<f64>| ExtensionParameters {
         rate_dependent_thresholds: None,

@@ -8,6 +8,7 @@ use crate::diagnosis::thinning::Thinning;
 pub struct Thinned {
     columns: Columns,
     scored: Vec<usize>,
+    reached: f64,
 }
 
 impl Thinned {
@@ -26,11 +27,11 @@ impl Thinned {
             load_n: columns.load_n.as_ref().map(of),
             temperature_c: columns.temperature_c.as_ref().map(of),
         };
-        Self { columns, scored: thinning.scored }
+        Self { columns, scored: thinning.scored, reached: task.reached }
     }
 
     /// The task of these rows alone.
     pub fn task(&self) -> Task<'_> {
-        Task { columns: &self.columns, scored: &self.scored }
+        Task { columns: &self.columns, scored: &self.scored, reached: self.reached }
     }
 }

@@ -16,7 +16,8 @@
 //!
 //! # Contract
 //! What is fitted has seen nothing of the output but the scored rows before the split, when the models are compared behind
-//! it; then it goes on from there with all rows. The model without extensions is fitted in the same way, of the same size.
+//! it; then it goes on from there with all rows. The model without extensions is fitted in the same way, of the same size, but
+//! that its operator, which sees what was recorded, is free to rise as unevenly as that says.
 //!
 //! # Limits
 //! The causes, and where the fit begins, come from the whole recording; a gain that is free of that too takes another

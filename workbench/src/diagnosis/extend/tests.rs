@@ -1,5 +1,6 @@
 //! A made-up muscle whose extensions are known.
 
+use model_core::envelope::EnvelopeParameters;
 use model_core::extension::{
     CreepParameters, DriftParameters, ProfileParameters, RateDependentThresholdsParameters,
     RateDependentWidthParameters, TransportDelayParameters, ValveLagParameters,
@@ -93,6 +94,32 @@ fn refining_finds_the_effects_again() {
     assert!(after < 0.1 * before, "{before} {after}");
     let delay_s = found.extensions.transport_delay.expect("a delay").delay_s;
     assert!((delay_s - 0.05).abs() < 0.005, "{delay_s}");
+}
+
+#[test]
+fn a_slope_that_no_row_teaches_becomes_as_those_beside_it() {
+    let truth = model();
+    let mut columns = recorded(&truth);
+    // The highest knots are at 4.8 and 6 bar.
+    columns.input.iter_mut().for_each(|input| *input = input.min(4.5));
+    columns.output = truth.answer(&columns).expect("it runs");
+    let rows: Vec<usize> = (0..columns.time_s.len()).collect();
+    let task = Task { columns: &columns, scored: &rows, reached: 0.1 };
+    let rises = |model: &Extension| -> Vec<f64> {
+        let HostParameters::Cascade(cascade) = &model.parameters else { panic!("a cascade") };
+        let EnvelopeParameters::PiecewiseLinear(envelope) = &cascade.envelope else { panic!("knots") };
+        envelope.values.windows(2).map(|pair| pair[1] - pair[0]).collect()
+    };
+    let mut wild = truth.clone();
+    if let HostParameters::Cascade(cascade) = &mut wild.parameters
+        && let EnvelopeParameters::PiecewiseLinear(envelope) = &mut cascade.envelope
+        && let Some(last) = envelope.values.last_mut()
+    {
+        *last += 100.0 * rises(&truth)[4];
+    }
+    let (found, _) = task.refined(wild).expect("it runs");
+    let ratio = rises(&found)[4] / rises(&found)[3];
+    assert!((0.2..5.0).contains(&ratio), "{:?}", rises(&found));
 }
 
 #[test]

@@ -236,6 +236,24 @@ fn load_and_temperature_shift_the_contraction_by_offset_and_gain() {
 }
 
 #[test]
+fn a_warm_up_tells_the_most_that_a_first_stroke_lacks() {
+    for kind in KINDS {
+        let warm_up = Some(WarmUp { fraction: 0.1, travel_mm: 1e9 });
+        let cold = Effects { warm_up, ..none() };
+        let held_mm = |effects: &Effects, pressure_bar: f64| {
+            let hold = driven_mm(&mut *body(kind, effects), &FRICTIONLESS, 0.1, |_| pressure_bar);
+            hold[hold.len() - 1]
+        };
+        let stroke_mm = held_mm(&none(), 6.0) - held_mm(&none(), 0.0);
+        let lacks_mm = |bar: u32| held_mm(&none(), f64::from(bar)) - held_mm(&cold, f64::from(bar));
+        let lacking = (0..=6).map(lacks_mm).fold(0.0, f64::max) / stroke_mm;
+        let told = body(kind, &cold).sensitivities().lacking.expect("it warms up");
+        println!("{kind:?}: {lacking:.4}, told {told:.4}");
+        assert!((told / lacking - 1.0).abs() < 0.1, "{lacking}, told {told}");
+    }
+}
+
+#[test]
 fn drift_and_tone_are_added_to_the_reading_as_named() {
     let effects = Effects::drawn(&[Effect::Drift, Effect::PeriodicDisturbance], 1.0, 5);
     let (drift, tone) =

@@ -226,7 +226,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 impl Problem<'_> {
     /// Derivatives by differences, of the thinned recording where there is one.
     fn differences(&self) -> DMatrix<f64> {
-        let task = self.thinned.as_ref().map_or(self.task, Thinned::task);
+        let task = self.thinned.as_ref().map_or(self.task, |thinned| thinned.task(self.task));
         let moved = |variable: Option<usize>| {
             let mut moved = self.variables.clone();
             variable.into_iter().for_each(|variable| moved[variable] += STEP);

@@ -45,6 +45,8 @@ fn ratios(slopes: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
 
 #[cfg(test)]
 mod tests {
+    use model_core::envelope::{PiecewiseLinearParameters, TanhParameters};
+
     use super::*;
     use crate::diagnosis::extend::tests::model;
 
@@ -64,7 +66,20 @@ mod tests {
     }
 
     #[test]
-    fn a_model_of_any_form_has_a_roughness_that_is_finite() {
-        assert!(roughness(&model().parameters).iter().all(|rough| rough.is_finite()));
+    fn an_envelope_of_knots_is_as_rough_as_its_slopes_differ_and_a_tanh_is_not() {
+        let HostParameters::Cascade(mut cascade) = model().parameters else { panic!("a cascade") };
+        let zones = of_dead_zones(&cascade.dead_zones).len();
+        // Slopes of 1, 2 and 2.
+        let (inputs, values) = ([0.0, 1.0, 3.0, 4.0], [0.0, 1.0, 5.0, 7.0]);
+        let knots = PiecewiseLinearParameters {
+            inputs: inputs.into_iter().collect(),
+            values: values.into_iter().collect(),
+        };
+        cascade.envelope = EnvelopeParameters::PiecewiseLinear(knots);
+        let rough = roughness(&HostParameters::Cascade(cascade.clone()));
+        assert_eq!(rough.len(), 2 + zones);
+        assert!((rough[0] - 2.0_f64.ln()).abs() < 1e-12 && rough[1].abs() < 1e-12, "{rough:?}");
+        cascade.envelope = EnvelopeParameters::Tanh(TanhParameters { c0: 1.0, c1: 0.5, c2: -1.0, c3: 1.0 });
+        assert_eq!(roughness(&HostParameters::Cascade(cascade)).len(), zones);
     }
 }

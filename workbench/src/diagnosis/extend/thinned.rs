@@ -8,7 +8,6 @@ use crate::diagnosis::thinning::Thinning;
 pub struct Thinned {
     columns: Columns,
     scored: Vec<usize>,
-    reached: f64,
 }
 
 impl Thinned {
@@ -27,11 +26,11 @@ impl Thinned {
             load_n: columns.load_n.as_ref().map(of),
             temperature_c: columns.temperature_c.as_ref().map(of),
         };
-        Self { columns, scored: thinning.scored, reached: task.reached }
+        Self { columns, scored: thinning.scored }
     }
 
-    /// The task of these rows alone.
-    pub fn task(&self) -> Task<'_> {
-        Task { columns: &self.columns, scored: &self.scored, reached: self.reached }
+    /// A task on these rows alone.
+    pub fn task<'a>(&'a self, whole: Task<'a>) -> Task<'a> {
+        Task { columns: &self.columns, scored: &self.scored, ..whole }
     }
 }

@@ -32,6 +32,9 @@ pub fn simulate(model: &ModelFile, table: &Table, drive: &Drive) -> Result<Vec<f
     Ok(rows.answer(&model.extended()?).map_err(refuse)?)
 }
 
+/// Steps of time that differ by no more are the same: the roundings of differences of times. Unit: s.
+pub const SAME_STEP_S: f64 = 1e-9;
+
 /// What drives an extended model, a value a row.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows<'a> {
@@ -54,13 +57,17 @@ impl Rows<'_> {
         &self,
         model: &ExtendedModel<f64, N, M>,
     ) -> Result<Vec<f64>, (usize, InputError)> {
-        let mut state = model.rest_state();
+        let (mut state, mut step_s) = (model.rest_state(), 0.0);
         let at = |values: Option<&[f64]>, row: usize| values.map(|values| values[row]);
         let answer = |row: usize| {
             let surroundings =
                 Surroundings { load: at(self.load, row), temperature: at(self.temperature, row) };
             let dt_s = if row == 0 { 0.0 } else { self.time_s[row] - self.time_s[row - 1] };
-            let sample = Sample { input: self.input[row], surroundings, dt_s };
+            // What a model makes of a step of time it makes once.
+            if (dt_s - step_s).abs() > SAME_STEP_S {
+                step_s = dt_s;
+            }
+            let sample = Sample { input: self.input[row], surroundings, dt_s: step_s };
             model.step(&mut state, &sample).map(|output| output.contraction).map_err(|error| (row, error))
         };
         (0..self.time_s.len()).map(answer).collect()

@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::diagnosed_json;
 use super::search::Columns as Chosen;
+use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::heldout::on_another;
 use crate::diagnosis::extend::{Extended, Extension, HeldOutGain, Operator};
 use crate::diagnosis::words::{experiment, in_a_sentence};
@@ -212,9 +213,10 @@ fn print_summary(
         let names: Vec<&str> = set.iter().map(|cause| cause.name()).collect();
         say!("as well       {}", names.join(" and "));
     }
-    if !diagnosis.inseparable.is_empty() {
-        let names: Vec<&str> = diagnosis.inseparable.iter().map(|cause| cause.name()).collect();
-        say!("not told apart {}: the input swings at one speed", names.join(", "));
+    let Inseparable { causes, why } = &diagnosis.inseparable;
+    if !causes.is_empty() {
+        let names: Vec<&str> = causes.iter().map(|cause| cause.name()).collect();
+        say!("not told apart {}: {}", names.join(", "), why.join("; "));
     }
     if let Some(command) = experiment(diagnosis) {
         say!("to separate   {command}");

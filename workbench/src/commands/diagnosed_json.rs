@@ -59,7 +59,7 @@ pub fn to_json(
         "pure_error": diagnosis.pure_error.map(|(before, after)| keyed(&[("before", before), ("after", after)])),
         "figures_of_misfit": diagnosis.anatomy,
         "examinable": diagnosis.examinable,
-        "not_told_apart": names(&diagnosis.inseparable),
+        "not_told_apart": names(&diagnosis.inseparable.causes),
         "unexplained": diagnosis.unexplained.as_ref().map(unexplained),
         "suggested_experiment": experiment(diagnosis),
         "seconds": seconds,

@@ -10,9 +10,10 @@ use super::basis::{Basis, Curved, Walk, Weights};
 use super::effect::{Driver, Effect, Form, Parameter, Rate};
 use super::equivalent::{Arrived, Friction, bend, faster, through, wider};
 use super::fit::Fit;
-use super::output::{self, SAME_STEP_S};
+use super::output;
 use super::series::series;
 use super::signals::{Signals, TENTS};
+use crate::simulation::SAME_STEP_S;
 
 /// Evaluations of the balance a row, at most.
 const EVALUATIONS: usize = 40;

@@ -6,6 +6,7 @@
 //! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
 //! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
+//! | `rates` | how a measured signal moves |
 //! | `thinning` | the rows of it that are enough for a direction or a rank |
 //! | [`basis`] | the baseline: any rate-independent hysteresis, linear in its weights |
 //! | [`effect`], [`equivalent`], [`output`] | each cause as a nested extension in its physical place |
@@ -44,6 +45,7 @@ pub mod output;
 pub mod physical;
 pub mod pure_error;
 pub mod race;
+mod rates;
 pub mod reject;
 pub mod screen;
 pub mod search;
@@ -61,7 +63,7 @@ mod tests;
 use thiserror::Error;
 
 use crate::numbers::{range, root_mean_square};
-use anatomy::examinable::{Examinable, ValveView, examinable, inseparable};
+use anatomy::examinable::{Examinable, Inseparable, ValveView, examinable, inseparable};
 use anatomy::excitation::Excitation;
 use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
@@ -136,7 +138,7 @@ pub struct Diagnosis {
     /// What the recording can show.
     pub examinable: Vec<Examinable>,
     /// Causes that it could show, and not tell apart.
-    pub inseparable: Vec<Cause>,
+    pub inseparable: Inseparable,
     /// Root mean square before and with the causes.
     pub rmse: (f64, f64),
     /// The same on blocks that the fit has not seen.
@@ -280,9 +282,8 @@ fn conclude(
     let baseline = &search.baseline;
     let causes = verdict::named(search, &best, sizes, valve.as_ref());
     let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
-    let rows: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();
-    let of_rows = |values: &[f64]| -> Vec<f64> { rows.iter().map(|&at| values[at]).collect() };
     let signals = search.signals;
+    let of_rows = |values: &[f64]| -> Vec<f64> { signals.rows.iter().map(|row| values[row.at]).collect() };
     let (load, temperature) =
         (signals.load.as_deref().map(of_rows), signals.temperature.as_deref().map(of_rows));
     let residual = Residual {
@@ -301,14 +302,14 @@ fn conclude(
         alternatives,
         unexplained,
         examinable,
-        inseparable: Vec::new(),
+        inseparable: Inseparable::default(),
         rmse: (root_mean_square(&baseline.residual), root_mean_square(&best.residual)),
         heldout: (baseline.score.mean(), best.score.mean()),
         pure_error: baseline.pure_error.zip(best.pure_error),
         residual_before: baseline.fit.residual.clone(),
         residual_after: best.residual.clone(),
         tried: verdict::tried(search, sizes),
-        rows,
+        rows: signals.scored(),
         anatomy,
         valve,
     })

@@ -4,12 +4,10 @@ use std::f64::consts::TAU;
 
 use super::effect::{Driver, Effect, Form};
 use super::signals::{Signals, TENTS, hats};
+use crate::simulation::SAME_STEP_S;
 
 /// Curves over time that [`Form::Wander`] is made of.
 const WANDER: usize = 9;
-
-/// Steps of time that differ by no more than this are the same. Unit: s.
-pub const SAME_STEP_S: f64 = 1e-9;
 
 /// Columns of an effect for the scored rows, and whether their weights must not be negative.
 pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {

@@ -2,22 +2,24 @@
 //!
 //! # Design
 //! The measured contraction is smoothed by a local cubic, from which come its rate and acceleration; they enter the
-//! extensions of the search only (what is claimed as gain is measured on a model that runs free of them). Rows are
-//! thinned for scoring, never for the memory of the operators. Blocks of time make the folds: a row near a block of
-//! another fold does not teach what is tried there.
-
-use nalgebra::{SMatrix, SVector};
+//! extensions of the search only (what is claimed as gain is measured on a model that runs free of them). All that is derived
+//! comes from all rows; then as many are kept as scoring needs, no farther apart than [`KEPT_STEP_S`], by which the memory of an
+//! operator loses nothing: where it turns its input moves slowly. Blocks of time make the folds: a row near a block of another
+//! fold does not teach what is tried there.
 
 use super::Columns;
 use super::anatomy::noise::{self, NoiseFloor};
 use super::anatomy::steps;
 use super::effect::Rate;
 use super::output::low_pass;
+use super::rates::{JERK_WINDOW, WINDOW, local_cubic, speed};
 use super::thinning::Thinning;
 use crate::numbers::{quantiles, range, root_mean_square, travel};
 
 /// Most rows that are scored in the search.
 const SCORED_ROWS: usize = 4000;
+/// Kept rows are no farther apart, where the recording's are not: as far as the window goes that rates are taken in. Unit: s.
+const KEPT_STEP_S: f64 = 0.02;
 /// Most of them where only a rank comes out.
 const RANKED_ROWS: usize = 2000;
 /// Folds of the cross-validation.
@@ -28,14 +30,6 @@ const BLOCKS: f64 = 16.0;
 const BLOCK_S: (f64, f64) = (4.0, 30.0);
 /// What a block keeps away from the next, as a share of a block.
 const GAP: f64 = 0.1;
-/// Half of the window of the local cubic: at least so many rows, and so long. Unit of the second: s.
-const WINDOW: (usize, f64) = (2, 0.02);
-/// A wider one, for the third derivative.
-const JERK_WINDOW: (usize, f64) = (4, 0.04);
-/// A wider one yet, for speeds that enter by a power: there noise would be taken for motion.
-const WIDE_WINDOW: (usize, f64) = (4, 0.07);
-/// A speed counts as far as it is above so many standard deviations of its noise.
-const STANDING: f64 = 2.5;
 /// Tents over the contraction that an effect's strength is made of.
 pub const TENTS: usize = 3;
 /// Contractions at which it is known how steep the contraction rises, and by how much it may differ from that at mid stroke.
@@ -47,7 +41,7 @@ const CREEP: usize = 6;
 /// Rows of one block.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Its place in the recording.
+    /// Its place among the kept rows.
     pub at: usize,
     /// The block of time it lies in.
     pub block: usize,
@@ -62,9 +56,11 @@ impl Row {
     }
 }
 
-/// A recording, prepared. Each list has a value a row of the recording.
+/// A recording, prepared. Each list has a value a kept row.
 #[derive(Clone, Debug)]
 pub struct Signals {
+    /// The rows of the recording that are kept.
+    kept: Vec<usize>,
     /// Unit: s.
     pub time_s: Vec<f64>,
     /// What the muscle is modelled from.
@@ -108,8 +104,10 @@ pub struct Signals {
     pub rows: Vec<Row>,
     /// Number of blocks.
     pub blocks: usize,
-    /// Median step. Unit: s.
+    /// Median step of the recording. Unit: s.
     pub step_s: f64,
+    /// The same of the kept rows. Unit: s.
+    kept_step_s: f64,
     /// Noise of the output in the scored rows. Output unit.
     pub noise_floor: NoiseFloor,
     /// Its standard deviation. Output unit.
@@ -130,7 +128,8 @@ impl Signals {
         let speeds = [speed(time_s, input, step_s, input_noise), speed(time_s, output, step_s, noise)];
         let (low, high) = quantiles(output, 0.02);
         let knots = std::array::from_fn(|knot| low + (high - low) * knot as f64 / (TENTS - 1) as f64);
-        let (rows, blocks) = rows(time_s, scored);
+        let (stride, every) = strides(columns, step_s);
+        let (rows, blocks) = rows(time_s, scored, every);
         let (lowest, highest) = range(input);
         let duration_s = time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0);
         let creep_s = creep_s((5.0 * step_s).max(0.1), duration_s / 3.0);
@@ -138,7 +137,8 @@ impl Signals {
             let slow = low_pass(output, time_s, tau_s);
             rows.iter().map(|row| slow[row.at] - output[row.at]).collect()
         };
-        Self {
+        let whole = Self {
+            kept: (0..time_s.len()).collect(),
             input_span: (highest - lowest).max(1e-9),
             slow: creep_s.iter().map(slow).collect(),
             creep_s,
@@ -162,9 +162,12 @@ impl Signals {
             rows,
             blocks,
             step_s,
+            kept_step_s: step_s,
             noise_floor,
             noise,
-        }
+        };
+        let thinning = Thinning::by(stride, &whole.scored());
+        whole.thinned_to(thinning, 1)
     }
 
     /// Says where a model of the input alone sees the contraction, a value a row of the recording.
@@ -198,20 +201,27 @@ impl Signals {
 
     /// The same, with rate and acceleration of a contraction that was simulated, a value a row. Output unit.
     pub fn moving_as(&self, simulated: &[f64]) -> Self {
-        let [smooth, rate, acceleration, _] = local_cubic(&self.time_s, simulated, self.step_s, WINDOW);
-        let [_, _, _, jerk] = local_cubic(&self.time_s, simulated, self.step_s, JERK_WINDOW);
+        let [smooth, rate, acceleration, _] = local_cubic(&self.time_s, simulated, self.kept_step_s, WINDOW);
+        let [_, _, _, jerk] = local_cubic(&self.time_s, simulated, self.kept_step_s, JERK_WINDOW);
         let moving_tents = smooth.iter().map(|&y| self.moving_tents_at(y)).collect();
         Self { rate, acceleration, jerk, smooth, moving_tents, ..self.clone() }
     }
 
     /// The scored rows and what leads to them, some of them scored: enough for a rank.
     pub fn thinned(&self) -> Self {
-        let thinning = Thinning::to(&self.rows.iter().map(|row| row.at).collect::<Vec<_>>());
+        let scored: Vec<usize> = self.rows.iter().map(|row| row.at).collect();
+        self.thinned_to(Thinning::to(&scored), self.rows.len().div_ceil(RANKED_ROWS).max(1))
+    }
+
+    /// To these kept rows, every so many of the scored ones scored.
+    fn thinned_to(&self, thinning: Thinning, every: usize) -> Self {
         let of = |values: &Vec<f64>| thinning.of(values);
-        let every = self.rows.len().div_ceil(RANKED_ROWS).max(1);
         let places = self.rows.iter().zip(&thinning.scored).step_by(every);
+        let time_s = of(&self.time_s);
         Self {
-            time_s: of(&self.time_s),
+            kept: thinning.of(&self.kept),
+            kept_step_s: steps(&time_s).0,
+            time_s,
             input: of(&self.input),
             output: of(&self.output),
             rate: of(&self.rate),
@@ -229,6 +239,11 @@ impl Signals {
             rows: places.map(|(row, &at)| Row { at, ..*row }).collect(),
             ..*self
         }
+    }
+
+    /// Where the scored rows are in the recording.
+    pub fn scored(&self) -> Vec<usize> {
+        self.rows.iter().map(|row| self.kept[row.at]).collect()
     }
 
     /// The speed that a width depends on.
@@ -265,56 +280,6 @@ fn creep_s(shortest_s: f64, longest_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Value, first, second and third derivative of a cubic through the neighbourhood of every row.
-fn local_cubic(time_s: &[f64], values: &[f64], step_s: f64, (rows, window_s): (usize, f64)) -> [Vec<f64>; 4] {
-    let half = rows.max((window_s / step_s.max(1e-9)).round() as usize);
-    let longest_s = 3.0 * half as f64 * step_s;
-    let mut result = [const { Vec::new() }; 4];
-    for row in 0..values.len() {
-        let window = row.saturating_sub(half)..(row + half + 1).min(values.len());
-        let (mut normal, mut right) = (SMatrix::<f64, 4, 4>::identity() * 1e-9, SVector::<f64, 4>::zeros());
-        for i in window {
-            // In units of the half window, so that the powers are alike.
-            let t = (time_s[i] - time_s[row]) / (half as f64 * step_s);
-            if t.abs() * half as f64 * step_s > longest_s {
-                continue;
-            }
-            let powers = SVector::<f64, 4>::new(1.0, t, t * t, t * t * t);
-            normal += powers * powers.transpose();
-            right += powers * (values[i] - values[row]);
-        }
-        let fit = normal.cholesky().map_or(SVector::zeros(), |cholesky| cholesky.solve(&right));
-        let unit_s = half as f64 * step_s;
-        let derivatives = [1.0, 1.0, 2.0, 6.0].iter().zip(&fit).enumerate();
-        let derivatives = derivatives.map(|(order, (times, fit))| times * fit / unit_s.powi(order as i32));
-        result.iter_mut().zip(derivatives).for_each(|(all, derivative)| all.push(derivative));
-        if let Some(value) = result[0].last_mut() {
-            *value += values[row];
-        }
-    }
-    result
-}
-
-/// The size of the rate of each row, as far as it is above its noise: of the wide window where the narrow one says the
-/// same, of the narrow one where things happen fast.
-fn speed(time_s: &[f64], values: &[f64], step_s: f64, noise: f64) -> Vec<f64> {
-    // The noise of a rate from the answer to a single peak.
-    let around: Vec<f64> = (0..64).map(|i| f64::from(i) * step_s).collect();
-    let mut peak = vec![0.0; around.len()];
-    peak[32] = noise;
-    let rate = |window| {
-        let [_, answer, ..] = local_cubic(&around, &peak, step_s, window);
-        let noise = answer.iter().map(|a| a * a).sum::<f64>().sqrt();
-        let [_, rate, ..] = local_cubic(time_s, values, step_s, window);
-        (rate, STANDING * noise)
-    };
-    let ((wide, wide_noise), (narrow, narrow_noise)) = (rate(WIDE_WINDOW), rate(WINDOW));
-    let size = |(wide, narrow): (&f64, &f64)| {
-        if (wide - narrow).abs() > narrow_noise { narrow.abs() } else { (wide.abs() - wide_noise).max(0.0) }
-    };
-    wide.iter().zip(&narrow).map(size).collect()
-}
-
 /// Weights of hat functions on equally spaced knots, constant outside.
 pub fn hats<const K: usize>(knots: &[f64; K], value: f64) -> [f64; K] {
     let (left, share) = between((knots[0], knots[K - 1]), K, value);
@@ -341,10 +306,18 @@ fn varying(column: Option<&[f64]>) -> Option<Vec<f64>> {
     (size > 1e-9 * (1.0 + mean.abs())).then_some(centred)
 }
 
-/// The rows that are scored, and the number of blocks they lie in.
-fn rows(time_s: &[f64], scored: &[bool]) -> (Vec<Row>, usize) {
+/// Every how many rows are kept, and every how many are scored.
+fn strides(columns: &Columns, step_s: f64) -> (usize, usize) {
+    let needed = columns.scored.iter().filter(|&&scored| scored).count().div_ceil(SCORED_ROWS).max(1);
+    // A command may jump between any two.
+    let most = if columns.input_is_command { 1 } else { (1.001 * KEPT_STEP_S / step_s.max(1e-9)) as usize };
+    let stride = most.clamp(1, needed);
+    (stride, stride * needed.div_ceil(stride))
+}
+
+/// Every so many of the rows that may be scored, and the number of blocks they lie in.
+fn rows(time_s: &[f64], scored: &[bool], every: usize) -> (Vec<Row>, usize) {
     let all: Vec<usize> = (0..time_s.len()).filter(|&at| scored[at]).collect();
-    let every = all.len().div_ceil(SCORED_ROWS).max(1);
     let (Some(&first), Some(&last)) = (all.first(), all.last()) else { return (Vec::new(), 0) };
     let (start_s, duration_s) = (time_s[first], time_s[last] - time_s[first]);
     let block_s = (duration_s / BLOCKS).clamp(BLOCK_S.0, BLOCK_S.1).min(duration_s / (2 * FOLDS) as f64);

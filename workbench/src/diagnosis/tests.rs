@@ -281,3 +281,23 @@ fn a_width_keeps_the_gain_that_it_has_and_takes_the_measured_exponent() {
     creep.measure(vec![("time_constants_s", 2.0), ("time_constants_s", 20.0)]);
     assert_eq!(creep.parameters, [("time_constants_s", 2.0), ("time_constants_s", 20.0)]);
 }
+
+#[test]
+fn rows_are_kept_no_farther_apart_than_motion_needs_and_none_of_a_command_goes() {
+    let (rows, step_s) = (12_000, 0.005);
+    let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * step_s).collect();
+    let output: Vec<f64> = time_s.iter().map(|t| 20.0 * t.sin()).collect();
+    let columns =
+        Columns { input: output.clone(), output, scored: vec![true; rows], time_s, ..Columns::default() };
+    let apart = |input_is_command| {
+        let signals = Signals::new(&Columns { input_is_command, ..columns.clone() });
+        // What is said of a kept row is what the recording says there.
+        for (row, place) in signals.rows.iter().zip(signals.scored()) {
+            assert_eq!(signals.time_s[row.at], columns.time_s[place]);
+        }
+        ((signals.time_s[1] - signals.time_s[0]) / step_s, signals.rows.len())
+    };
+    let ((pressure, scored), (command, of_command)) = (apart(false), apart(true));
+    assert!((pressure - 3.0).abs() < 1e-6 && scored == 4000, "{pressure} {scored}");
+    assert!((command - 1.0).abs() < 1e-6 && of_command == 4000, "{command} {of_command}");
+}

@@ -1,6 +1,7 @@
 //! The rows of a recording that are enough where what comes out is a direction or a rank: the scored ones.
 //!
-//! Where others lie between, so many of them are kept that no step of time is much longer than from one scored row to the next.
+//! Where others lie between, so many of them are kept that no step is longer than is asked for, or than from one scored row to the
+//! next.
 
 use crate::numbers::median;
 
@@ -16,7 +17,11 @@ impl Thinning {
     /// To these scored rows, which are in order, and what leads to them.
     pub fn to(scored: &[usize]) -> Self {
         let mut apart: Vec<f64> = scored.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
-        let step = (median(&mut apart) as usize).max(1);
+        Self::by((median(&mut apart) as usize).max(1), scored)
+    }
+
+    /// To every so many rows on the way to these scored ones, which are in order.
+    pub fn by(step: usize, scored: &[usize]) -> Self {
         let mut thinning =
             Self { rows: Vec::with_capacity(scored.len()), scored: Vec::with_capacity(scored.len()) };
         let mut next = 0;
@@ -47,6 +52,13 @@ mod tests {
         assert_eq!(thinning.rows, [0, 3, 6, 9, 12, 15, 18, 20, 23]);
         let kept: Vec<usize> = thinning.scored.iter().map(|&place| thinning.rows[place]).collect();
         assert_eq!(kept, scored);
+    }
+
+    #[test]
+    fn every_so_many_rows_lead_to_what_is_scored() {
+        let thinning = Thinning::by(2, &[4, 8, 13]);
+        assert_eq!(thinning.rows, [0, 2, 4, 6, 8, 10, 12, 13]);
+        assert_eq!(thinning.scored, [2, 4, 7]);
     }
 
     #[test]

@@ -22,6 +22,8 @@ const FAST_SPANS: f64 = 0.4;
 const RINGING_STEP_S: f64 = 0.05;
 /// The shortest hold in which creep is told from a lag. Unit: s.
 const CREEP_HOLD_S: f64 = 3.0;
+/// So many plateaus after a jump do as well, but that creep is not told from a lag.
+const CREEP_PLATEAUS: usize = 4;
 /// Repeats of a swing that show a change with time, and the share of the recording between the first and the last of them:
 /// where two stand at either end, what lies between says the rest.
 const REPEATS: [(usize, f64); 2] = [(3, 0.3), (2, 0.8)];
@@ -70,12 +72,40 @@ pub fn examinable(excitation: &Excitation, valve: ValveView<'_>, unit: &str) -> 
     Cause::ALL.map(judge).to_vec()
 }
 
-/// Causes that show, and not apart: at one speed a delay and a lag shift the loop by the same.
-pub fn inseparable(judged: &[Examinable], excitation: &Excitation) -> Vec<Cause> {
-    let alike = [Cause::TransportDelay, Cause::ValveLag, Cause::ViscousLag];
-    let shown = judged.iter().filter(|judged| judged.examinable && alike.contains(&judged.cause));
-    let causes: Vec<Cause> = shown.map(|judged| judged.cause).collect();
-    if excitation.speed_ratio < SPEED_RATIO && causes.len() > 1 { causes } else { Vec::new() }
+/// Causes that a recording shows, and not apart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Inseparable {
+    /// None, or at least two.
+    pub causes: Vec<Cause>,
+    /// Why.
+    pub why: Vec<&'static str>,
+}
+
+/// At one speed a delay and a lag shift the loop by the same; and without long holds the quick part of creep is a lag.
+pub fn inseparable(judged: &[Examinable], excitation: &Excitation) -> Inseparable {
+    let groups: [(bool, &[Cause], &str); 2] = [
+        (
+            excitation.speed_ratio < SPEED_RATIO,
+            &[Cause::TransportDelay, Cause::ValveLag, Cause::ViscousLag],
+            "the input swings at one speed",
+        ),
+        (
+            excitation.longest_hold_s() < CREEP_HOLD_S,
+            &[Cause::ViscousLag, Cause::Creep],
+            "no hold is so long that a creep goes on where a lag has ended",
+        ),
+    ];
+    let mut all = Inseparable::default();
+    for (_, alike, why) in groups.into_iter().filter(|(holds, _, _)| *holds) {
+        let shown = judged.iter().filter(|judged| judged.examinable && alike.contains(&judged.cause));
+        let causes: Vec<Cause> = shown.map(|judged| judged.cause).collect();
+        if causes.len() > 1 {
+            all.causes
+                .extend(causes.into_iter().filter(|cause| !all.causes.contains(cause)).collect::<Vec<_>>());
+            all.why.push(why);
+        }
+    }
+    all
 }
 
 /// What a cause needs, met or not, in words.
@@ -96,7 +126,7 @@ impl Judge<'_> {
             Cause::TransportDelay | Cause::ViscousLag => self.lag(),
             Cause::RateDependentWidth => self.speeds(),
             Cause::Inertia => self.ringing(),
-            Cause::Creep => self.holds(),
+            Cause::Creep => self.creep(),
             Cause::Load => self.column("load", "N", self.excitation.load),
             Cause::Temperature => self.column("temperature", "K", self.excitation.temperature),
             Cause::Drift => self.repeats(),
@@ -189,14 +219,21 @@ impl Judge<'_> {
         Ok(format!("swings of up to {fastest:.2} {unit}/s, {jumps} jumps that end in a hold"))
     }
 
-    fn holds(&self) -> Judged {
+    fn creep(&self) -> Judged {
         let (holds, longest) = (self.excitation.holds.len(), self.longest());
         let words = match holds {
             0 => "there is no hold of 1 s or more".to_owned(),
             _ => format!("{holds} holds, the longest {longest:.1} s"),
         };
+        let plateaus_s = &self.excitation.plateaus_s;
         if longest >= CREEP_HOLD_S {
             Ok(words)
+        } else if plateaus_s.len() >= CREEP_PLATEAUS {
+            let longest_s = plateaus_s.iter().fold(0.0_f64, |longest, length| longest.max(*length));
+            Ok(format!(
+                "{words}; but after {} jumps the input moves by little, for {longest_s:.1} s at most",
+                plateaus_s.len()
+            ))
         } else {
             Err(format!("{words}; creep needs one of {CREEP_HOLD_S} s at least"))
         }

@@ -9,7 +9,7 @@
 use serde::Serialize;
 
 use super::axis::follows_time;
-use super::motion::{LEAST_SWING, Motion};
+use super::motion::{LEAST_SWING, Motion, since_elsewhere};
 use super::noise::floor;
 use super::{Residual, steps};
 use crate::numbers::range;
@@ -18,6 +18,9 @@ use crate::numbers::range;
 const LEAST_HOLD_S: f64 = 1.0;
 /// A hold at the end of a way that has lasted at most so long ends a jump. Unit: s.
 const JUMP_S: f64 = 0.5;
+/// A plateau stays within this share of the input's span, and comes after a jump over this one.
+const PLATEAU: f64 = 0.05;
+const JUMP: f64 = 0.25;
 /// What two swings over the same range have in common, of what they cover together.
 const SAME_RANGE: f64 = 2.0 / 3.0;
 /// The same for swings that are alike.
@@ -52,6 +55,9 @@ pub struct Excitation {
     pub holds: Vec<Hold>,
     /// Holds after a jump.
     pub jumps: usize,
+    /// Lengths of the stretches after a jump, of a second at least, in which the input moves by little: what is called a hold moves
+    /// not at all. Unit: s.
+    pub plateaus_s: Vec<f64>,
     /// The longest time between two swings that are alike, in the same direction. Unit: s.
     pub repeated_over_s: f64,
     /// Most swings that are alike, in the same direction.
@@ -124,6 +130,7 @@ impl Excitation {
             speed_ratio: speed_ratio(&swings),
             jumps: holds.iter().filter(|hold| hold.after_jump).count(),
             holds,
+            plateaus_s: plateaus_s(time_s, input),
             repeated_over_s,
             repeats,
             travel_strokes: if highest > lowest { way / (highest - lowest) } else { 0.0 },
@@ -240,4 +247,28 @@ fn holds(time_s: &[f64], input: &[f64], motion: &Motion) -> Vec<Hold> {
             (length_s >= LEAST_HOLD_S).then_some(Hold { from_s: time_s[first], length_s, level, after_jump })
         })
         .collect()
+}
+
+/// Lengths of the plateaus that the input jumps to. Unit: s.
+fn plateaus_s(time_s: &[f64], input: &[f64]) -> Vec<f64> {
+    let (low, high) = range(input);
+    let span = high - low;
+    let since_s = since_elsewhere(time_s, input, PLATEAU * span);
+    let from_s = |row: usize| time_s[row] - since_s[row];
+    let jumps_to = |first: usize| {
+        let before = (0..first).rev().take_while(|&row| time_s[first] - time_s[row] <= JUMP_S);
+        before.into_iter().any(|row| (input[first] - input[row]).abs() >= JUMP * span)
+    };
+    let mut last_s = f64::NEG_INFINITY;
+    let plateau = |row: usize| {
+        // The longest of those that begin there.
+        let ends = row + 1 == time_s.len() || from_s(row + 1) > from_s(row);
+        let first = time_s.partition_point(|&time_s| time_s < from_s(row));
+        let is_one = ends && since_s[row] >= LEAST_HOLD_S && from_s(row) > last_s && jumps_to(first);
+        is_one.then(|| {
+            last_s = time_s[row];
+            since_s[row]
+        })
+    };
+    (0..time_s.len()).filter_map(plateau).collect()
 }

@@ -132,7 +132,7 @@ fn rate(time_s: &[f64], still: &[f64]) -> Vec<f64> {
 
 /// For each row, the length of the longest stretch up to it, without a gap, in which the values stay in a band of this
 /// height. Unit: s.
-fn since_elsewhere(time_s: &[f64], values: &[f64], height: f64) -> Vec<f64> {
+pub(super) fn since_elsewhere(time_s: &[f64], values: &[f64], height: f64) -> Vec<f64> {
     // Rows of the stretch that are higher (lower) than all that follow in it.
     let (mut highest, mut lowest) = (VecDeque::new(), VecDeque::new());
     let (_, gap_s) = steps(time_s);

@@ -196,7 +196,7 @@ pub fn extend(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Option<Extended> {
     let signals = search.signals;
-    let scored: Vec<usize> = signals.rows.iter().map(|row| row.at).collect();
+    let scored = signals.scored();
     let (taught, untaught) = split(&scored);
     let reached = root_mean_square(&set.residual);
     let before = Task { columns, scored: taught, reached };
@@ -210,7 +210,8 @@ pub fn extend(
     let mut extensions = carry::extensions(columns, search, set);
     carry::add_valve(&mut extensions, valve);
     let with_causes = || {
-        let start = start::operator(&start::Seen::of(search, set), taught)?;
+        let kept: Vec<usize> = signals.rows.iter().map(|row| row.at).collect();
+        let start = start::operator(&start::Seen::of(search, set), split(&kept).0)?;
         Some(before.refined(start.with(extensions.clone()))?.0)
     };
     let (plain, found) = rayon::join(without_causes, || (!set.causes.is_empty()).then(with_causes));

@@ -30,19 +30,19 @@ const TOLERANCE: f64 = 1e-4;
 /// Their seed.
 const SEED: u64 = 1;
 
-/// Input and output of the operators, a value a row.
+/// Input and output of the operators, a value a row of what they are seen in.
 pub struct Seen {
     input: Vec<f64>,
     output: Vec<f64>,
 }
 
 impl Seen {
-    /// Without effects.
+    /// Without effects, in a recording.
     pub fn plain(columns: &Columns) -> Self {
         Self { input: columns.input.clone(), output: columns.output.clone() }
     }
 
-    /// Under the effects of a set: what the baseline has beside them (its small delay, its width) is the operator's here.
+    /// Under the effects of a set, in the kept rows: what the baseline has beside them (its small delay, its width) is the operator's here.
     pub fn of(search: &Search<'_>, set: &Candidate) -> Self {
         let signals = search.signals;
         let first = set.fit.effects.len() - set.causes.len();

@@ -90,6 +90,44 @@ fn holds_show_creep_and_lag() {
     assert!(!of(&judged, Cause::RateDependentWidth).examinable);
 }
 
+/// Jumps up and down again within 0.2 s, and moves by `by` in the 1.5 s after each.
+fn jumping(t: f64, by: f64) -> f64 {
+    match t % 3.4 {
+        p if p < 0.2 => 30.0 * p,
+        p if p < 1.7 => 6.0 - by * (p - 0.2) / 1.5,
+        p if p < 1.9 => (6.0 - by) * (1.9 - p) / 0.2,
+        p => by * (p - 1.9) / 1.5,
+    }
+}
+
+#[test]
+fn jumps_after_which_the_input_moves_by_little_show_creep_and_not_apart_from_a_lag() {
+    let shown = |by| {
+        let input = move |t| jumping(t, by);
+        let time_s = times(12_000, 0.01);
+        let input: Vec<f64> = time_s.iter().map(|&t| input(t)).collect();
+        let residual = Residual {
+            time_s: &time_s,
+            residual: &input,
+            input: &input,
+            output: &input,
+            load: None,
+            temperature: None,
+        };
+        let excitation = Excitation::of(&residual);
+        let judged = examinable(&excitation, ValveView::Unseen, "bar");
+        (of(&judged, Cause::Creep).clone(), inseparable(&judged, &excitation).causes)
+    };
+    let (creep, inseparable) = shown(0.2);
+    assert_eq!(
+        creep.why,
+        "there is no hold of 1 s or more; but after 70 jumps the input moves by little, for 1.5 s at most"
+    );
+    assert!(creep.examinable && inseparable == [Cause::ViscousLag, Cause::Creep], "{inseparable:?}");
+    let (creep, inseparable) = shown(2.0);
+    assert!(!creep.examinable && inseparable.is_empty(), "{creep:?} {inseparable:?}");
+}
+
 #[test]
 fn without_a_command_beside_the_pressure_nothing_of_the_valve_shows() {
     let cases: [(View, [bool; 3]); 3] = [

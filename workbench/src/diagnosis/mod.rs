@@ -100,10 +100,12 @@ pub struct Columns {
 impl Columns {
     /// The noise of the output in the scored rows. Output unit.
     pub fn noise_floor(&self) -> NoiseFloor {
-        let of_scored = |values: &[f64]| -> Vec<f64> {
-            values.iter().zip(&self.scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
-        };
-        anatomy::noise::floor(&of_scored(&self.time_s), &of_scored(&self.output))
+        anatomy::noise::floor(&self.of_scored(&self.time_s), &self.of_scored(&self.output))
+    }
+
+    /// What a column has in the rows that may be scored.
+    fn of_scored(&self, values: &[f64]) -> Vec<f64> {
+        values.iter().zip(&self.scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
     }
 }
 

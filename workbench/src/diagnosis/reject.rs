@@ -11,7 +11,6 @@
 
 use rayon::prelude::*;
 
-use super::anatomy::spectrum::tones;
 use super::candidate::Candidate;
 use super::effect::Effect;
 use super::extend::{Extended, HeldOutGain};
@@ -86,6 +85,7 @@ pub fn no_gain(extended: &Extended) -> Option<Unexplained> {
 
 fn outliers(signals: &Signals) -> Option<Unexplained> {
     let far: Vec<f64> = signals
+        .recorded
         .output
         .windows(5)
         .filter_map(|w| {
@@ -144,6 +144,6 @@ fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let size = (after / set.score.mean().max(1e-12) - large) / (larger - large);
     let is_left = size > 0.0 && removed < least + (most - least) * size.min(1.0);
     let is_seen = after > SEEN * search.signals.noise;
-    let tones_hz = tones(&search.signals.scored_s(), &set.residual, 3);
+    let tones_hz = search.signals.tones(&set.residual, 3);
     (is_seen && is_left).then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
 }

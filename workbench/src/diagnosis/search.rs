@@ -7,7 +7,6 @@
 
 use rayon::prelude::*;
 
-use super::anatomy::spectrum::tones;
 use super::basis::{Basis, Weights};
 use super::candidate::Candidate;
 use super::cause::Cause;
@@ -133,7 +132,9 @@ impl<'a> Search<'a> {
     /// The effects that could stand for a cause beside a set.
     fn starts(&self, set: &Candidate, cause: Cause) -> Vec<Effect> {
         match cause {
-            Cause::PeriodicDisturbance => tones(&self.signals.scored_s(), &set.fit.unseen, TONES)
+            Cause::PeriodicDisturbance => self
+                .signals
+                .tones(&set.fit.unseen, TONES)
                 .into_iter()
                 .map(|frequency_hz| Effect::tone(frequency_hz, self.signals))
                 .collect(),

@@ -7,8 +7,11 @@
 //! operator loses nothing: where it turns its input moves slowly. Blocks of time make the folds: a row near a block of another
 //! fold does not teach what is tried there.
 
+use std::sync::Arc;
+
 use super::Columns;
 use super::anatomy::noise::{self, NoiseFloor};
+use super::anatomy::spectrum::tones;
 use super::anatomy::steps;
 use super::effect::Rate;
 use super::output::low_pass;
@@ -56,11 +59,22 @@ impl Row {
     }
 }
 
+/// All rows that may be scored, for what is quicker than kept rows show.
+#[derive(Debug)]
+pub struct Recorded {
+    /// Unit: s.
+    pub time_s: Vec<f64>,
+    /// Output unit.
+    pub output: Vec<f64>,
+}
+
 /// A recording, prepared. Each list has a value a kept row.
 #[derive(Clone, Debug)]
 pub struct Signals {
     /// The rows of the recording that are kept.
     kept: Vec<usize>,
+    /// What they are kept of.
+    pub recorded: Arc<Recorded>,
     /// Unit: s.
     pub time_s: Vec<f64>,
     /// What the muscle is modelled from.
@@ -116,6 +130,12 @@ pub struct Signals {
     pub input_noise: f64,
 }
 
+impl Recorded {
+    fn of(columns: &Columns) -> Self {
+        Self { time_s: columns.of_scored(&columns.time_s), output: columns.of_scored(&columns.output) }
+    }
+}
+
 impl Signals {
     /// Prepares a recording.
     pub fn new(columns: &Columns) -> Self {
@@ -139,6 +159,7 @@ impl Signals {
         };
         let whole = Self {
             kept: (0..time_s.len()).collect(),
+            recorded: Arc::new(Recorded::of(columns)),
             input_span: (highest - lowest).max(1e-9),
             slow: creep_s.iter().map(slow).collect(),
             creep_s,
@@ -220,6 +241,7 @@ impl Signals {
         let time_s = of(&self.time_s);
         Self {
             kept: thinning.of(&self.kept),
+            recorded: Arc::clone(&self.recorded),
             kept_step_s: steps(&time_s).0,
             time_s,
             input: of(&self.input),
@@ -256,9 +278,32 @@ impl Signals {
         self.typical_speeds[rate as usize]
     }
 
-    /// Times of the scored rows. Unit: s.
-    pub fn scored_s(&self) -> Vec<f64> {
-        self.rows.iter().map(|row| self.time_s[row.at]).collect()
+    /// Frequencies of the strongest tones of a residual of the scored rows, `most` of them at most. Unit: Hz.
+    ///
+    /// Of all that was recorded: in scored rows alone what is quicker than these are apart looks like something slower.
+    pub fn tones(&self, residual: &[f64], most: usize) -> Vec<f64> {
+        tones(&self.recorded.time_s, &self.residual_of_all(residual), most)
+    }
+
+    /// A residual of the scored rows at all of [`Recorded`]: what was recorded less what was fitted, straight from one scored row
+    /// to the next. Output unit.
+    fn residual_of_all(&self, residual: &[f64]) -> Vec<f64> {
+        let fitted = |place: usize| {
+            let at = self.rows[place].at;
+            (self.time_s[at], self.output[at] - residual[place])
+        };
+        let Recorded { time_s, output } = &*self.recorded;
+        let mut place = 0;
+        let left = |(&time_s, output): (&f64, &f64)| {
+            while place + 2 < self.rows.len() && fitted(place + 1).0 <= time_s {
+                place += 1;
+            }
+            let (from, to) = (fitted(place), fitted((place + 1).min(self.rows.len() - 1)));
+            let share =
+                if to.0 > from.0 { ((time_s - from.0) / (to.0 - from.0)).clamp(0.0, 1.0) } else { 0.0 };
+            output - (from.1 + share * (to.1 - from.1))
+        };
+        time_s.iter().zip(output).map(left).collect()
     }
 
     /// Between the outer knots. Output unit.

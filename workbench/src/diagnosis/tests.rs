@@ -301,3 +301,40 @@ fn rows_are_kept_no_farther_apart_than_motion_needs_and_none_of_a_command_goes()
     assert!((pressure - 3.0).abs() < 1e-6 && scored == 4000, "{pressure} {scored}");
     assert!((command - 1.0).abs() < 1e-6 && of_command == 4000, "{command} {of_command}");
 }
+
+#[test]
+fn a_tone_quicker_than_the_scored_rows_is_found_at_its_own_frequency() {
+    let (rows, step_s) = (12_000, 0.01);
+    let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * step_s).collect();
+    let of_tone = |t: &f64| 0.3 * (std::f64::consts::TAU * 21.0 * t).sin();
+    let output: Vec<f64> = time_s.iter().map(of_tone).collect();
+    let columns =
+        Columns { input: output.clone(), output, scored: vec![true; rows], time_s, ..Columns::default() };
+    let signals = Signals::new(&columns);
+    let residual: Vec<f64> = signals.rows.iter().map(|row| signals.output[row.at]).collect();
+    let found = signals.tones(&residual, 1);
+    assert!(matches!(found[..], [hz] if (hz - 21.0).abs() < 0.01), "{found:?}");
+}
+
+#[test]
+fn single_rows_far_off_are_seen_whether_they_are_kept_or_not() {
+    let (rows, step_s) = (12_000, 0.01);
+    let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * step_s).collect();
+    let input: Vec<f64> = time_s.iter().map(|&t| command(t / 2.0)).collect();
+    let mut output = hysteresis(&input);
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    output.iter_mut().for_each(|y| {
+        *y += 0.03 * {
+            let v: f64 = StandardNormal.sample(&mut rng);
+            v
+        }
+    });
+    (0..6).for_each(|i| output[1001 + 2 * 700 * i] += 4.0);
+    let diagnosis =
+        diagnosed(&Columns { input, output, scored: vec![true; rows], time_s, ..Columns::default() });
+    assert!(
+        matches!(diagnosis.unexplained, Some(Unexplained::Outliers { rows: 4.., .. })),
+        "{:?}",
+        diagnosis.unexplained
+    );
+}

@@ -4,6 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::anatomy::examinable::Inseparable;
 use super::cause::Cause;
 use super::effect::Effect;
 use super::reject::Unexplained;
@@ -11,6 +12,7 @@ use super::search::Search;
 use super::signals::Signals;
 use super::valve::examine;
 use super::verdict::Named;
+use super::words::experiment;
 use super::{Columns, Diagnosis, DiagnosisError, Verdict, diagnose};
 
 const STEP_S: f64 = 0.02;
@@ -270,10 +272,12 @@ fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     assert!(better.score.mean() < alone);
 }
 
+fn named(cause: Cause, parameters: Vec<(&'static str, f64)>) -> Named {
+    Named { cause, parameters, share: 1.0, evidence: Vec::new(), without: None }
+}
+
 #[test]
 fn a_width_keeps_the_gain_that_it_has_and_takes_the_measured_exponent() {
-    let named =
-        |cause, parameters| Named { cause, parameters, share: 1.0, evidence: Vec::new(), without: None };
     let mut width = named(Cause::RateDependentWidth, vec![("width_gain", 0.4), ("rate_exponent", 0.4)]);
     width.measure(vec![("width_gain_of_contraction_rate", 0.05), ("rate_exponent", 0.5)]);
     assert_eq!(width.parameters, [("width_gain", 0.4), ("rate_exponent", 0.5)]);
@@ -337,4 +341,18 @@ fn single_rows_far_off_are_seen_whether_they_are_kept_or_not() {
         "{:?}",
         diagnosis.unexplained
     );
+}
+
+#[test]
+fn what_is_named_and_not_told_apart_gets_the_experiment_that_would() {
+    let plant = Plant::new();
+    let mut diagnosis = diagnosed(&plant.recorded(&hysteresis(&plant.pressure)));
+    let both = vec![Cause::ViscousLag, Cause::Creep];
+    diagnosis.inseparable = Inseparable { causes: both, why: vec!["there is no hold"] };
+    assert_eq!(experiment(&diagnosis), None);
+    diagnosis.verdict = Verdict::Explained;
+    diagnosis.causes = vec![named(Cause::Load, Vec::new())];
+    assert_eq!(experiment(&diagnosis), None);
+    diagnosis.causes.push(named(Cause::Creep, Vec::new()));
+    assert_eq!(experiment(&diagnosis).as_deref(), Some("mgpi plan --causes creep,viscous_lag -o plan.csv"));
 }

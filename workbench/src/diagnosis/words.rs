@@ -44,14 +44,20 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
     }
 }
 
-/// The command that writes an excitation which separates what is confounded.
+/// The command that writes an excitation which separates what is confounded, or what is named from what the recording does not tell
+/// apart from it.
 pub fn experiment(diagnosis: &Diagnosis) -> Option<String> {
-    if diagnosis.verdict != Verdict::Confounded {
-        return None;
+    let Diagnosis { verdict, causes, alternatives, inseparable, .. } = diagnosis;
+    let mut names: Vec<&str> = Vec::new();
+    if *verdict == Verdict::Confounded {
+        names.extend(causes.iter().map(|named| named.cause.name()));
+        names.extend(alternatives.iter().flatten().map(|cause| cause.name()));
     }
-    let mut names: Vec<&str> = diagnosis.causes.iter().map(|named| named.cause.name()).collect();
-    names.extend(diagnosis.alternatives.iter().flatten().map(|cause| cause.name()));
+    let is_named = matches!(verdict, Verdict::Confounded | Verdict::Explained);
+    if is_named && causes.iter().any(|named| inseparable.causes.contains(&named.cause)) {
+        names.extend(inseparable.causes.iter().map(|cause| cause.name()));
+    }
     names.sort_unstable();
     names.dedup();
-    Some(format!("mgpi plan --causes {} -o plan.csv", names.join(",")))
+    (!names.is_empty()).then(|| format!("mgpi plan --causes {} -o plan.csv", names.join(",")))
 }

@@ -17,9 +17,10 @@ use maud::{Markup, html};
 use self::view::View;
 use super::bars::significant;
 use super::page::{explained, page};
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::{Extended, HeldOutGain};
 use crate::diagnosis::words::{experiment, in_a_sentence};
+use crate::diagnosis::{Diagnosis, Verdict};
 use crate::recording::Recording;
 
 /// An extended model and what it gains.
@@ -120,10 +121,19 @@ fn after(view: &View<'_>, gained: Option<&Gained<'_>>) -> Markup {
 
 fn confounded(diagnosis: &Diagnosis) -> Markup {
     html! {
-        @if let Some(command) = experiment(diagnosis) {
+        @let Inseparable { causes, why } = &diagnosis.inseparable;
+        @let command = experiment(diagnosis);
+        @if command.is_some() || !causes.is_empty() {
             h2 { "What cannot be told apart, and the experiment that would" }
+        }
+        @if diagnosis.verdict == Verdict::Confounded {
             p { "As well as the named causes do:" }
             ul { @for set in &diagnosis.alternatives { li { (evidence::name(set)) } } }
+        }
+        @if !causes.is_empty() {
+            p { "This recording does not tell apart " (evidence::name(causes)) ": " (why.join("; ")) "." }
+        }
+        @if let Some(command) = command {
             p { "This command writes an excitation whose recording separates them; play it, and diagnose its recording:" }
             p { code { (command) } }
         }

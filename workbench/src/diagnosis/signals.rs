@@ -3,9 +3,9 @@
 //! # Design
 //! The measured contraction is smoothed by a local cubic, from which come its rate and acceleration; they enter the
 //! extensions of the search only (what is claimed as gain is measured on a model that runs free of them). All that is derived
-//! comes from all rows; then as many are kept as scoring needs, no farther apart than [`KEPT_STEP_S`], by which the memory of an
-//! operator loses nothing: where it turns its input moves slowly. Blocks of time make the folds: a row near a block of another
-//! fold does not teach what is tried there.
+//! comes from all rows; then as many are kept as scoring needs, no farther apart than 20 ms, by which the memory of an operator
+//! loses nothing: where it turns its input moves slowly. Blocks of time make the folds: a row near a block of another fold
+//! does not teach what is tried there.
 
 use std::sync::Arc;
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::Columns;
 use super::anatomy::noise::{self, NoiseFloor};
-use super::anatomy::spectrum::tones;
+use super::anatomy::spectrum::{amplitude, tones};
 use super::anatomy::steps;
 use super::effect::Rate;
 use super::output::low_pass;
@@ -33,6 +33,9 @@ const BLOCKS: f64 = 16.0;
 const BLOCK_S: (f64, f64) = (4.0, 30.0);
 /// What a block keeps away from the next, as a share of a block.
 const GAP: f64 = 0.1;
+/// Peaks of a residual that are looked at, and what each has to have in the scored rows of its amplitude in all.
+const PEAKS: usize = 12;
+const STANDS: f64 = 0.5;
 /// Tents over the contraction that an effect's strength is made of.
 pub const TENTS: usize = 3;
 /// Contractions at which it is known how steep the contraction rises, and by how much it may differ from that at mid stroke.
@@ -280,9 +283,13 @@ impl Signals {
 
     /// Frequencies of the strongest tones of a residual of the scored rows, `most` of them at most. Unit: Hz.
     ///
-    /// Of all that was recorded: in scored rows alone what is quicker than these are apart looks like something slower.
+    /// Of all that was recorded: in scored rows alone what is quicker than these are apart looks like something slower. But it
+    /// has to be in these too: between them the fit is straight, and what bends there is none of the residual.
     pub fn tones(&self, residual: &[f64], most: usize) -> Vec<f64> {
-        tones(&self.recorded.time_s, &self.residual_of_all(residual), most)
+        let scored_s: Vec<f64> = self.rows.iter().map(|row| self.time_s[row.at]).collect();
+        let (all_s, all) = (&self.recorded.time_s, self.residual_of_all(residual));
+        let stands = |&hz: &f64| amplitude(&scored_s, residual, hz) >= STANDS * amplitude(all_s, &all, hz);
+        tones(all_s, &all, PEAKS).into_iter().filter(stands).take(most).collect()
     }
 
     /// A residual of the scored rows at all of [`Recorded`]: what was recorded less what was fitted, straight from one scored row

@@ -318,6 +318,8 @@ fn a_tone_quicker_than_the_scored_rows_is_found_at_its_own_frequency() {
     let residual: Vec<f64> = signals.rows.iter().map(|row| signals.output[row.at]).collect();
     let found = signals.tones(&residual, 1);
     assert!(matches!(found[..], [hz] if (hz - 21.0).abs() < 0.01), "{found:?}");
+    // What is fitted in the scored rows is no tone, however much it bends between.
+    assert!(signals.tones(&vec![0.0; residual.len()], 1).is_empty());
 }
 
 #[test]

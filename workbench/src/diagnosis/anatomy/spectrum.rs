@@ -85,6 +85,18 @@ pub fn tones(time_s: &[f64], residual: &[f64], most: usize) -> Vec<f64> {
     peaks.iter().map(|peak| peak.frequency_hz).filter(is_seen).take(most).collect()
 }
 
+/// Amplitude of a tone of this frequency, which may be faster than the rows. Unit of the values.
+pub fn amplitude(time_s: &[f64], values: &[f64], frequency_hz: f64) -> f64 {
+    let (Some(first_s), Some(last_s)) = (time_s.first(), time_s.last()) else { return 0.0 };
+    let (mut sum, mut windows) = (Complex::new(0.0, 0.0), 0.0);
+    for (time_s, value) in time_s.iter().zip(values) {
+        let window = 0.5 - 0.5 * (TAU * (time_s - first_s) / (last_s - first_s)).cos();
+        sum += Complex::from_polar(window * value, -TAU * frequency_hz * (time_s - first_s));
+        windows += window;
+    }
+    2.0 * sum.norm() / windows
+}
+
 /// Equal steps of time.
 struct Grid {
     /// The step of each row.

@@ -3,6 +3,7 @@
 use super::basis::Seen;
 use super::effect::{Effect, Form, Parameter, Rate};
 use super::output::{driven, low_pass};
+use super::recorded::Recorded;
 use super::signals::{Signals, TENTS};
 
 /// What arrives at the muscle.
@@ -15,34 +16,43 @@ pub struct Arrived {
 }
 
 impl Arrived {
-    /// The input under these effects.
+    /// The input under these effects. All rows take part, kept or not: a delay may be shorter than these are apart.
     pub fn new(signals: &Signals, effects: &[Effect]) -> Self {
-        let mut input = signals.input.clone();
-        let mut speed = signals.speed_of(Rate::Input).to_vec();
+        let Recorded { time_s, input, input_speed, .. } = &*signals.recorded;
         let needs_speed = effects.iter().any(|effect| effect.form == Form::Thresholds(Rate::Input));
+        let is_slow = |effect: &Effect| matches!(effect.form, Form::Lag | Form::CreepOfInput);
+        if !effects.iter().any(is_slow) {
+            // Delays add up.
+            let delays = effects.iter().filter(|effect| effect.form == Form::Delay);
+            let delay_s = delays.flat_map(|effect| &effect.parameters).map(|delay| delay.value).sum();
+            let late = |values: &[f64]| delayed_at(values, time_s, &signals.time_s, delay_s);
+            let speed = if needs_speed { late(input_speed) } else { signals.speed_of(Rate::Input).to_vec() };
+            return Self { input: late(input), speed };
+        }
+        let (mut input, mut speed) = (input.clone(), input_speed.clone());
         for effect in effects {
             let first = effect.parameters.first().map_or(0.0, |parameter| parameter.value);
             let late = |values: &[f64]| match effect.form {
-                Form::Lag => Some(low_pass(values, &signals.time_s, first.exp())),
-                Form::Delay => Some(delayed(values, &signals.time_s, first)),
+                Form::Lag => Some(low_pass(values, time_s, first.exp())),
+                Form::Delay => Some(delayed(values, time_s, first)),
                 _ => None,
             };
             if effect.form == Form::CreepOfInput {
-                creep(&mut input, signals, &effect.parameters);
+                creep(&mut input, time_s, &signals.creep_s, &effect.parameters);
             } else if let Some(values) = late(&input) {
                 input = values;
                 speed = late(&speed).filter(|_| needs_speed).unwrap_or(speed);
             }
         }
-        Self { input, speed }
+        Self { input: signals.kept(&input), speed: signals.kept(&speed) }
     }
 }
 
 /// Slow parts of the input.
-fn creep(input: &mut [f64], signals: &Signals, weights: &[Parameter]) {
+fn creep(input: &mut [f64], time_s: &[f64], creep_s: &[f64], weights: &[Parameter]) {
     let before = input.to_vec();
-    for (weight, tau_s) in weights.iter().zip(&signals.creep_s).filter(|(weight, _)| weight.value > 0.0) {
-        let slow = low_pass(&before, &signals.time_s, *tau_s);
+    for (weight, tau_s) in weights.iter().zip(creep_s).filter(|(weight, _)| weight.value > 0.0) {
+        let slow = low_pass(&before, time_s, *tau_s);
         for ((u, slow), now) in input.iter_mut().zip(slow).zip(&before) {
             *u += weight.value * (slow - now);
         }
@@ -230,9 +240,13 @@ impl Friction {
 
 /// The values later by `delay_s`, straight between rows.
 pub fn delayed(values: &[f64], time_s: &[f64], delay_s: f64) -> Vec<f64> {
+    delayed_at(values, time_s, time_s, delay_s)
+}
+
+/// The same at other times, which rise.
+fn delayed_at(values: &[f64], time_s: &[f64], at_s: &[f64], delay_s: f64) -> Vec<f64> {
     let mut right = 0;
-    time_s
-        .iter()
+    at_s.iter()
         .map(|time| {
             let wanted = time - delay_s;
             while right < time_s.len() && time_s[right] < wanted {

@@ -7,6 +7,7 @@
 //! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
 //! | `rates` | how a measured signal moves |
+//! | `recorded` | all rows of it, for what is quicker than the kept ones show |
 //! | `thinning` | the rows of it that are enough for a direction or a rank |
 //! | [`basis`] | the baseline: any rate-independent hysteresis, linear in its weights |
 //! | [`effect`], [`equivalent`], [`output`] | each cause as a nested extension in its physical place |
@@ -46,6 +47,7 @@ pub mod physical;
 pub mod pure_error;
 pub mod race;
 mod rates;
+mod recorded;
 pub mod reject;
 pub mod screen;
 pub mod search;

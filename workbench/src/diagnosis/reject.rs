@@ -86,7 +86,7 @@ pub fn no_gain(extended: &Extended) -> Option<Unexplained> {
 fn outliers(signals: &Signals) -> Option<Unexplained> {
     let far: Vec<f64> = signals
         .recorded
-        .output
+        .scored
         .windows(5)
         .filter_map(|w| {
             // Off its neighbours by far more than these move themselves.

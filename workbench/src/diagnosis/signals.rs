@@ -11,11 +11,11 @@ use std::sync::Arc;
 
 use super::Columns;
 use super::anatomy::noise::{self, NoiseFloor};
-use super::anatomy::spectrum::{amplitude, tones};
 use super::anatomy::steps;
 use super::effect::Rate;
 use super::output::low_pass;
 use super::rates::{JERK_WINDOW, WINDOW, local_cubic, speed};
+use super::recorded::Recorded;
 use super::thinning::Thinning;
 use crate::numbers::{quantiles, range, root_mean_square, travel};
 
@@ -33,9 +33,6 @@ const BLOCKS: f64 = 16.0;
 const BLOCK_S: (f64, f64) = (4.0, 30.0);
 /// What a block keeps away from the next, as a share of a block.
 const GAP: f64 = 0.1;
-/// Peaks of a residual that are looked at, and what each has to have in the scored rows of its amplitude in all.
-const PEAKS: usize = 12;
-const STANDS: f64 = 0.5;
 /// Tents over the contraction that an effect's strength is made of.
 pub const TENTS: usize = 3;
 /// Contractions at which it is known how steep the contraction rises, and by how much it may differ from that at mid stroke.
@@ -62,21 +59,12 @@ impl Row {
     }
 }
 
-/// All rows that may be scored, for what is quicker than kept rows show.
-#[derive(Debug)]
-pub struct Recorded {
-    /// Unit: s.
-    pub time_s: Vec<f64>,
-    /// Output unit.
-    pub output: Vec<f64>,
-}
-
 /// A recording, prepared. Each list has a value a kept row.
 #[derive(Clone, Debug)]
 pub struct Signals {
     /// The rows of the recording that are kept.
     kept: Vec<usize>,
-    /// What they are kept of.
+    /// What they are kept of, all of it.
     pub recorded: Arc<Recorded>,
     /// Unit: s.
     pub time_s: Vec<f64>,
@@ -133,12 +121,6 @@ pub struct Signals {
     pub input_noise: f64,
 }
 
-impl Recorded {
-    fn of(columns: &Columns) -> Self {
-        Self { time_s: columns.of_scored(&columns.time_s), output: columns.of_scored(&columns.output) }
-    }
-}
-
 impl Signals {
     /// Prepares a recording.
     pub fn new(columns: &Columns) -> Self {
@@ -149,6 +131,13 @@ impl Signals {
         let noise_floor = columns.noise_floor();
         let (noise, input_noise) = (noise_floor.deviation, noise::floor(time_s, input).deviation);
         let speeds = [speed(time_s, input, step_s, input_noise), speed(time_s, output, step_s, noise)];
+        let recorded = Recorded {
+            time_s: time_s.clone(),
+            input: input.clone(),
+            input_speed: speeds[Rate::Input as usize].clone(),
+            scored_s: columns.of_scored(time_s),
+            scored: columns.of_scored(output),
+        };
         let (low, high) = quantiles(output, 0.02);
         let knots = std::array::from_fn(|knot| low + (high - low) * knot as f64 / (TENTS - 1) as f64);
         let (stride, every) = strides(columns, step_s);
@@ -162,7 +151,7 @@ impl Signals {
         };
         let whole = Self {
             kept: (0..time_s.len()).collect(),
-            recorded: Arc::new(Recorded::of(columns)),
+            recorded: Arc::new(recorded),
             input_span: (highest - lowest).max(1e-9),
             slow: creep_s.iter().map(slow).collect(),
             creep_s,
@@ -271,6 +260,11 @@ impl Signals {
         self.rows.iter().map(|row| self.kept[row.at]).collect()
     }
 
+    /// What is kept of a column of all rows.
+    pub fn kept(&self, values: &[f64]) -> Vec<f64> {
+        self.kept.iter().map(|&row| values[row]).collect()
+    }
+
     /// The speed that a width depends on.
     pub fn speed_of(&self, rate: Rate) -> &[f64] {
         &self.speeds[rate as usize]
@@ -279,38 +273,6 @@ impl Signals {
     /// Root mean square of a speed.
     pub fn typical_speed(&self, rate: Rate) -> f64 {
         self.typical_speeds[rate as usize]
-    }
-
-    /// Frequencies of the strongest tones of a residual of the scored rows, `most` of them at most. Unit: Hz.
-    ///
-    /// Of all that was recorded: in scored rows alone what is quicker than these are apart looks like something slower. But it
-    /// has to be in these too: between them the fit is straight, and what bends there is none of the residual.
-    pub fn tones(&self, residual: &[f64], most: usize) -> Vec<f64> {
-        let scored_s: Vec<f64> = self.rows.iter().map(|row| self.time_s[row.at]).collect();
-        let (all_s, all) = (&self.recorded.time_s, self.residual_of_all(residual));
-        let stands = |&hz: &f64| amplitude(&scored_s, residual, hz) >= STANDS * amplitude(all_s, &all, hz);
-        tones(all_s, &all, PEAKS).into_iter().filter(stands).take(most).collect()
-    }
-
-    /// A residual of the scored rows at all of [`Recorded`]: what was recorded less what was fitted, straight from one scored row
-    /// to the next. Output unit.
-    fn residual_of_all(&self, residual: &[f64]) -> Vec<f64> {
-        let fitted = |place: usize| {
-            let at = self.rows[place].at;
-            (self.time_s[at], self.output[at] - residual[place])
-        };
-        let Recorded { time_s, output } = &*self.recorded;
-        let mut place = 0;
-        let left = |(&time_s, output): (&f64, &f64)| {
-            while place + 2 < self.rows.len() && fitted(place + 1).0 <= time_s {
-                place += 1;
-            }
-            let (from, to) = (fitted(place), fitted((place + 1).min(self.rows.len() - 1)));
-            let share =
-                if to.0 > from.0 { ((time_s - from.0) / (to.0 - from.0)).clamp(0.0, 1.0) } else { 0.0 };
-            output - (from.1 + share * (to.1 - from.1))
-        };
-        time_s.iter().zip(output).map(left).collect()
     }
 
     /// Between the outer knots. Output unit.

@@ -6,7 +6,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::anatomy::examinable::Inseparable;
 use super::cause::Cause;
-use super::effect::Effect;
+use super::effect::{Effect, Form, Parameter};
+use super::equivalent::Arrived;
 use super::reject::Unexplained;
 use super::search::Search;
 use super::signals::Signals;
@@ -357,4 +358,20 @@ fn what_is_named_and_not_told_apart_gets_the_experiment_that_would() {
     assert_eq!(experiment(&diagnosis), None);
     diagnosis.causes.push(named(Cause::Creep, Vec::new()));
     assert_eq!(experiment(&diagnosis).as_deref(), Some("mgpi plan --causes creep,viscous_lag -o plan.csv"));
+}
+
+#[test]
+fn a_delay_shorter_than_kept_rows_are_apart_is_that_of_all_rows() {
+    let (rows, step_s) = (12_000, 0.005);
+    let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * step_s).collect();
+    // With an edge every seven rows, which kept rows alone do not know.
+    let input: Vec<f64> = (0..rows).map(|row| f64::from((row / 7) as u32 % 5)).collect();
+    let columns =
+        Columns { output: input.clone(), input, scored: vec![true; rows], time_s, ..Columns::default() };
+    let signals = Signals::new(&columns);
+    let delay = Parameter { value: step_s, low: 0.0, high: 1.0, step: 1e-4 };
+    let arrived = Arrived::new(&signals, &[Effect { form: Form::Delay, parameters: vec![delay] }]);
+    for (row, place) in signals.rows.iter().zip(signals.scored()).skip(1) {
+        assert!((arrived.input[row.at] - columns.input[place - 1]).abs() < 1e-6, "{place}");
+    }
 }

@@ -25,7 +25,10 @@ impl Arrived {
             // Delays add up.
             let delays = effects.iter().filter(|effect| effect.form == Form::Delay);
             let delay_s = delays.flat_map(|effect| &effect.parameters).map(|delay| delay.value).sum();
-            let late = |values: &[f64]| delayed_at(values, time_s, &signals.time_s, delay_s);
+            let late = |values: &[f64]| match delay_s {
+                0.0 => signals.kept(values),
+                _ => delayed_at(values, time_s, &signals.time_s, delay_s),
+            };
             let speed = if needs_speed { late(input_speed) } else { signals.speed_of(Rate::Input).to_vec() };
             return Self { input: late(input), speed };
         }

@@ -10,13 +10,13 @@ const STANDS: f64 = 0.5;
 /// What is quicker than kept rows show.
 #[derive(Debug)]
 pub struct Recorded {
-    /// Of all rows. Unit: s.
+    /// Of all rows up to the last kept one. Unit: s.
     pub time_s: Vec<f64>,
     /// Input unit.
     pub input: Vec<f64>,
     /// Size of its rate above the noise. Unit: input unit/s.
     pub input_speed: Vec<f64>,
-    /// Of those that may be scored. Unit: s.
+    /// Of all rows that may be scored. Unit: s.
     pub scored_s: Vec<f64>,
     /// Output unit.
     pub scored: Vec<f64>,

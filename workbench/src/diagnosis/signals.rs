@@ -131,17 +131,18 @@ impl Signals {
         let noise_floor = columns.noise_floor();
         let (noise, input_noise) = (noise_floor.deviation, noise::floor(time_s, input).deviation);
         let speeds = [speed(time_s, input, step_s, input_noise), speed(time_s, output, step_s, noise)];
-        let recorded = Recorded {
-            time_s: time_s.clone(),
-            input: input.clone(),
-            input_speed: speeds[Rate::Input as usize].clone(),
-            scored_s: columns.of_scored(time_s),
-            scored: columns.of_scored(output),
-        };
         let (low, high) = quantiles(output, 0.02);
         let knots = std::array::from_fn(|knot| low + (high - low) * knot as f64 / (TENTS - 1) as f64);
         let (stride, every) = strides(columns, step_s);
         let (rows, blocks) = rows(time_s, scored, every);
+        let end = rows.last().map_or(0, |row| row.at + 1);
+        let recorded = Recorded {
+            time_s: time_s[..end].to_vec(),
+            input: input[..end].to_vec(),
+            input_speed: speeds[Rate::Input as usize][..end].to_vec(),
+            scored_s: columns.of_scored(time_s),
+            scored: columns.of_scored(output),
+        };
         let (lowest, highest) = range(input);
         let duration_s = time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0);
         let creep_s = creep_s((5.0 * step_s).max(0.1), duration_s / 3.0);

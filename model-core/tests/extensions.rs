@@ -229,3 +229,27 @@ fn time_steps_are_of_second_order_also_when_they_are_unequal() {
         assert!(half < 0.32 * whole && quarter < 0.32 * half, "{whole}, {half}, {quarter} mm");
     }
 }
+
+#[test]
+fn a_coarser_tolerance_moves_an_answer_by_about_as_many_of_it_as_a_lag_has_steps() {
+    let mut all = Extensions::default();
+    let (viscosity, tolerance) = (0.03, 1e-7);
+    all.viscous_lag = Some(effects::profile([viscosity; 3]));
+    let (exact, coarse) = (model(&all), model(&all).with_tolerance(tolerance));
+    let (mut one, mut other) = (exact.rest_state(), coarse.rest_state());
+    let farthest = (0..TICKS)
+        .map(|tick| {
+            let pressure = 2.0 + 3.0 * swing(tick);
+            let [exact, coarse] =
+                [step(&exact, &mut one, tick, pressure), step(&coarse, &mut other, tick, pressure)]
+                    .map(|output| output.contraction);
+            (exact - coarse).abs()
+        })
+        .fold(0.0, f64::max);
+    let (lowest, highest) = exact.operator().output_range();
+    let range = exact.operator().input_range();
+    let lag_s = viscosity * (highest - lowest) / (range.max() - range.min());
+    // The operator is several times as steep in places as over all.
+    let bound = 5.0 * lag_s / PERIOD_S * tolerance * (highest - lowest);
+    assert!(farthest > 1e-6 * bound && farthest < bound, "{farthest} mm of {bound}");
+}

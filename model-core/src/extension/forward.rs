@@ -88,16 +88,28 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
         extensions: &ExtensionParameters<T>,
     ) -> Result<Self, ParameterError> {
         let model = Model::try_new(parameters)?;
-        let range = model.input_range();
-        let tolerance = T::from_f64(TOLERANCE).at_least(T::from_f64(4.0) * T::EPSILON);
-        let (lowest, highest) = model.output_range();
-        Ok(Self {
-            tolerance: tolerance * (range.max() - range.min()),
-            output_tolerance: tolerance * (highest - lowest),
+        let extended = Self {
             effects: Effects::try_new(extensions, &model)?,
             delay_s: each(&extensions.transport_delay, TransportDelayParameters::checked)?,
+            tolerance: T::ZERO,
+            output_tolerance: T::ZERO,
             model,
-        })
+        };
+        Ok(extended.with_tolerance(T::from_f64(TOLERANCE)))
+    }
+
+    /// The same, its roots found to this share of the input range and of the output range instead of 1e-11, as far as the number
+    /// type allows: for a search that runs many models, of each of which little is asked. Rates are differences of what is found: an
+    /// answer is off by about as many times more as a lag has steps of time, for a mass by the square of that.
+    pub fn with_tolerance(self, tolerance: T) -> Self {
+        let tolerance = tolerance.at_least(T::from_f64(4.0) * T::EPSILON);
+        let range = self.model.input_range();
+        let (lowest, highest) = self.model.output_range();
+        Self {
+            tolerance: tolerance * (range.max() - range.min()),
+            output_tolerance: tolerance * (highest - lowest),
+            ..self
+        }
     }
 
     /// The operator.

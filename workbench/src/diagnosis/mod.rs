@@ -171,7 +171,7 @@ pub fn diagnose(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<Diagnosis, DiagnosisError> {
-    Ok(diagnose_and(columns, progress, |_, _, _| ())?.0)
+    Ok(diagnose_and(columns, progress, |_| (), |_, _, ()| ())?.0)
 }
 
 /// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
@@ -185,11 +185,16 @@ pub fn diagnose_and_extend(
     given: Option<&Operator>,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<(Diagnosis, Option<Extended>), DiagnosisError> {
-    let (mut diagnosis, (extended, is_third_order)) =
-        diagnose_and(columns, progress, |search, best, valve| {
+    let (mut diagnosis, (extended, is_third_order)) = diagnose_and(
+        columns,
+        progress,
+        |scored| extend::plain(columns, scored),
+        |found, valve, plain| {
             let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
-            (extend(columns, search, best, valve, given, &progress), best.is_third_order())
-        })?;
+            let extended = plain.and_then(|plain| extend(columns, found, valve, plain, given, &progress));
+            (extended, found.1.is_third_order())
+        },
+    )?;
     // A model that gains nothing has nothing to say about them.
     let gaining = extended.as_ref().filter(|extended| extended.extended_rmse < extended.baseline_rmse);
     let measured = gaining.and_then(extend::physical::parameters).unwrap_or_default();
@@ -229,10 +234,12 @@ pub fn diagnose_and_extend(
     Ok((diagnosis, extended))
 }
 
-fn diagnose_and<T>(
+/// Diagnoses a recording, and goes on from what was found and from what is made `beside` the search of the scored rows.
+fn diagnose_and<B: Send, T>(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
-    go_on: impl FnOnce(&Search<'_>, &Candidate, Option<&ValveFit>) -> T,
+    beside: impl FnOnce(&[usize]) -> B + Send,
+    go_on: impl FnOnce((&Search<'_>, &Candidate), Option<&ValveFit>, B) -> T,
 ) -> Result<(Diagnosis, T), DiagnosisError> {
     check(columns)?;
     progress(0.0, "preparing");
@@ -255,21 +262,22 @@ fn diagnose_and<T>(
         .filter(|&cause| can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command));
     let muscle = muscle.collect();
     progress(0.1, "baseline");
-    let input_noise = signals.input_noise;
+    let (input_noise, scored_rows) = (signals.input_noise, signals.scored());
     let searched = || {
         let search = Search::new(&mut signals, muscle)?;
         let found = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
         Some((search, found))
     };
-    // What the valve does is asked beside: it says nothing about the muscle's causes.
-    let (valve, searched) = rayon::join(|| examine(columns, input_noise), searched);
+    // What the valve does says nothing about the muscle's causes.
+    let ((valve, made), searched) =
+        rayon::join(|| (examine(columns, input_noise), beside(&scored_rows)), searched);
     let (search, (best, sizes)) = searched.ok_or(DiagnosisError::NoBaseline)?;
     let alternatives = verdict::alternatives(&search.baseline, &best, &sizes);
     // No choice of the search, so its rivals are those of the width alone.
     let best = best.with_viscosity(&sizes).unwrap_or(best);
     progress(0.8, "what is left");
     let unexplained = unexplained(&search, &best);
-    let beyond = go_on(&search, &best, valve.as_ref());
+    let beyond = go_on((&search, &best), valve.as_ref(), made);
     let inseparable = inseparable(&examinable, &excitation);
     let diagnosis = conclude(&search, best, &sizes, (unexplained, alternatives), valve, examinable)?;
     Ok((Diagnosis { inseparable, ..diagnosis }, beyond))

@@ -117,7 +117,8 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
     };
     let ideal_rmse_bar = task.error(command);
     let mut best = task.polished(Valve { lag_s: 0.05, delay_s: None, band: None, supply_bar: None });
-    loop {
+    // No error is less than the noise: near it there is nothing left to gain.
+    while (best.1 / noise).ln() > GAIN {
         let next = task.richer(&best.0).into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
         match next {
             Some(next) if (best.1 / next.1).ln() > GAIN => best = next,

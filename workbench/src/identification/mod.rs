@@ -19,7 +19,8 @@
 //! | `termination` | how a search ended |
 //!
 //! The problem has several minima, so that many starts are tried side by side: each gets a few steps on a thinned
-//! recording, then the best quarter goes on to convergence on all of it. The answer depends on the seed, not on the number of threads.
+//! recording, the better half a few more, then the best quarter goes on to convergence on all of it. The answer depends on the
+//! seed, not on the number of threads.
 //!
 //! # Contract
 //! Whatever the recording is, the result is a validated, invertible model or a typed error. Before the recording the
@@ -83,8 +84,8 @@ const FREED: usize = 3;
 const CLEARLY: f64 = 0.02;
 /// The share of the sum of squares that a search which is at its end gains no more.
 pub const CONVERGED: f64 = 1e-9;
-/// What every start gets.
-const SCREENING: Limits = Limits { patience: 4, tolerance: CONVERGED };
+/// What every start gets, and then the better half of them once more.
+const SCREENING: Limits = Limits { patience: 2, tolerance: CONVERGED };
 /// What the best starts get.
 const CONVERGENCE: Limits = Limits { patience: 60, tolerance: CONVERGED };
 
@@ -249,9 +250,14 @@ pub fn identify(
 /// Screens all starts, and brings the best to their ends.
 fn search_everywhere<const K: usize>(data: &Data, options: &Options, count: &(dyn Fn() + Sync)) -> Vec<End> {
     let starts = starts::starts(&data.coordinates, options.starts, options.seed);
-    let screened = search_all::<K>(&data.thinned(), &starts, SCREENING, count);
-    let mut best: Vec<Start> = screened.into_iter().map(|(end, _)| end).collect();
-    let mut others = best.split_off(finalists(options.starts).min(best.len()));
+    let thinned = data.thinned();
+    let screened = |starts: &[Start]| -> Vec<Start> {
+        search_all::<K>(&thinned, starts, SCREENING, count).into_iter().map(|(end, _)| end).collect()
+    };
+    let mut better = screened(&starts);
+    let mut others = better.split_off(better.len() / 2);
+    let mut best = screened(&better);
+    others.splice(..0, best.split_off(finalists(options.starts).min(best.len())));
     // The best of the other kind of muscle, if only one is left.
     others.retain(|at| best.iter().all(|other| other.preconditioned != at.preconditioned));
     best.extend(others.into_iter().next());
@@ -297,10 +303,10 @@ fn is_clearly_better((_, fresh): &End, (_, preconditioned): &End) -> bool {
     fresh.cost < preconditioned.cost * (1.0 - CLEARLY)
 }
 
-/// How many searches [`identify`] makes for a number of starts: all of them briefly, the best ones to the
-/// end.
+/// How many searches [`identify`] makes for a number of starts: all of them briefly, the better half once more, the best ones to
+/// the end.
 pub fn searches(starts: usize) -> usize {
-    2 * starts + finalists(starts) + 1 + FREED
+    3 * starts + finalists(starts) + 1 + FREED
 }
 
 fn finalists(starts: usize) -> usize {

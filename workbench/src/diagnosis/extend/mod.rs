@@ -184,14 +184,24 @@ fn rows(columns: &Columns) -> Rows<'_> {
     }
 }
 
-/// Extends the operator model by the causes of a set and those of the valve; None where no model runs through the
-/// recording. The operator goes on from a given one, unless there is none or its form is too poor. `progress` is called
-/// with the share of the work that is done.
+/// The model without extensions that an extended one is compared with, fitted to the first of the scored rows; None where none runs
+/// through the recording.
+pub fn plain(columns: &Columns, scored: &[usize]) -> Option<Extension> {
+    let (taught, _) = split(scored);
+    let operator = start::operator(&start::Seen::plain(columns), taught)?;
+    // Alone an operator may be as uneven as it likes: no search is asked what that costs.
+    let task = Task { columns, scored: taught, reached: 0.0 };
+    Some(task.refined(operator.with(ExtensionParameters::default()))?.0)
+}
+
+/// Extends the operator model by the causes of a set and those of the valve, to be compared with the [`plain`] one; None where no
+/// model runs through the recording. The operator goes on from a given one, unless there is none or its form is too poor.
+/// `progress` is called with the share of the work that is done.
 pub fn extend(
     columns: &Columns,
-    search: &Search<'_>,
-    set: &Candidate,
+    (search, set): (&Search<'_>, &Candidate),
     valve: Option<&ValveFit>,
+    mut plain: Extension,
     given: Option<&Operator>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Option<Extended> {
@@ -202,24 +212,16 @@ pub fn extend(
     let before = Task { columns, scored: taught, reached };
     let whole = Task { columns, scored: &scored, reached };
 
-    let none = ExtensionParameters::default;
-    let without_causes = || {
-        let plain = start::operator(&start::Seen::plain(columns), taught)?;
-        Some(before.refined(plain.with(none()))?.0)
-    };
     let mut extensions = carry::extensions(columns, search, set);
     carry::add_valve(&mut extensions, valve);
-    let with_causes = || {
+    let mut extended = if set.causes.is_empty() {
+        Extension { extensions, ..plain.clone() }
+    } else {
         let kept: Vec<usize> = signals.rows.iter().map(|row| row.at).collect();
         let start = start::operator(&start::Seen::of(search, set), split(&kept).0)?;
-        Some(before.refined(start.with(extensions.clone()))?.0)
-    };
-    let (plain, found) = rayon::join(without_causes, || (!set.causes.is_empty()).then(with_causes));
-    let mut plain = plain?;
-    progress(0.4);
-    let mut extended = match found {
-        None => Extension { extensions, ..plain.clone() },
-        Some(found) => side::nearer(&before, nearer(&before, found?, &plain, extensions)?)?,
+        let (found, _) = before.refined(start.with(extensions.clone()))?;
+        progress(0.4);
+        side::nearer(&before, nearer(&before, found, &plain, extensions)?)?
     };
     let given = match given {
         None => None,
@@ -227,7 +229,7 @@ pub fn extend(
             let before_it = |all: &_| carry::before_operator(all, search, set);
             let (given, refitted) = given::judge(&before, operator, (&plain, &extended), before_it)?;
             if !given.is_too_poor() {
-                (plain, _) = before.refined(operator.with(none()))?;
+                (plain, _) = before.refined(operator.with(ExtensionParameters::default()))?;
                 extended = refitted;
             }
             Some(given)

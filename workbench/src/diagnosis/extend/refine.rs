@@ -25,6 +25,10 @@ use crate::simulation::Rows;
 const STEP: f64 = 1e-4;
 /// A step that gains less than this share of the sum of squares is the last.
 const ENOUGH: f64 = 4e-3;
+/// How exactly a run finds its roots, as a share of the ranges: far below [`STEP`], by which what differences are taken of moves. In
+/// shorter steps of time than these more exactly, by their square: a mass takes second differences.
+const TOLERANCE: f64 = 1e-8;
+const STEP_S: f64 = 0.01;
 /// What it costs to move a variable by a step, as a share of the root of the first sum of squares. Nothing beside what a row
 /// teaches; but a slope that next to no row teaches would grow without end, which costs the taught rows nothing, and throws those
 /// that come later by more than a stroke.
@@ -155,12 +159,17 @@ impl Task<'_> {
             load: all.load.map(|load| &load[..end]),
             temperature: all.temperature.map(|temperature| &temperature[..end]),
         };
+        let step_s = (cut.time_s.last()? - cut.time_s.first()?) / end as f64;
+        let tolerance = TOLERANCE * (step_s / STEP_S).min(1.0).powi(2);
         let simulated = match model.parameters.convert::<f64, SMALL, SMALL>() {
-            Ok(small) => cut.answer(&ExtendedModel::try_new(&small, &extensions).ok()?).ok()?,
+            Ok(small) => {
+                let model = ExtendedModel::try_new(&small, &extensions).ok()?;
+                cut.answer(&model.with_tolerance(tolerance)).ok()?
+            }
             Err(_) => {
                 let model: ExtendedModel<f64, PLAYS, DEAD_ZONES> =
                     ExtendedModel::try_new(&model.parameters, &extensions).ok()?;
-                cut.answer(&model).ok()?
+                cut.answer(&model.with_tolerance(tolerance)).ok()?
             }
         };
         let errors = self.scored.iter().map(|&row| simulated[row] - columns.output[row]);

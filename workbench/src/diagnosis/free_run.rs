@@ -4,12 +4,14 @@
 //! rate, the acceleration, the travel and the creep are those of the simulated contraction.
 //!
 //! At every row the operators' input is the root of a balance that rises with it; acceleration and rate by Newmark's
-//! rule of average acceleration, rate alone by backward differences: both stable at any step.
+//! rule of average acceleration, rate alone by backward differences: both stable at any step. What follows the operators on the
+//! output does so exactly (`follower`).
 
 use super::basis::{Basis, Curved, Walk, Weights};
 use super::effect::{Driver, Effect, Form, Parameter, Rate};
 use super::equivalent::{Arrived, Friction, bend, faster, through, wider};
 use super::fit::Fit;
+use super::follower::Follower;
 use super::output;
 use super::series::series;
 use super::signals::{Signals, TENTS};
@@ -63,8 +65,7 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
     let weights = Weights::new(&fit.weights);
     let first = input.first().copied().unwrap_or(0.0);
     let mut state = State::new(signals, basis.curved(bend(&fit.effects)), (&fit.effects, &weights), first);
-    let mut behind = Motion { place: signals.output[0], rate: 0.0, acceleration: 0.0 };
-    let mut late = Late { goal: signals.output[0], place: signals.output[0] };
+    let [mut late, mut behind] = [Follower::resting(signals.output[0]); 2];
     let mut slow = vec![signals.output[0]; creep.len()];
     let (mut shares, mut shares_s) = (vec![0.0; creep.len()], 0.0);
     let mut run =
@@ -73,7 +74,7 @@ pub fn free_run(signals: &Signals, basis: &Basis, fit: &Fit) -> FreeRun {
         let step_s = if at == 0 { 0.0 } else { signals.time_s[at] - signals.time_s[at - 1] };
         let muscle = state.step(at, pressure, speed, step_s);
         let muscle = match &lag {
-            Some(lag) => late.follow(muscle, step_s, through(&signals.tents[at], lag)),
+            Some(lag) => late.follow(muscle, step_s, [0.0, through(&signals.tents[at], lag)]),
             None => muscle,
         };
         let muscle =
@@ -287,42 +288,6 @@ impl Motion {
         }
         let acceleration = 4.0 * (moved - step_s * self.rate) / (step_s * step_s) - self.acceleration;
         Self { place, rate: self.rate + 0.5 * step_s * (self.acceleration + acceleration), acceleration }
-    }
-
-    /// Goes on to where place + damping rate + mass acceleration = goal; returns the place.
-    fn follow(&mut self, goal: f64, step_s: f64, [mass, damping]: [f64; 2]) -> f64 {
-        if [mass, damping] == [0.0; 2] || step_s <= 0.0 {
-            *self = Self { place: goal, rate: 0.0, acceleration: 0.0 };
-            return goal;
-        }
-        // Both are linear in the place: two points of it give the root.
-        let miss = |place: f64| {
-            let moved = self.to(place, step_s, mass > 0.0);
-            place + damping * moved.rate + mass * moved.acceleration - goal
-        };
-        let (at_zero, at_one) = (miss(0.0), miss(1.0));
-        *self = self.to(-at_zero / (at_one - at_zero), step_s, mass > 0.0);
-        self.place
-    }
-}
-
-/// What follows a goal late.
-struct Late {
-    goal: f64,
-    place: f64,
-}
-
-impl Late {
-    /// Goes on to a goal, by a first-order lag, exactly for one that moves evenly; returns the place.
-    fn follow(&mut self, goal: f64, step_s: f64, lag_s: f64) -> f64 {
-        if step_s > 0.0 && lag_s > 0.0 {
-            let behind = lag_s * (goal - self.goal) / step_s;
-            self.place = goal - behind + (self.place - self.goal + behind) * (-step_s / lag_s).exp();
-        } else {
-            self.place = goal;
-        }
-        self.goal = goal;
-        self.place
     }
 }
 

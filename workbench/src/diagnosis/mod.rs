@@ -13,6 +13,7 @@
 //! | [`effect`], [`equivalent`], [`output`] | each cause as a nested extension in its physical place |
 //! | [`fit`] | baseline and effects together by Gauss-Newton, and tried on blocks that it has not seen |
 //! | `series` | a lag before a mass on the output, as one form |
+//! | `follower` | what follows a goal by a linear law, exactly |
 //! | [`free_run`], `swing` | the same without the measured contraction, and tuned to run free |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
 //! | [`screen`], [`search`] | which sets are tried |
@@ -40,6 +41,7 @@ pub mod effect;
 pub mod equivalent;
 pub mod extend;
 pub mod fit;
+mod follower;
 pub mod free_run;
 pub mod gain;
 pub mod output;

@@ -17,6 +17,7 @@
 //! | [`free_run`], `swing` | the same without the measured contraction, and tuned to run free |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
 //! | [`screen`], [`search`] | which sets are tried |
+//! | `overlooked` | a fast cause that the search does not see |
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`] | what is wrong but none of the causes |
 //! | [`physical`] | the parameters in units that people measure in |
@@ -45,6 +46,7 @@ mod follower;
 pub mod free_run;
 pub mod gain;
 pub mod output;
+mod overlooked;
 pub mod physical;
 pub mod pure_error;
 pub mod race;
@@ -73,7 +75,8 @@ use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
 use cause::Cause;
-use extend::{Extended, Operator, extend};
+use extend::{Extended, Extension, Operator, extend};
+use overlooked::{Overlooked, overlooked};
 use reject::{Unexplained, no_gain, unexplained};
 use search::Search;
 use signals::Signals;
@@ -173,7 +176,7 @@ pub fn diagnose(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<Diagnosis, DiagnosisError> {
-    Ok(diagnose_and(columns, progress, |_| (), |_, _, ()| ())?.0)
+    Ok(diagnose_and(columns, progress, |_, _, _| ())?.0)
 }
 
 /// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
@@ -187,16 +190,12 @@ pub fn diagnose_and_extend(
     given: Option<&Operator>,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<(Diagnosis, Option<Extended>), DiagnosisError> {
-    let (mut diagnosis, (extended, is_third_order)) = diagnose_and(
-        columns,
-        progress,
-        |scored| extend::plain(columns, scored),
-        |found, valve, plain| {
+    let (mut diagnosis, (extended, is_third_order)) =
+        diagnose_and(columns, progress, |found, valve, plain| {
             let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
             let extended = plain.and_then(|plain| extend(columns, found, valve, plain, given, &progress));
             (extended, found.1.is_third_order())
-        },
-    )?;
+        })?;
     // A model that gains nothing has nothing to say about them.
     let gaining = extended.as_ref().filter(|extended| extended.extended_rmse < extended.baseline_rmse);
     let measured = gaining.and_then(extend::physical::parameters).unwrap_or_default();
@@ -236,12 +235,11 @@ pub fn diagnose_and_extend(
     Ok((diagnosis, extended))
 }
 
-/// Diagnoses a recording, and goes on from what was found and from what is made `beside` the search of the scored rows.
-fn diagnose_and<B: Send, T>(
+/// Diagnoses a recording, and goes on from what was found and from the plain model, if one runs through the recording.
+fn diagnose_and<T>(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
-    beside: impl FnOnce(&[usize]) -> B + Send,
-    go_on: impl FnOnce((&Search<'_>, &Candidate), Option<&ValveFit>, B) -> T,
+    go_on: impl FnOnce((&Search<'_>, &Candidate), Option<&ValveFit>, Option<Extension>) -> T,
 ) -> Result<(Diagnosis, T), DiagnosisError> {
     check(columns)?;
     progress(0.0, "preparing");
@@ -270,18 +268,27 @@ fn diagnose_and<B: Send, T>(
         let found = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
         Some((search, found))
     };
-    // What the valve does says nothing about the muscle's causes.
-    let ((valve, made), searched) =
-        rayon::join(|| (examine(columns, input_noise), beside(&scored_rows)), searched);
+    // What the valve does and the model without causes say nothing about the muscle's.
+    let beside = || (examine(columns, input_noise), extend::plain(columns, &scored_rows));
+    let ((valve, plain), searched) = rayon::join(beside, searched);
     let (search, (best, sizes)) = searched.ok_or(DiagnosisError::NoBaseline)?;
     let alternatives = verdict::alternatives(&search.baseline, &best, &sizes);
     // No choice of the search, so its rivals are those of the width alone.
     let best = best.with_viscosity(&sizes).unwrap_or(best);
     progress(0.8, "what is left");
     let unexplained = unexplained(&search, &best);
-    let beyond = go_on((&search, &best), valve.as_ref(), made);
+    let is_silent = best.causes.is_empty() && unexplained.is_none();
+    let look = |plain: &Extension| overlooked(columns, &search, sizes.first()?, plain);
+    let (best, alternatives, evidence) = match plain.as_ref().filter(|_| is_silent).and_then(look) {
+        Some(Overlooked { set, alternatives, evidence }) => (set, alternatives, Some(evidence)),
+        None => (best, alternatives, None),
+    };
+    let beyond = go_on((&search, &best), valve.as_ref(), plain);
     let inseparable = inseparable(&examinable, &excitation);
-    let diagnosis = conclude(&search, best, &sizes, (unexplained, alternatives), valve, examinable)?;
+    let mut diagnosis = conclude(&search, best, &sizes, (unexplained, alternatives), valve, examinable)?;
+    if let Some(named) = diagnosis.causes.first_mut() {
+        named.evidence.extend(evidence);
+    }
     Ok((Diagnosis { inseparable, ..diagnosis }, beyond))
 }
 

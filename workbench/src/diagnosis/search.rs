@@ -209,8 +209,8 @@ impl<'a> Search<'a> {
 
     /// The set that the evidence is for, and all sets that were looked at, by size, the best first.
     ///
-    /// It is the best of the largest size that is worth each of its causes, less those that a later one has made
-    /// needless, each tried against its closest rivals.
+    /// It is the best of the largest size that is worth each of its causes, or what is left of one that is not, less those causes
+    /// that a later one has made needless, each tried against its closest rivals.
     ///
     /// `progress` is called with the share of the work that is done.
     pub fn run(&self, progress: &(dyn Fn(f64) + Sync)) -> (Candidate, Vec<Vec<Candidate>>) {
@@ -222,12 +222,14 @@ impl<'a> Search<'a> {
             for comes_to_more in [false, true] {
                 let alike = size.iter().filter(|set| set.comes_to_more() == comes_to_more);
                 let better = alike.filter(|set| self.is_better(&best.0, set)).take(BEAM);
-                let mut worth = better.map(|set| (set, self.without_each(set, &sizes)));
-                if let Some((set, without)) =
-                    worth.find(|(set, without)| self.dropped(set, without).is_none())
-                {
-                    best = (set.clone(), without);
+                let mut less = Vec::new();
+                let mut found = better.cloned().find_map(|set| self.worth(set, &sizes, &mut less));
+                if found.is_none() {
+                    // What a larger set comes down to may be none of those that the beam has come by.
+                    less.retain(|set| self.is_better(&best.0, set));
+                    found = less.into_iter().find_map(|set| self.worth(set, &sizes, &mut Vec::new()));
                 }
+                best = found.unwrap_or(best);
             }
             if best.0.causes.len() == smaller {
                 break;
@@ -241,6 +243,23 @@ impl<'a> Search<'a> {
             best = (set, without);
         }
         (best.0, sizes)
+    }
+
+    /// A set, and what it is without each of its causes; None where one of them is needless, and `less` gets the set without that.
+    fn worth(
+        &self,
+        set: Candidate,
+        sizes: &[Vec<Candidate>],
+        less: &mut Vec<Candidate>,
+    ) -> Option<(Candidate, Vec<Option<Candidate>>)> {
+        let without = self.without_each(&set, sizes);
+        match self.dropped(&set, &without) {
+            None => Some((set, without)),
+            Some(needless) => {
+                less.push(needless.clone());
+                None
+            }
+        }
     }
 
     /// Whether a set is better than a smaller one. Where both have or come to as many causes, what a mass costs for the lag that it

@@ -194,6 +194,48 @@ pub fn plain(columns: &Columns, scored: &[usize]) -> Option<Extension> {
     Some(task.refined(operator.with(ExtensionParameters::default()))?.0)
 }
 
+/// The operator with the extensions of a set, fitted to the rows of a task; None where no model runs through them.
+fn found(
+    task: &Task<'_>,
+    (search, set): (&Search<'_>, &Candidate),
+    extensions: ExtensionParameters<f64>,
+    plain: &Extension,
+) -> Option<Extension> {
+    let kept: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();
+    let start = start::operator(&start::Seen::of(search, set), split(&kept).0)?;
+    let (found, _) = task.refined(start.with(extensions.clone()))?;
+    side::nearer(task, nearer(task, found, plain, extensions)?)
+}
+
+/// The plain model fitted to all scored rows, beside which sets of causes are tried.
+pub struct Refitted<'a> {
+    columns: &'a Columns,
+    search: &'a Search<'a>,
+    scored: Vec<usize>,
+    plain: Extension,
+    /// Its error, root mean square. Output unit.
+    pub without: f64,
+}
+
+impl<'a> Refitted<'a> {
+    /// From the [`plain`] model; None where it does not run through the recording.
+    pub fn new(columns: &'a Columns, search: &'a Search<'a>, plain: &Extension) -> Option<Self> {
+        let scored = search.signals.scored();
+        let task = Task { columns, scored: &scored, reached: 0.0 };
+        let (plain, _) = task.refined(plain.clone())?;
+        let without = task.rms(&plain)?;
+        Some(Self { columns, search, scored, plain, without })
+    }
+
+    /// The error of the model with the causes of a set; None where no such model runs through the recording. Output unit.
+    pub fn with(&self, set: &Candidate) -> Option<f64> {
+        let reached = root_mean_square(&set.residual);
+        let task = Task { columns: self.columns, scored: &self.scored, reached };
+        let extensions = carry::extensions(self.columns, self.search, set);
+        task.rms(&found(&task, (self.search, set), extensions, &self.plain)?)
+    }
+}
+
 /// Extends the operator model by the causes of a set and those of the valve, to be compared with the [`plain`] one; None where no
 /// model runs through the recording. The operator goes on from a given one, unless there is none or its form is too poor.
 /// `progress` is called with the share of the work that is done.
@@ -217,11 +259,9 @@ pub fn extend(
     let mut extended = if set.causes.is_empty() {
         Extension { extensions, ..plain.clone() }
     } else {
-        let kept: Vec<usize> = signals.rows.iter().map(|row| row.at).collect();
-        let start = start::operator(&start::Seen::of(search, set), split(&kept).0)?;
-        let (found, _) = before.refined(start.with(extensions.clone()))?;
+        let found = found(&before, (search, set), extensions, &plain)?;
         progress(0.4);
-        side::nearer(&before, nearer(&before, found, &plain, extensions)?)?
+        found
     };
     let given = match given {
         None => None,

@@ -27,7 +27,7 @@ const END: f64 = 0.05;
 /// been removed by the causes; the more the larger it is, up to the other pair.
 const LARGE: [(f64, f64); 2] = [(0.45, 0.5), (0.65, 0.8)];
 /// And it has to be above so many times the noise: states are never quite the same.
-const SEEN: f64 = 4.0;
+const SEEN: f64 = 5.0;
 /// A row is far off beyond so many times the noise, and so many such rows are too many.
 const FAR: f64 = 10.0;
 const MOVES: f64 = 4.0;

@@ -35,6 +35,7 @@ fn columns(case: &Case) -> Columns {
         scored: vec![true; rows.len()],
         load_n: Some(of(|row| row.measured.load_n)),
         temperature_c: Some(of(|row| row.measured.temperature_c)),
+        past_unknown_until_s: None,
     }
 }
 

@@ -63,6 +63,7 @@ fn columns(rows: &[Row]) -> Columns {
         temperature_c: Some(column(|row| row.measured.temperature_c)),
         output: column(|row| row.measured.contraction_mm),
         scored: vec![true; rows.len()],
+        past_unknown_until_s: None,
     }
 }
 

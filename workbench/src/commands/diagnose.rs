@@ -11,7 +11,7 @@ use super::search::Columns as Chosen;
 use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::heldout::on_another;
 use crate::diagnosis::extend::{Extended, Extension, HeldOutGain, Operator};
-use crate::diagnosis::words::{experiment, in_a_sentence};
+use crate::diagnosis::words::{experiment, in_a_sentence, unknown_past};
 use crate::diagnosis::{Columns, Diagnosis, diagnose_and_extend};
 use crate::identification::HostModel;
 use crate::model_file::{HeldOut, Identification, ModelFile};
@@ -137,13 +137,13 @@ fn to_file(
     })
 }
 
-/// The columns of a recording that a diagnosis looks at, and the recording that they are from.
+/// The columns of a recording that a diagnosis looks at, and the recording that they are from; no row is scored whose past is unknown.
 ///
 /// # Errors
 /// The recording is not what it should be.
 pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error> {
     let table = Table::read(file)?;
-    let recording = Recording::of(&table, choice)?;
+    let mut recording = Recording::of(&table, choice)?;
     let Recording { drive, output } = &recording;
     let column = |name: &str| table.column(name).map(<[f64]>::to_vec);
     let input_is_command = drive.input.channel.name.starts_with("command");
@@ -156,7 +156,10 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
         input_is_command,
         output: output.values.clone(),
         scored: drive.scored.clone(),
-    };
+        past_unknown_until_s: None,
+    }
+    .with_known_past();
+    recording.drive.scored.clone_from(&columns.scored);
     Ok((columns, recording))
 }
 
@@ -212,6 +215,9 @@ fn print_summary(
     for set in &diagnosis.alternatives {
         let names: Vec<&str> = set.iter().map(|cause| cause.name()).collect();
         say!("as well       {}", names.join(" and "));
+    }
+    if let Some(past) = unknown_past(diagnosis) {
+        say!("not scored    {past}");
     }
     let Inseparable { causes, why } = &diagnosis.inseparable;
     if !causes.is_empty() {

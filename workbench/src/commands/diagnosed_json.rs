@@ -57,6 +57,7 @@ pub fn to_json(
         })),
         "share_of_gain": extended.and_then(|(_, gain)| gain.share()),
         "pure_error": diagnosis.pure_error.map(|(before, after)| keyed(&[("before", before), ("after", after)])),
+        "past_unknown_until_s": diagnosis.past_unknown_until_s,
         "figures_of_misfit": diagnosis.anatomy,
         "examinable": diagnosis.examinable,
         "not_told_apart": names(&diagnosis.inseparable.causes),

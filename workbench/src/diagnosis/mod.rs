@@ -6,8 +6,10 @@
 //! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
 //! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
+//! | `history` | from when on it tells what the muscle has been through |
 //! | `rates` | how a measured signal moves |
 //! | `recorded` | all rows of it, for what is quicker than the kept ones show |
+//! | `scored` | the scored rows of it |
 //! | `thinning` | the rows of it that are enough for a direction or a rank |
 //! | [`basis`] | the baseline: any rate-independent hysteresis, linear in its weights |
 //! | [`effect`], [`equivalent`], [`output`] | each cause as a nested extension in its physical place |
@@ -17,6 +19,7 @@
 //! | [`free_run`], `swing` | the same without the measured contraction, and tuned to run free |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
 //! | [`screen`], [`search`] | which sets are tried |
+//! | `rivals` | sets that the search hardly tells apart |
 //! | `overlooked` | a fast cause that the search does not see |
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`] | what is wrong but none of the causes |
@@ -45,6 +48,7 @@ pub mod fit;
 mod follower;
 pub mod free_run;
 pub mod gain;
+mod history;
 pub mod output;
 mod overlooked;
 pub mod physical;
@@ -53,6 +57,8 @@ pub mod race;
 mod rates;
 mod recorded;
 pub mod reject;
+mod rivals;
+mod scored;
 pub mod screen;
 pub mod search;
 mod series;
@@ -78,6 +84,8 @@ use cause::Cause;
 use extend::{Extended, Extension, Operator, extend};
 use overlooked::{Overlooked, overlooked};
 use reject::{Unexplained, no_gain, unexplained};
+use rivals::{Settled, settled};
+use scored::Scored;
 use search::Search;
 use signals::Signals;
 use valve::{ValveFit, examine};
@@ -102,6 +110,8 @@ pub struct Columns {
     pub load_n: Option<Vec<f64>>,
     /// Unit: degree Celsius.
     pub temperature_c: Option<Vec<f64>>,
+    /// No row before is scored since its past is unknown, see [`Self::with_known_past`]; None where all pasts are known. Unit: s.
+    pub past_unknown_until_s: Option<f64>,
 }
 
 impl Columns {
@@ -166,6 +176,8 @@ pub struct Diagnosis {
     pub tried: Vec<Tried>,
     /// The valve, if it can be told apart.
     pub valve: Option<ValveFit>,
+    /// Rows before are not scored since their past is unknown, if there are such. Unit: s.
+    pub past_unknown_until_s: Option<f64>,
 }
 
 /// Diagnoses a recording. `progress` is called with a share of the work and what is being done.
@@ -272,7 +284,8 @@ fn diagnose_and<T>(
     let beside = || (examine(columns, input_noise), extend::plain(columns, &scored_rows));
     let ((valve, plain), searched) = rayon::join(beside, searched);
     let (search, (best, sizes)) = searched.ok_or(DiagnosisError::NoBaseline)?;
-    let alternatives = verdict::alternatives(&search.baseline, &best, &sizes);
+    let Settled { set: best, alternatives, evidence } =
+        settled(columns, &search, (&best, &sizes), plain.as_ref());
     // No choice of the search, so its rivals are those of the width alone.
     let best = best.with_viscosity(&sizes).unwrap_or(best);
     progress(0.8, "what is left");
@@ -281,7 +294,7 @@ fn diagnose_and<T>(
     let look = |plain: &Extension| overlooked(columns, &search, sizes.first()?, plain);
     let (best, alternatives, evidence) = match plain.as_ref().filter(|_| is_silent).and_then(look) {
         Some(Overlooked { set, alternatives, evidence }) => (set, alternatives, Some(evidence)),
-        None => (best, alternatives, None),
+        None => (best, alternatives, evidence),
     };
     let beyond = go_on((&search, &best), valve.as_ref(), plain);
     let inseparable = inseparable(&examinable, &excitation);
@@ -289,7 +302,8 @@ fn diagnose_and<T>(
     if let Some(named) = diagnosis.causes.first_mut() {
         named.evidence.extend(evidence);
     }
-    Ok((Diagnosis { inseparable, ..diagnosis }, beyond))
+    let past_unknown_until_s = columns.past_unknown_until_s;
+    Ok((Diagnosis { inseparable, past_unknown_until_s, ..diagnosis }, beyond))
 }
 
 fn conclude(
@@ -333,6 +347,7 @@ fn conclude(
         rows: signals.scored(),
         anatomy,
         valve,
+        past_unknown_until_s: None,
     })
 }
 
@@ -352,46 +367,4 @@ fn check(columns: &Columns) -> Result<(), DiagnosisError> {
         return Err(DiagnosisError::Still("contraction"));
     }
     Ok(())
-}
-
-/// The scored rows of a recording.
-struct Scored {
-    time_s: Vec<f64>,
-    input: Vec<f64>,
-    output: Vec<f64>,
-    command: Option<Vec<f64>>,
-    load: Option<Vec<f64>>,
-    temperature: Option<Vec<f64>>,
-}
-
-impl Scored {
-    fn of(columns: &Columns) -> Self {
-        let pick = |values: &[f64]| -> Vec<f64> {
-            values
-                .iter()
-                .zip(&columns.scored)
-                .filter(|(_, scored)| **scored)
-                .map(|(value, _)| *value)
-                .collect()
-        };
-        Self {
-            time_s: pick(&columns.time_s),
-            input: pick(&columns.input),
-            output: pick(&columns.output),
-            command: columns.command.as_deref().map(pick),
-            load: columns.load_n.as_deref().map(pick),
-            temperature: columns.temperature_c.as_deref().map(pick),
-        }
-    }
-
-    fn residual<'a>(&'a self, residual: &'a [f64]) -> Residual<'a> {
-        Residual {
-            time_s: &self.time_s,
-            residual,
-            input: &self.input,
-            output: &self.output,
-            load: self.load.as_deref(),
-            temperature: self.temperature.as_deref(),
-        }
-    }
 }

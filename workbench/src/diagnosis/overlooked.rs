@@ -43,13 +43,17 @@ pub fn overlooked(
     }
     let refitted = Refitted::new(columns, search, plain)?;
     let errors: Vec<f64> = fast.par_iter().map(|set| refitted.with(set).unwrap_or(f64::INFINITY)).collect();
-    let (best, others) = clear(refitted.without, &errors)?;
+    clear(refitted.without, &errors)?;
+    // The plain model may have come to a worse end than the search's operators lead to, without any cause.
+    let without =
+        refitted.with(&search.baseline).map_or(refitted.without, |error| error.min(refitted.without));
+    let (best, others) = clear(without, &errors)?;
     Some(Overlooked {
         set: fast[best].clone(),
         alternatives: others.into_iter().map(|other| fast[other].causes.clone()).collect(),
         evidence: format!(
             "running free, the operator model with it errs by {:.3} instead of {:.3} over all rows",
-            errors[best], refitted.without
+            errors[best], without
         ),
     })
 }

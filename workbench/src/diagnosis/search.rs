@@ -54,6 +54,8 @@ const SHARE: f64 = 0.03;
 const MUCH: f64 = 0.3;
 /// The same of a delay, a lag, a mass, see [`EVIDENCE_OF_FAST`].
 const MUCH_OF_FAST: f64 = 0.13;
+/// A set that costs more than the best of its size by this is not built upon: of a true pair one cause has always been nearer.
+const LEFT_BEHIND: f64 = 1.0;
 /// A set that gains less than this over its parent is not built upon.
 const HOPELESS: f64 = 0.04;
 
@@ -210,28 +212,31 @@ impl<'a> Search<'a> {
     /// The set that the evidence is for, and all sets that were looked at, by size, the best first.
     ///
     /// It is the best of the largest size that is worth each of its causes, or what is left of one that is not, less those causes
-    /// that a later one has made needless, each tried against its closest rivals.
+    /// that a later one has made needless, each tried against its closest rivals. No size is looked at beyond one that has no such set.
     ///
     /// `progress` is called with the share of the work that is done.
     pub fn run(&self, progress: &(dyn Fn(f64) + Sync)) -> (Candidate, Vec<Vec<Candidate>>) {
-        let sizes = self.beam(progress);
+        let mut sizes: Vec<Vec<Candidate>> = Vec::new();
+        let mut going = vec![self.baseline.clone()];
         let mut best = (self.baseline.clone(), Vec::new());
-        for size in &sizes {
+        for size in 0..self.largest {
+            progress(size as f64 / (self.largest + 1) as f64);
+            let distinct = self.grown(&going);
+            // Of two fast causes neither need be among the best alone.
+            let is_fast = |set: &Candidate| set.causes.iter().all(|cause| cause.is_fast());
+            let also = |(rank, set): &(usize, &Candidate)| *rank < BEAM || (size == 0 && is_fast(set));
+            let Some(first) = distinct.first() else { break };
+            let is_near = |set: &&Candidate| set.cost() < first.cost() + LEFT_BEHIND;
+            let chosen = distinct.iter().enumerate().filter(also).map(|(_, set)| set).filter(is_near);
+            going = chosen.cloned().collect();
+            let before = sizes.last().map_or(&self.baseline, |size: &Vec<Candidate>| &size[0]);
+            let hopeless = before.evidence(first) < HOPELESS;
+            sizes.push(distinct);
             let smaller = best.0.causes.len();
-            // What comes to more causes than it has is tried against those that do not.
-            for comes_to_more in [false, true] {
-                let alike = size.iter().filter(|set| set.comes_to_more() == comes_to_more);
-                let better = alike.filter(|set| self.is_better(&best.0, set)).take(BEAM);
-                let mut less = Vec::new();
-                let mut found = better.cloned().find_map(|set| self.worth(set, &sizes, &mut less));
-                if found.is_none() {
-                    // What a larger set comes down to may be none of those that the beam has come by.
-                    less.retain(|set| self.is_better(&best.0, set));
-                    found = less.into_iter().find_map(|set| self.worth(set, &sizes, &mut Vec::new()));
-                }
-                best = found.unwrap_or(best);
-            }
-            if best.0.causes.len() == smaller {
+            best = self.better(best, &sizes);
+            // A mass that rings with the force that damps it is one cause still: had it another one beside, that would gain more.
+            let is_one = best.0.count() < best.0.causes.len();
+            if hopeless || is_one || best.0.causes.len() == smaller {
                 break;
             }
         }
@@ -243,6 +248,30 @@ impl<'a> Search<'a> {
             best = (set, without);
         }
         (best.0, sizes)
+    }
+
+    /// The best of the last size that is better than the best smaller set and worth each of its causes, or what is left of one that
+    /// is not; else that smaller one.
+    fn better(
+        &self,
+        mut best: (Candidate, Vec<Option<Candidate>>),
+        sizes: &[Vec<Candidate>],
+    ) -> (Candidate, Vec<Option<Candidate>>) {
+        // What comes to more causes than it has is tried against those that do not.
+        for comes_to_more in [false, true] {
+            let alike = sizes.iter().skip(sizes.len() - 1).flatten();
+            let alike = alike.filter(|set| set.comes_to_more() == comes_to_more);
+            let better = alike.filter(|set| self.is_better(&best.0, set)).take(BEAM);
+            let mut less = Vec::new();
+            let mut found = better.cloned().find_map(|set| self.worth(set, sizes, &mut less));
+            if found.is_none() {
+                // What a larger set comes down to may be none of those that the beam has come by.
+                less.retain(|set| self.is_better(&best.0, set));
+                found = less.into_iter().find_map(|set| self.worth(set, sizes, &mut Vec::new()));
+            }
+            best = found.unwrap_or(best);
+        }
+        best
     }
 
     /// A set, and what it is without each of its causes; None where one of them is needless, and `less` gets the set without that.
@@ -317,33 +346,16 @@ impl<'a> Search<'a> {
             .filter(|other| other.cost() < set.cost() - 1e-3)
     }
 
-    /// The best sets of every size, from one cause on, the best first.
-    fn beam(&self, progress: &(dyn Fn(f64) + Sync)) -> Vec<Vec<Candidate>> {
-        let mut sizes: Vec<Vec<Candidate>> = Vec::new();
-        let mut going = vec![self.baseline.clone()];
-        for size in 0..self.largest {
-            progress(size as f64 / (self.largest + 1) as f64);
-            let runners: Vec<Runner> = going
-                .par_iter()
-                .flat_map_iter(|set| {
-                    let promising = self.promising(set).into_iter();
-                    promising.flat_map(move |(cause, starts)| self.runners(set, cause, starts))
-                })
-                .collect();
-            let distinct = self.race(runners);
-            // Of two fast causes neither need be among the best alone.
-            let is_fast = |set: &Candidate| set.causes.iter().all(|cause| cause.is_fast());
-            let also = |(rank, set): &(usize, &Candidate)| *rank < BEAM || (size == 0 && is_fast(set));
-            going = distinct.iter().enumerate().filter(also).map(|(_, set)| set.clone()).collect();
-            let Some(best) = distinct.first() else { break };
-            let before = sizes.last().map_or(&self.baseline, |size: &Vec<Candidate>| &size[0]);
-            let hopeless = before.evidence(best) < HOPELESS;
-            sizes.push(distinct);
-            if hopeless {
-                break;
-            }
-        }
-        sizes
+    /// The sets of one cause more than these, the best first.
+    fn grown(&self, going: &[Candidate]) -> Vec<Candidate> {
+        let runners: Vec<Runner> = going
+            .par_iter()
+            .flat_map_iter(|set| {
+                let promising = self.promising(set).into_iter();
+                promising.flat_map(move |(cause, starts)| self.runners(set, cause, starts))
+            })
+            .collect();
+        self.race(runners)
     }
 }
 

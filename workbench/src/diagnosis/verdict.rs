@@ -13,11 +13,6 @@ use super::search::Search;
 use super::valve::ValveFit;
 use crate::identification::HostParameters;
 
-/// Sets whose costs differ by less than this cannot be told apart.
-const APART: f64 = 0.04;
-/// A rival has at least this share of the evidence of the best set.
-const SAYS: f64 = 0.7;
-
 /// What a diagnosis comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -138,22 +133,6 @@ impl Tried {
 /// All sets that were looked at, by size, the best first.
 pub fn tried(search: &Search<'_>, sizes: &[Vec<Candidate>]) -> Vec<Tried> {
     sizes.iter().flatten().map(|set| Tried::of(search, set)).collect()
-}
-
-/// Sets that do as well as the best, have something to say themselves and show it, and are no part of it, nor contain it.
-pub fn alternatives(baseline: &Candidate, best: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Vec<Cause>> {
-    let is_rival = |set: &&Candidate| {
-        let within =
-            |one: &Candidate, other: &Candidate| one.causes.iter().all(|cause| other.causes.contains(cause));
-        set.causes.len() <= best.causes.len()
-            && set.count() <= best.count()
-            && !within(set, best)
-            && !within(best, set)
-            && set.shows
-            && (set.cost() - best.cost()).max(set.evidence(best)) < APART
-            && baseline.evidence(set) > SAYS * baseline.evidence(best)
-    };
-    sizes.iter().flatten().filter(is_rival).map(|set| set.causes.clone()).collect()
 }
 
 /// The causes of the best set and of the valve, with what speaks for them.

@@ -44,6 +44,16 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
     }
 }
 
+/// The rows that are not scored since their past is unknown, and why; None where there are none.
+pub fn unknown_past(diagnosis: &Diagnosis) -> Option<String> {
+    diagnosis.past_unknown_until_s.map(|until_s| {
+        format!(
+            "what lies before {until_s:.1} s: the recording begins within the range of the input, and until that has been at both \
+             ends its past is unknown"
+        )
+    })
+}
+
 /// The command that writes an excitation which separates what is confounded, or what is named from what the recording does not tell
 /// apart from it.
 pub fn experiment(diagnosis: &Diagnosis) -> Option<String> {

@@ -20,11 +20,11 @@ impl Thinned {
             time_s: of(&columns.time_s),
             input: of(&columns.input),
             input_is_command: columns.input_is_command,
-            command: None,
             output: of(&columns.output),
             scored: thinning.of(&columns.scored),
             load_n: columns.load_n.as_ref().map(of),
             temperature_c: columns.temperature_c.as_ref().map(of),
+            ..Columns::default()
         };
         Self { columns, scored: thinning.scored }
     }

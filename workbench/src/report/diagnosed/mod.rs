@@ -19,7 +19,7 @@ use super::bars::significant;
 use super::page::{explained, page};
 use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::{Extended, HeldOutGain};
-use crate::diagnosis::words::{experiment, in_a_sentence};
+use crate::diagnosis::words::{experiment, in_a_sentence, unknown_past};
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::recording::Recording;
 
@@ -146,6 +146,9 @@ fn unseen(diagnosis: &Diagnosis) -> Markup {
     html! {
         h2 { "What this recording could not show" }
         p { "Examined were: " (seen.join(", ")) "." }
+        @if let Some(past) = unknown_past(diagnosis) {
+            p { "Not scored is " (past) "." }
+        }
         @if unseen.is_empty() {
             p { "Nothing was left out." }
         } @else {

@@ -1,0 +1,188 @@
+//! Sets of causes that the search hardly tells apart, told apart by the operator model that runs free.
+//!
+//! # Design
+//! The baseline of the search is linear in its weights, may take the form of any hysteresis, and sees the measured rate: it is fitted in
+//! no time, and errs by more than an operator model does that has the right cause. Where two sets are near each other by that
+//! baseline, the operator model is refined with each, over all rows, and its error decides beside what the search says. On strong
+//! single causes nothing is near, and nothing is lost but the question.
+//!
+//! Only beside single causes: with two the refinement takes longer than the whole search, and says little on the rig, whose forms are not
+//! those of the model.
+//!
+//! A larger set is a rival too where the search finds it far better and has only doubted that the last cause is worth its place: if
+//! that is a fast one, and the operator model is far better with it.
+
+use rayon::prelude::*;
+
+use super::Columns;
+use super::candidate::Candidate;
+use super::cause::Cause;
+use super::extend::{Extension, Refitted};
+use super::search::Search;
+
+/// Sets whose costs differ by more than this are told apart by the search.
+const NEAR: f64 = 0.15;
+/// Rivals at most.
+const MOST: usize = 3;
+/// What the logarithm of the operator model's error weighs beside the cost of the search.
+const FREE: f64 = 2.0;
+/// A larger set costs less by this.
+const FAR: f64 = 0.1;
+/// The operator model has at most this share of its error with it.
+const LEAVES: f64 = 0.7;
+/// The most that the operator model errs by where it is to decide, over what the search errs by on blocks that it has not seen.
+const TRUSTED: f64 = 1.1;
+/// Sets whose costs differ by less than this cannot be told apart.
+const APART: f64 = 0.04;
+/// A rival has at least this share of the evidence of the best set.
+const SAYS: f64 = 0.7;
+
+/// The set that is left, and those that are not told apart from it.
+pub struct Settled {
+    /// The set.
+    pub set: Candidate,
+    /// The others.
+    pub alternatives: Vec<Vec<Cause>>,
+    /// What the operator model says for it, in words, if that was asked.
+    pub evidence: Option<String>,
+}
+
+/// Settles between a set and its rivals among those that were looked at: by the `plain` model that runs free with each, if there is
+/// one and it can, else by the search alone.
+pub fn settled(
+    columns: &Columns,
+    search: &Search<'_>,
+    (best, sizes): (&Candidate, &[Vec<Candidate>]),
+    plain: Option<&Extension>,
+) -> Settled {
+    let by_cost = |one: &&Candidate, other: &&Candidate| one.cost().total_cmp(&other.cost());
+    let mut alike: Vec<&Candidate> = sizes.iter().flatten().filter(|set| is_rival(best, set)).collect();
+    alike.sort_by(by_cost);
+    let larger = sizes.iter().flatten().filter(|set| is_larger_rival(best, set)).min_by(by_cost);
+    let free = plain.and_then(|plain| running_free(columns, search, (best, &alike, larger), plain));
+    free.unwrap_or_else(|| {
+        let is_as_good = |set: &&&Candidate| {
+            set.causes.len() <= best.causes.len()
+                && (set.cost() - best.cost()).max(set.evidence(best)) < APART
+                && says_enough(search, best, set)
+        };
+        Settled {
+            set: best.clone(),
+            alternatives: alike.iter().filter(is_as_good).map(|set| set.causes.clone()).collect(),
+            evidence: None,
+        }
+    })
+}
+
+/// What the operator model makes of a set, of those alike, and of a larger one; None where there are no others, or where the model is
+/// not as near with the best of them as the search has come: its form is then too far from the muscle's to decide.
+fn running_free(
+    columns: &Columns,
+    search: &Search<'_>,
+    (best, alike, larger): (&Candidate, &[&Candidate], Option<&Candidate>),
+    plain: &Extension,
+) -> Option<Settled> {
+    let alike: Vec<&Candidate> = [best].into_iter().chain(alike.iter().copied().take(MOST)).collect();
+    let sets: Vec<&Candidate> = alike.iter().copied().chain(larger).collect();
+    if sets.len() == 1 || best.causes.len() > 1 {
+        return None;
+    }
+    let refitted = Refitted::new(columns, search, plain)?;
+    let errors: Vec<f64> = sets.par_iter().map(|set| refitted.with(set).unwrap_or(f64::INFINITY)).collect();
+    let costs: Vec<f64> = alike.iter().zip(&errors).map(|(set, error)| total(set.cost(), *error)).collect();
+    let place = decided(&costs, &errors)?;
+    let set = sets[place];
+    if errors[place] > TRUSTED * set.score.mean() {
+        return None;
+    }
+    let is_as_good = |&other: &usize| {
+        other != place && costs[other] < costs[place] + APART && says_enough(search, set, alike[other])
+    };
+    let as_good =
+        if place < costs.len() { (0..costs.len()).filter(is_as_good).collect() } else { Vec::new() };
+    let others = (0..sets.len()).filter(|&other| other != place);
+    let next = others.min_by(|&one, &other| errors[one].total_cmp(&errors[other]))?;
+    Some(Settled {
+        set: set.clone(),
+        alternatives: as_good.into_iter().map(|other| alike[other].causes.clone()).collect(),
+        evidence: Some(format!(
+            "running free, the operator model with {} errs by {:.3} over all rows, with {} by {:.3}",
+            names(set),
+            errors[place],
+            names(sets[next]),
+            errors[next]
+        )),
+    })
+}
+
+/// What a set costs by the search and by the error of the operator model.
+fn total(cost: f64, error: f64) -> f64 {
+    cost + FREE * error.max(1e-12).ln()
+}
+
+/// The place of the least of the costs, or the one behind them if the model has so much less of an error there.
+fn decided(costs: &[f64], errors: &[f64]) -> Option<usize> {
+    let (alike, _) = costs.iter().enumerate().min_by(|one, other| one.1.total_cmp(other.1))?;
+    let is_larger = errors.get(costs.len()).is_some_and(|larger| *larger < LEAVES * errors[alike]);
+    Some(if is_larger { costs.len() } else { alike })
+}
+
+/// Whether a rival of the best set has something to say itself.
+fn says_enough(search: &Search<'_>, best: &Candidate, rival: &Candidate) -> bool {
+    search.baseline.evidence(rival) > SAYS * search.baseline.evidence(best)
+}
+
+/// Whether a set may stand in the place of the best one.
+fn is_rival(best: &Candidate, set: &Candidate) -> bool {
+    set.shows
+        && !best.causes.is_empty()
+        && set.count() <= best.count()
+        && !is_within(set, best)
+        && !is_within(best, set)
+        && set.cost() - best.cost() < NEAR
+}
+
+/// Whether a set has a fast cause more, and has been dropped though it costs far less.
+fn is_larger_rival(best: &Candidate, set: &Candidate) -> bool {
+    let more = || set.causes.iter().filter(|cause| !best.causes.contains(cause));
+    set.shows
+        && best.causes.len() == 1
+        && is_within(best, set)
+        && set.count() > best.count()
+        && more().count() == 1
+        && more().all(|cause| cause.is_fast())
+        && set.cost() < best.cost() - FAR
+}
+
+/// Whether all causes of a set are in another one.
+fn is_within(one: &Candidate, other: &Candidate) -> bool {
+    one.causes.iter().all(|cause| other.causes.contains(cause))
+}
+
+fn names(set: &Candidate) -> String {
+    let names: Vec<&str> = set.causes.iter().map(|cause| cause.name()).collect();
+    names.join(" and ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_sets_near_each_other_the_one_is_left_that_the_free_running_model_errs_less_with() {
+        let costs = [total(0.0, 0.155), total(0.05, 0.087)];
+        assert_eq!(decided(&costs, &[0.155, 0.087]), Some(1));
+    }
+
+    #[test]
+    fn a_model_that_does_not_run_decides_for_the_others() {
+        let costs = [total(0.0, f64::INFINITY), total(0.1, 0.3)];
+        assert_eq!(decided(&costs, &[f64::INFINITY, 0.3]), Some(1));
+    }
+
+    #[test]
+    fn a_larger_set_has_to_leave_far_less() {
+        assert_eq!(decided(&[0.0], &[0.90, 0.45]), Some(1));
+        assert_eq!(decided(&[0.0], &[0.68, 0.52]), Some(0));
+    }
+}

@@ -126,6 +126,8 @@ impl Columns {
     }
 }
 
+/// The extended model measures its causes where it errs by less than so many times what the search does, which has more freedom.
+const MEASURES: f64 = 1.5;
 /// Seed of what the anatomy measures chance with.
 const ANATOMY_SEED: u64 = 1;
 
@@ -192,7 +194,7 @@ pub fn diagnose(
 }
 
 /// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
-/// The named causes' parameters are then those of that model, but for a lag before a mass: of the two it has no more than
+/// The named causes' parameters are then those of that model, if it is near enough, but for a lag before a mass: of the two it has no more than
 /// the second order. A given operator model is gone on from, unless its form is too poor: that is then named too.
 ///
 /// # Errors
@@ -208,8 +210,11 @@ pub fn diagnose_and_extend(
             let extended = plain.and_then(|plain| extend(columns, found, valve, plain, given, &progress));
             (extended, found.1.is_third_order())
         })?;
-    // A model that gains nothing has nothing to say about them.
-    let gaining = extended.as_ref().filter(|extended| extended.extended_rmse < extended.baseline_rmse);
+    // A model that gains nothing, or is much farther from the muscle than the search has come, has nothing to say about them.
+    let gaining = extended.as_ref().filter(|extended| {
+        extended.extended_rmse < extended.baseline_rmse
+            && extended.extended_rmse < MEASURES * diagnosis.heldout.1
+    });
     let measured = gaining.and_then(extend::physical::parameters).unwrap_or_default();
     let is_simpler = |cause| is_third_order && matches!(cause, Cause::ViscousLag | Cause::Inertia);
     for (cause, parameters) in measured.into_iter().filter(|(cause, _)| !is_simpler(*cause)) {

@@ -75,7 +75,7 @@ pub fn settled(
 }
 
 /// What the operator model makes of a set, of those alike, and of a larger one; None where there are no others, or where the model is
-/// not as near with the best of them as the search has come: its form is then too far from the muscle's to decide.
+/// not as near with the first or the best of them as the search has come: its form is then too far from the muscle's to decide.
 fn running_free(
     columns: &Columns,
     search: &Search<'_>,
@@ -92,7 +92,7 @@ fn running_free(
     let costs: Vec<f64> = alike.iter().zip(&errors).map(|(set, error)| total(set.cost(), *error)).collect();
     let place = decided(&costs, &errors)?;
     let set = sets[place];
-    if errors[place] > TRUSTED * set.score.mean() {
+    if [0, place].iter().any(|&one| errors[one] > TRUSTED * sets[one].score.mean()) {
         return None;
     }
     let is_as_good = |&other: &usize| {

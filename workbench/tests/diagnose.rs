@@ -39,6 +39,24 @@ fn a_column_that_a_cause_needs_is_said_to_be_missing() {
 }
 
 #[test]
+fn what_a_recording_begins_within_the_range_with_is_not_scored_and_that_is_said() {
+    let bench = bench();
+    let until = |file: &str| -> (String, Value) {
+        let said = bench.succeeds(&format!("diagnose {file} --json d.json --force"));
+        let json: Value = serde_json::from_str(&bench.read("d.json")).expect("JSON");
+        (said, json["past_unknown_until_s"].clone())
+    };
+    let (said, none) = until("rec.csv");
+    assert!(none.is_null() && !said.contains("not scored"), "{said}");
+    let text = bench.read("rec.csv");
+    let rows: Vec<&str> = text.lines().collect();
+    bench.write("within.csv", [&rows[..1], &rows[40..]].concat().join("\n"));
+    let (said, until_s) = until("within.csv");
+    let until_s = until_s.as_f64().expect("a time");
+    assert!(said.contains(&format!("not scored    what lies before {until_s:.1} s")), "{said}");
+}
+
+#[test]
 fn a_recording_that_is_too_short_is_refused() {
     let bench = bench();
     let rows: Vec<String> = bench.read("rec.csv").lines().take(80).map(str::to_owned).collect();

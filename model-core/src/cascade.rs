@@ -124,12 +124,6 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M
     pub(crate) fn step_wider(&self, state: &mut HysteresisState<T, N>, v: T, times: T) -> T {
         self.dead_zones.value(self.plays.advance_wider(&mut state.plays, v, times))
     }
-
-    /// The output of such a step. Moves nothing.
-    #[inline(always)]
-    pub(crate) fn output_wider(&self, state: &HysteresisState<T, N>, v: T, times: T) -> T {
-        self.dead_zones.value(self.plays.output_wider(&state.plays, v, times))
-    }
 }
 
 impl<T: Real, const N: usize, const M: usize> Cascade<T, AnyEnvelope<T>, N, M> {

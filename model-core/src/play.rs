@@ -237,15 +237,6 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// The answer of [`advance_wider`](Self::advance_wider). Moves nothing.
-    #[inline(always)]
-    pub(crate) fn output_wider(&self, state: &PlayState<T, N>, v: T, times: T) -> T {
-        match &state.memory {
-            Memory::Few(few) => self.few.output_wider(few, v, times),
-            Memory::Many(many) => many.last.u,
-        }
-    }
-
     /// What the plays of a bank that can widen hold back, from -1 (all follow a fall) to 1 (all follow a rise).
     pub(crate) fn held_back(&self, state: &PlayState<T, N>) -> T {
         match &state.memory {

@@ -16,6 +16,7 @@ use super::derivative::{Affine, Derivative, Stencil};
 use super::inertia::Inertia;
 use super::profile::Profile;
 use super::rate_dependent_width::{RateDependentWidth, Width, WidthMemory};
+use super::root::{Point, root};
 use super::schedule::Schedule;
 use super::sliding::SlidingStep;
 use super::sum::Sum;
@@ -99,6 +100,11 @@ impl<T: Real> Balance<T> {
         Ok((balance != none).then_some(balance))
     }
 
+    /// Whether one of them is a width that depends on the rate.
+    pub(super) fn widens(&self) -> bool {
+        self.rate_dependent_width.is_some()
+    }
+
     /// For a step of `dt` after one of `before`.
     pub(super) fn step(&self, dt: T, before: T) -> BalanceStep<T> {
         BalanceStep { stencil: Stencil::new(dt, before), ..self.step_after_rest(dt) }
@@ -160,17 +166,33 @@ impl<T: Real> Present<'_, T> {
     /// What they take, where the operator's input has moved by `pushed` to `u` and its output by `moved` to `y`. Input unit.
     #[inline(always)]
     pub(super) fn value(&self, (u, pushed): (T, T), (y, moved): (T, T)) -> T {
+        let mut sum = self.terms((y, moved));
+        if let Some(width) = &self.width {
+            sum += width.value(u, pushed, y);
+        }
+        sum
+    }
+
+    /// The same of those that do not depend on the operator's input.
+    #[inline(always)]
+    fn terms(&self, (y, moved): (T, T)) -> T {
         let of = |term: &Option<Term<'_, T>>| match term {
             Some(term) => term.profile.value(y) * term.driver.at(moved),
             None => T::ZERO,
         };
         // Written out: a loop would need all terms in memory.
         let [load, temperature, warm_up, viscous_lag, inertia] = &self.terms;
-        let mut sum = of(load) + of(temperature) + of(warm_up) + of(viscous_lag) + of(inertia);
-        if let Some(width) = &self.width {
-            sum += width.value(u, pushed, y);
-        }
-        sum
+        of(load) + of(temperature) + of(warm_up) + of(viscous_lag) + of(inertia)
+    }
+
+    /// The operator's input that they leave of a pressure, where it was `u0` and its output has moved by `moved` to `y`: to `tolerance` where it
+    /// takes a search. Input unit.
+    pub(super) fn rest(&self, pressure: T, u0: T, (y, moved): (T, T), tolerance: T) -> T {
+        let free = pressure - self.terms((y, moved));
+        let Some(width) = &self.width else { return free };
+        let over = |u| u + width.value(u, u - u0, y) - free;
+        let f = over(u0);
+        if f.abs() <= tolerance { u0 } else { root(Point { u: u0, f }, T::ONE, tolerance, over).0 }
     }
 
     /// What they remember after that move.

@@ -4,28 +4,34 @@
 //! The operator's input u is the root of F(u) = u + what the effects take at (u, operator(u)) - pressure. Where the operator
 //! stands F is known without a step of it; from there the root lies in the direction of F's sign, and F rises at
 //! least as fast as u where no effect falls with the contraction faster than the operator rises. The search tries steps
-//! on a copy of the operator's state, usually two or three, to [`TOLERANCE`] of the input range. Where thresholds depend on the
-//! rate each of these is a search in turn, for the thresholds ([`super::rate_dependent_thresholds`]).
+//! on a copy of the operator's state, usually two or three, to [`TOLERANCE`] of the input range.
+//!
+//! Where thresholds depend on the rate ([`super::rate_dependent_thresholds`]) they are known with y alone, and so is, by the same
+//! balance, u: the root is then that of G(y) = y - operator(u) at these thresholds, to [`TOLERANCE`] of the output range. G rises at least
+//! as fast as y for the same reason, and since a wider bank moves less.
 //!
 //! # Limits
 //! A pressure beyond the input range by more than its span counts as one that is not, as in the family. A profile that
 //! falls so steeply that there are several roots (a muscle that snaps through) is answered by one of them.
 
+use crate::cascade::Cascade;
+use crate::envelope::AnyEnvelope;
 use crate::error::{InputError, ParameterError, finite_input};
 use crate::hysteresis::{Hysteresis, HysteresisState};
 use crate::model::{Model, ModelParameters};
 use crate::real::Real;
 
+use super::balance::Balance;
 use super::effects::{Effects, EffectsMemory, EffectsStep};
-use super::rate_dependent_thresholds::PresentThresholds;
+use super::rate_dependent_thresholds::RateDependentThresholds;
 use super::root::{Point, root};
 use super::transport_delay::{DelayLine, TransportDelayParameters};
 use super::{ExtensionParameters, Surroundings, each};
 
 /// How exactly the root is found: this share of the input range, as far as the number type allows.
 pub const TOLERANCE: f64 = 1e-11;
-/// The same of the factor that thresholds are wider by.
-const WIDTH_TOLERANCE: f64 = 1e-9;
+/// And to this share of that where a width before the operator depends on the rate as well: it rises without bound where a move begins.
+const NEARER: f64 = 1e-3;
 /// The shortest time between samples. Unit: s.
 pub const SHORTEST_STEP_S: f64 = 1e-9;
 
@@ -58,7 +64,7 @@ pub struct ExtendedModel<T, const N: usize, const M: usize> {
     delay_s: Option<T>,
     /// Of the root. Input unit.
     tolerance: T,
-    /// Of that behind the operator. Output unit.
+    /// Of those of an output. Output unit.
     output_tolerance: T,
 }
 
@@ -70,10 +76,10 @@ pub struct ExtendedState<T, const N: usize> {
     trial: HysteresisState<T, N>,
     effects: EffectsMemory<T>,
     line: DelayLine<T>,
-    /// The slope of F that the last search found, where the next one begins with.
+    /// The slope of F or G that the last search found, which the next one begins with.
     slope: T,
-    /// Where they depend on the rate: how wide the thresholds were, and the slope there of the search for that.
-    width: (T, T),
+    /// How far the output moved then, where thresholds depend on the rate: from there the next one begins. Output unit.
+    moved: T,
     /// The step of time that `step` is of, and the one before; none before the second sample.
     times: Option<(T, T)>,
     step: EffectsStep<T>,
@@ -129,7 +135,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             effects: self.effects.resting(u, y0, T::ZERO),
             line: DelayLine::new(),
             slope: T::ONE,
-            width: (T::ONE, T::ONE),
+            moved: T::ZERO,
             times: None,
             step: self.effects.first(),
             has_begun: false,
@@ -191,57 +197,72 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
 
     /// Drives the operator with a pressure.
     fn operate(&self, state: &mut ExtendedState<T, N>, pressure: T, surroundings: &Surroundings<T>) {
-        let ExtendedState { operator, trial, effects, slope, width, step, .. } = state;
-        let widening = match (&self.effects.thresholds, &step.thresholds, &self.model) {
-            (Some(thresholds), Some(step), Model::Cascade(cascade)) => {
-                Some((thresholds.at(step, effects.rate, cascade.held_back(operator)), cascade))
-            }
-            _ => None,
-        };
-        let (u0, y0) = (effects.u, effects.y0);
-        if widening.is_none() && self.effects.balance.is_none() {
+        if let (Some(thresholds), Model::Cascade(cascade)) = (&self.effects.thresholds, &self.model) {
+            return self.operate_wider(state, (thresholds, cascade), pressure, surroundings);
+        }
+        let ExtendedState { operator, trial, effects, slope, step, .. } = state;
+        let (Some(balance), Some(step)) = (&self.effects.balance, &step.balance) else {
             effects.y0 = self.output_at(operator, pressure);
             return;
-        }
-        // Every try begins where the last sample has ended: what it answers does not depend on the tries before.
-        let start = *width;
-        let mut answer = |u| match &widening {
-            Some((present, cascade)) => {
-                let v = cascade.enveloped(u);
-                *width = widened(present, start, y0, |times| cascade.output_wider(operator, v, times));
-                trial.copy_from(operator);
-                cascade.step_wider(trial, v, width.0)
-            }
-            None => {
-                trial.copy_from(operator);
-                self.output_at(trial, u)
-            }
         };
-        if let (Some(balance), Some(step)) = (&self.effects.balance, &step.balance) {
-            let pressure = self.model.input_range().extrapolated(pressure);
-            let present = balance.at(step, &effects.balance, surroundings);
-            let mut over = |u| {
-                effects.y0 = answer(u);
+        let (u0, y0) = (effects.u, effects.y0);
+        let pressure = self.model.input_range().extrapolated(pressure);
+        let present = balance.at(step, &effects.balance, surroundings);
+        let f = u0 + present.value((u0, T::ZERO), (y0, T::ZERO)) - pressure;
+        // Else the operator stands where it stood.
+        if f.abs() > self.tolerance {
+            let over = |u| {
+                trial.copy_from(operator);
+                effects.y0 = self.output_at(trial, u);
                 u + present.value((u, u - u0), (effects.y0, effects.y0 - y0)) - pressure
             };
-            // Where thresholds are as they were the operator stands where it stood.
-            let stands = widening.is_none();
-            let f =
-                if stands { u0 + present.value((u0, T::ZERO), (y0, T::ZERO)) - pressure } else { over(u0) };
-            let is_found = f.abs() <= self.tolerance;
-            if !is_found {
-                (effects.u, *slope) = root(Point { u: u0, f }, *slope, self.tolerance, over);
-            }
-            if !(is_found && stands) {
-                operator.copy_from(trial);
-            }
-            effects.balance = present.remembered((effects.u, effects.u - u0), effects.y0 - y0);
-        } else {
-            effects.y0 = answer(pressure);
+            (effects.u, *slope) = root(Point { u: u0, f }, *slope, self.tolerance, over);
             operator.copy_from(trial);
         }
-        if let Some((present, _)) = &widening {
-            effects.rate = present.rate(effects.y0 - y0);
+        effects.balance = present.remembered((effects.u, effects.u - u0), effects.y0 - y0);
+    }
+
+    /// The same where thresholds depend on the rate.
+    fn operate_wider(
+        &self,
+        state: &mut ExtendedState<T, N>,
+        (thresholds, cascade): (&RateDependentThresholds<T>, &Cascade<T, AnyEnvelope<T>, N, M>),
+        pressure: T,
+        surroundings: &Surroundings<T>,
+    ) {
+        let ExtendedState { operator, trial, effects, slope, moved: last, step, .. } = state;
+        let Some(sliding) = &step.thresholds else { return };
+        let EffectsMemory { balance: memory, u, y0: y, rate, .. } = effects;
+        let (u0, y0) = (*u, *y);
+        let balance = self.effects.balance.as_ref().zip(step.balance.as_ref());
+        let present = balance.map(|(balance, step)| balance.at(step, memory, surroundings));
+        let is_wider_before = self.effects.balance.as_ref().is_some_and(Balance::widens);
+        let nearer = if is_wider_before { T::from_f64(NEARER) } else { T::ONE };
+        let tolerance = self.output_tolerance * nearer;
+        let thresholds = thresholds.at(sliding, *rate, cascade.held_back(operator));
+        let pressure = self.model.input_range().extrapolated(pressure);
+        let rest = |moved| match &present {
+            Some(present) => present.rest(pressure, u0, moved, self.tolerance),
+            None => pressure,
+        };
+        let mut over = |y| {
+            let moved = (y, y - y0);
+            *u = rest(moved);
+            trial.copy_from(operator);
+            y - cascade.step_wider(trial, cascade.enveloped(*u), thresholds.times(moved))
+        };
+        *y = y0 + *last;
+        let f = over(*y);
+        if f.abs() > tolerance {
+            // Where G rises steeply the operator is as far from y as G from 0.
+            let tolerance = tolerance / slope.at_least(T::ONE);
+            (*y, *slope) = root(Point { u: *y, f }, *slope, tolerance, over);
+        }
+        operator.copy_from(trial);
+        *last = *y - y0;
+        *rate = thresholds.rate(*last);
+        if let Some(remembered) = present.map(|present| present.remembered((*u, *u - u0), *last)) {
+            effects.balance = remembered;
         }
     }
 
@@ -262,26 +283,6 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             _ => *y0,
         }
     }
-}
-
-/// How wide the thresholds of an operator are, at `y0` before, that are as wide as its `answer` says, and the slope there of the
-/// search for that, which begins with such a pair.
-fn widened<T: Real>(
-    present: &PresentThresholds<'_, T>,
-    (start, slope): (T, T),
-    y0: T,
-    answer: impl Fn(T) -> T,
-) -> (T, T) {
-    let over = |times| {
-        let y = answer(times);
-        times - present.times((y, y - y0))
-    };
-    let tolerance = T::from_f64(WIDTH_TOLERANCE).at_least(T::from_f64(4.0) * T::EPSILON);
-    let f = over(start);
-    if f.abs() <= tolerance {
-        return (start, slope);
-    }
-    root(Point { u: start, f }, slope, tolerance, over)
 }
 
 /// A time step that time passes in.

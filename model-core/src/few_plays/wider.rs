@@ -26,7 +26,7 @@ impl<T: Real> FewPlays<T> {
 
     /// The answer of such a move. Moves nothing.
     #[inline(always)]
-    pub(crate) fn output_wider(&self, state: &Outputs<T>, v: T, times: T) -> T {
+    fn output_wider(&self, state: &Outputs<T>, v: T, times: T) -> T {
         self.drive_wider(&mut state.clone(), v, times)
     }
 

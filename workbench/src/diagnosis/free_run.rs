@@ -3,7 +3,8 @@
 //! The search puts the measured contraction into the effects, which lets the output explain a part of itself. Here the
 //! rate, the acceleration, the travel and the creep are those of the simulated contraction.
 //!
-//! At every row the operators' input is the root of a balance that rises with it; acceleration and rate by Newmark's
+//! At every row the operators' input is the root of a balance that rises with it, or the contraction is where thresholds follow its speed;
+//! acceleration and rate by Newmark's
 //! rule of average acceleration, rate alone by backward differences: both stable at any step. What follows the operators on the
 //! output does so exactly (`follower`).
 
@@ -136,12 +137,16 @@ impl Width {
         Some(Self { friction: Friction::of(effect)?, power, stop: 0.0, slope: 0.0 })
     }
 
-    /// The stop after a change of the input, where the thresholds are `wider` and the contraction is so fast. Unit: output
-    /// unit/s.
+    /// The stop's range where the thresholds are `wider` and the contraction is so fast (output unit/s). Input unit.
     #[inline(always)]
-    fn moved(&self, signals: &Signals, change: f64, wider: f64, rate: f64) -> f64 {
+    fn range(&self, signals: &Signals, wider: f64, rate: f64) -> f64 {
         let times = self.power.map_or(wider, |power| faster(signals, Rate::Contraction, power, rate));
-        let range = self.friction.range * times;
+        self.friction.range * times
+    }
+
+    /// The stop after a change of the input, within a range.
+    #[inline(always)]
+    fn moved(&self, change: f64, range: f64) -> f64 {
         (self.stop + change).min(range).max(-range)
     }
 }
@@ -180,9 +185,8 @@ impl<'a> State<'a> {
         }
     }
 
-    /// What is wanted of the operators' input at a row, viscosity, and mass. Units: those of the input, over the rate and
-    /// over the acceleration of the output.
-    fn forces(&self, at: usize, pressure: f64, step_s: f64) -> (f64, f64, f64) {
+    /// What is wanted of the operators' input at a row, and what resists.
+    fn forces(&self, at: usize, pressure: f64, step_s: f64) -> Forces {
         let (mut wanted, mut viscosity, mut mass) = (pressure, 0.0, 0.0);
         let through = |tents: &[f64; TENTS], parameters: &[Parameter]| {
             through(tents, &std::array::from_fn(|tent| parameters[tent].value))
@@ -214,58 +218,89 @@ impl<'a> State<'a> {
     /// One row: its place, the pressure, its speed and the time since the row before. Returns the muscle's contraction.
     fn step(&mut self, at: usize, pressure: f64, input_speed: f64, step_s: f64) -> f64 {
         let signals = self.signals;
-        let [close, close_contraction] = self.close;
-        let (wanted, viscosity, mass) = self.forces(at, pressure, step_s);
+        let forces = self.forces(at, pressure, step_s);
         self.widths.iter_mut().for_each(|width| width.slope = width.friction.slope(signals, at));
-        let follows = self.widening.is_some_and(|(_, rate)| rate == Rate::Contraction);
-        let wider_at = |speed: f64| {
-            let speed = if follows { speed } else { input_speed };
-            self.widening.map_or(1.0, |(effect, rate)| wider(signals, effect, rate, speed))
+        let (u, Reached { walk, motion, wider }) = match self.widening {
+            Some((effect, Rate::Contraction)) if step_s > 0.0 => self.follow(effect, forces, step_s),
+            Some((effect, Rate::Contraction)) => {
+                self.balance(forces, step_s, wider(signals, effect, Rate::Contraction, 0.0))
+            }
+            Some((effect, rate)) => self.balance(forces, step_s, wider(signals, effect, rate, input_speed)),
+            None => self.balance(forces, step_s, 1.0),
         };
-        let resting = wider_at(0.0);
-        let before = self.motion;
-        let (widths, last_input) = (&self.widths, self.last_input);
-        let over = |u: f64, motion: &Motion, wider: f64| {
-            let change = u - last_input;
-            let width = |width: &Width| width.slope * width.moved(signals, change, wider, motion.rate);
-            let width: f64 = widths.iter().map(width).sum();
-            u + width + viscosity * motion.rate + mass * motion.acceleration - wanted
-        };
-        let [mut rise, mut rise_of_contraction] = self.rises;
-        let mut reached =
-            Reached { walk: self.walk, motion: before.to(before.place, step_s, mass > 0.0), wider: resting };
-        // Where nothing moves the balance is known without a step of the operators, about.
-        let start = last_input - over(last_input, &reached.motion, resting) / rise;
-        let balance = |u: f64| {
-            let mut answer = |wider: f64| {
-                reached.walk = self.walk;
-                self.curved.advance(&mut reached.walk, u, wider);
-                self.weights.sum(&reached.walk)
-            };
-            let y = if follows && step_s > 0.0 {
-                // Thresholds that follow the speed of the contraction: the more it moves the less it moves, one root.
-                let near = reached.motion.place;
-                let miss = |y: f64| y - answer(wider_at((y - before.place) / step_s));
-                root(near, &mut rise_of_contraction, close_contraction, miss)
-            } else {
-                answer(resting)
-            };
-            reached.motion = before.to(y, step_s, mass > 0.0);
-            reached.wider = if follows { wider_at(reached.motion.rate) } else { resting };
-            over(u, &reached.motion, reached.wider)
-        };
-        let u = root(start, &mut rise, close, balance);
-        let Reached { walk, motion, wider } = reached;
         let change = u - self.last_input;
         for width in &mut self.widths {
-            width.stop = width.moved(signals, change, wider, motion.rate);
+            width.stop = width.moved(change, width.range(signals, wider, motion.rate));
         }
         self.travel += if at == 0 { 0.0 } else { (motion.place - self.motion.place).abs() };
         (self.walk, self.last_input, self.motion) = (walk, u, motion);
-        self.rises = [rise, rise_of_contraction];
         motion.place
     }
+
+    /// The operators' input, and where it leads, with thresholds that are so much wider: the root of the balance over it.
+    fn balance(&mut self, (wanted, viscosity, mass): Forces, step_s: f64, wider: f64) -> (f64, Reached) {
+        let (before, last_input) = (self.motion, self.last_input);
+        let over = |u: f64, motion: &Motion| {
+            let width = |width: &Width| {
+                width.slope * width.moved(u - last_input, width.range(self.signals, wider, motion.rate))
+            };
+            let width: f64 = self.widths.iter().map(width).sum();
+            u + width + viscosity * motion.rate + mass * motion.acceleration - wanted
+        };
+        let [mut rise, _] = self.rises;
+        let resting = before.to(before.place, step_s, mass > 0.0);
+        let mut reached = Reached { walk: self.walk, motion: resting, wider };
+        // Where nothing moves the balance is known without a step of the operators, about.
+        let start = last_input - over(last_input, &reached.motion) / rise;
+        let u = root(start, &mut rise, self.close[0], |u| {
+            reached.walk = self.walk;
+            self.curved.advance(&mut reached.walk, u, wider);
+            reached.motion = before.to(self.weights.sum(&reached.walk), step_s, mass > 0.0);
+            over(u, &reached.motion)
+        });
+        self.rises[0] = rise;
+        (u, reached)
+    }
+
+    /// The same with thresholds that follow the speed of the contraction. With that both these and the balance are known: one root, over the
+    /// contraction, since the faster it moves the less the operators let it, and the less the balance leaves them.
+    fn follow(
+        &mut self,
+        thresholds: &Effect,
+        (wanted, viscosity, mass): Forces,
+        step_s: f64,
+    ) -> (f64, Reached) {
+        let (before, last_input) = (self.motion, self.last_input);
+        let [_, mut rise] = self.rises;
+        let (mut u, mut reached) = (last_input, Reached { walk: self.walk, motion: before, wider: 1.0 });
+        root(before.place + before.rate * step_s, &mut rise, self.close[1], |y| {
+            let motion = before.to(y, step_s, mass > 0.0);
+            let wider = wider(self.signals, thresholds, Rate::Contraction, motion.rate);
+            let left = wanted - viscosity * motion.rate - mass * motion.acceleration;
+            u = self.left_by_widths(left, wider, motion.rate);
+            reached = Reached { walk: self.walk, motion, wider };
+            self.curved.advance(&mut reached.walk, u, wider);
+            y - self.weights.sum(&reached.walk)
+        });
+        self.rises[1] = rise;
+        (u, reached)
+    }
+
+    /// The operators' input that the widths leave, where the thresholds are `wider` and the contraction is so fast (output unit/s). Input unit.
+    fn left_by_widths(&self, left: f64, wider: f64, rate: f64) -> f64 {
+        let signals = self.signals;
+        let takes = |change: f64| {
+            let of = |width: &Width| width.slope * width.moved(change, width.range(signals, wider, rate));
+            self.widths.iter().map(of).sum::<f64>()
+        };
+        let [close, _] = self.close;
+        root(left, &mut 1.0, close, |u| u + takes(u - self.last_input) - left)
+    }
 }
+
+/// What is wanted of the operators' input, viscosity, and mass. Units: those of the input, over the rate and over the acceleration of the
+/// output.
+type Forces = (f64, f64, f64);
 
 /// A place, and how it moves.
 #[derive(Clone, Copy)]

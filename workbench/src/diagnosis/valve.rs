@@ -29,6 +29,9 @@ const LAGS_S: [f64; 3] = [0.02, 0.05, 0.12];
 /// How many of them are gone on from, so many places apart.
 const BEGINNINGS: usize = 4;
 const APART: f64 = 4.0;
+/// How many places to either side of the best are tried at last where the band holds, and how far apart: one command that is
+/// wrongly accepted moves all that come after it, until the command stands still.
+const CLOSELY: (i32, f64) = (150, 0.01);
 /// Iterations for lag, delay and limit.
 const ITERATIONS: usize = 12;
 
@@ -250,6 +253,15 @@ impl Task<'_> {
                     best = (place, other);
                 }
             }
+        }
+        if form == BandForm::Hold {
+            let closely = (-CLOSELY.0..=CLOSELY.0).into_par_iter().map(|i| {
+                let valve = at(best.0 + f64::from(i) * CLOSELY.1, best.1.0.lag_s);
+                (self.error(&valve.simulate(self.time_s, self.command)), valve)
+            });
+            let (_, valve) = closely.min_by(|one, other| one.0.total_cmp(&other.0))?;
+            best.1 =
+                std::iter::once(best.1).chain([self.polished(valve)]).min_by(|a, b| a.1.total_cmp(&b.1))?;
         }
         Some(best.1)
     }

@@ -8,7 +8,7 @@
 //! | `variables` | operator and extensions as numbers that a search can move |
 //! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
-//! | `roughness` | how unevenly an operator rises, which costs where effects make its input |
+//! | `roughness` | how unevenly an operator rises, and what resists motion, which costs where effects make its input |
 //! | `thinned` | the rows that derivatives are taken on |
 //! | [`given`] | what is said of an operator model that the user has |
 //! | [`heldout`] | the gain on rows that took no part in the fit |
@@ -191,7 +191,7 @@ pub fn plain(columns: &Columns, scored: &[usize]) -> Option<Extension> {
     let operator = start::operator(&start::Seen::plain(columns), taught)?;
     // Alone an operator may be as uneven as it likes: no search is asked what that costs.
     let task = Task { columns, scored: taught, reached: 0.0 };
-    Some(task.refined(operator.with(ExtensionParameters::default()))?.0)
+    Some(task.refined_again(operator.with(ExtensionParameters::default()))?.0)
 }
 
 /// The operator with the extensions of a set, fitted to the rows of a task; None where no model runs through them.
@@ -203,7 +203,12 @@ fn found(
 ) -> Option<Extension> {
     let kept: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();
     let start = start::operator(&start::Seen::of(search, set), split(&kept).0)?;
-    let (found, _) = task.refined(start.with(extensions.clone()))?;
+    let (mut found, _) = task.refined(start.with(extensions.clone()))?;
+    // The error has kinks where plays turn earlier: the search for these ends at one, with next to no step left.
+    if found.extensions.rate_dependent_width.is_some() || found.extensions.rate_dependent_thresholds.is_some()
+    {
+        (found, _) = task.refined(found)?;
+    }
     side::nearer(task, nearer(task, found, plain, extensions)?)
 }
 

@@ -12,7 +12,7 @@ use model_core::{ExtendedModel, ExtensionParameters};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use rayon::prelude::*;
 
-use super::roughness::roughness;
+use super::roughness::{roughness, unevenness};
 use super::thinned::Thinned;
 use super::variables::{Units, of, with};
 use super::{Extension, rows};
@@ -36,6 +36,9 @@ const STAY: f64 = 0.03;
 /// What it costs that the logarithms of neighbouring slopes differ by 1, where effects make the operator's input, as a share of the
 /// root of the sum of squares that the search has come to.
 const EVEN: f64 = 0.15;
+/// The same that neighbouring values of what resists motion differ by their mean: fast movements go through few contractions at few speeds, and
+/// what a mass seems to be at one may be what the model lacks at another.
+const ALIKE: f64 = 0.4;
 /// Evaluations at most, per variable.
 const PATIENCE: usize = 1;
 /// Derivatives are corrected so many times in a row, where the residual has moved by no more than this share otherwise than they said.
@@ -62,8 +65,9 @@ struct Problem<'a> {
     /// Where it began, and what it costs to leave that. Output unit.
     start: DVector<f64>,
     stay: f64,
-    /// What it costs to be uneven. Output unit.
+    /// What it costs to be uneven, for the operator and for what resists motion. Output unit.
     even: f64,
+    alike: f64,
     /// What derivatives are taken on; none where there is a mass: what rings turns within a few rows.
     thinned: Option<Thinned>,
     variables: DVector<f64>,
@@ -105,6 +109,11 @@ impl Task<'_> {
         self.searched(base, true)
     }
 
+    /// The same, and once more from there: where plays turn earlier the error has kinks, at which a search may end with next to no step left.
+    pub fn refined_again(&self, base: Extension) -> Option<(Extension, Termination)> {
+        self.refined(self.refined(base)?.0)
+    }
+
     /// The same, its extensions left as they are.
     pub fn operator_refined(&self, base: Extension) -> Option<Extension> {
         self.searched(base, false).map(|(model, _)| model)
@@ -124,6 +133,7 @@ impl Task<'_> {
         let first = self.residuals(&with(&base, &units, variables.as_slice()))?.norm();
         let is_alone = base.acting(self.columns) == ExtensionParameters::default();
         let start = variables.clone();
+        let reached = self.reached * (self.scored.len() as f64).sqrt();
         let thinned = base.extensions.inertia.is_none().then(|| Thinned::of(self));
         let problem = Problem {
             task: *self,
@@ -131,7 +141,8 @@ impl Task<'_> {
             base,
             start,
             stay: STAY * first,
-            even: if is_alone { 0.0 } else { EVEN * self.reached * (self.scored.len() as f64).sqrt() },
+            even: if is_alone { 0.0 } else { EVEN * reached },
+            alike: ALIKE * reached,
             thinned,
             variables,
             residuals: OnceLock::new(),
@@ -183,18 +194,20 @@ impl Problem<'_> {
         with(&self.base, &self.units, variables.as_slice())
     }
 
-    /// The errors of a task's scored rows, and what the variables' ways and the operator's roughness cost.
+    /// The errors of a task's scored rows, and what the variables' ways and roughness cost.
     fn at(&self, task: &Task<'_>, variables: &DVector<f64>) -> Option<DVector<f64>> {
         let model = self.model(variables);
         let mut all: Vec<f64> = task.residuals(&model)?.data.into();
         all.extend(variables.iter().zip(&self.start).map(|(variable, start)| self.stay * (variable - start)));
         all.extend(roughness(&model.parameters).iter().map(|rough| self.even * rough));
+        all.extend(unevenness(&model.extensions).iter().map(|uneven| self.alike * uneven));
         Some(DVector::from_vec(all))
     }
 
     /// How many these are.
     fn count(&self) -> usize {
-        self.task.scored.len() + self.start.len() + roughness(&self.base.parameters).len()
+        let rough = roughness(&self.base.parameters).len() + unevenness(&self.base.extensions).len();
+        self.task.scored.len() + self.start.len() + rough
     }
 }
 

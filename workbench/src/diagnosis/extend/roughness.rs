@@ -1,10 +1,13 @@
-//! How unevenly an operator rises: the logarithms of the ratios of neighbouring slopes, of envelope and dead zones.
+//! How unevenly an operator rises: the logarithms of the ratios of neighbouring slopes, of envelope and dead zones. And how
+//! unevenly what resists motion does so.
 //!
 //! What effects make of the input reaches beyond where the rows are: a mass that swings drives the operators to where the
 //! recording hardly goes. What rows do not teach there is as around it, rather than whatever slope fits the few that do.
 
+use model_core::ExtensionParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::EnvelopeParameters;
+use model_core::extension::ProfileParameters;
 
 use crate::identification::{DEAD_ZONES, HostParameters};
 
@@ -22,6 +25,23 @@ pub fn roughness(parameters: &HostParameters) -> Vec<f64> {
     }
     all.extend(of_dead_zones(&cascade.dead_zones));
     all
+}
+
+/// How unevenly what resists fast motion does so: differences of neighbouring values of the profiles of masses with their dampers and of
+/// widths, over their mean. A viscosity alone shows at any speed, and rows teach it well.
+pub fn unevenness(extensions: &ExtensionParameters<f64>) -> Vec<f64> {
+    let ExtensionParameters { viscous_lag, inertia, rate_dependent_width, rate_dependent_thresholds, .. } =
+        extensions;
+    let width = rate_dependent_width.as_ref().map(|width| &width.width);
+    let thresholds = rate_dependent_thresholds.as_ref().map(|thresholds| &thresholds.gain);
+    let damper = viscous_lag.as_ref().filter(|_| inertia.is_some());
+    let profiles = [damper, inertia.as_ref(), width, thresholds].into_iter().flatten();
+    let of_profile = |profile: &ProfileParameters<f64>| {
+        let values: &[f64] = &profile.values;
+        let mean = (values.iter().sum::<f64>() / values.len().max(1) as f64).max(LEAST);
+        values.windows(2).map(|pair| (pair[1] - pair[0]) / mean).collect::<Vec<f64>>()
+    };
+    profiles.flat_map(of_profile).collect()
 }
 
 /// From 0 outward, to either side.
@@ -63,6 +83,23 @@ mod tests {
         let expected = [two, -two, two];
         assert_eq!(rough.len(), expected.len());
         assert!(rough.iter().zip(expected).all(|(rough, two)| (rough - two).abs() < 1e-12), "{rough:?}");
+    }
+
+    #[test]
+    fn a_constant_mass_is_even_and_one_that_grows_is_as_uneven_as_its_values_differ() {
+        let profile = |values: [f64; 3]| ProfileParameters {
+            knots: [0.0, 50.0, 100.0].into_iter().collect(),
+            values: values.into_iter().collect(),
+        };
+        let both = ExtensionParameters {
+            viscous_lag: Some(profile([0.1, 0.1, 0.1])),
+            inertia: Some(profile([1.0, 2.0, 6.0])),
+            ..ExtensionParameters::default()
+        };
+        let uneven = unevenness(&both);
+        let expected = [0.0, 0.0, 1.0 / 3.0, 4.0 / 3.0];
+        assert_eq!(uneven.len(), expected.len());
+        assert!(uneven.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12), "{uneven:?}");
     }
 
     #[test]

@@ -322,3 +322,38 @@ impl Task<'_> {
         Some(nalgebra::Cholesky::new(matrix)?.solve(&right).iter().copied().collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles of falling height and rising speed. Unit: bar.
+    fn command(time_s: f64) -> f64 {
+        let turns = time_s * (0.05 + 0.002 * time_s);
+        let triangle = 1.0 - (2.0 * turns.fract() - 1.0).abs();
+        0.3 + (5.5 - 0.04 * time_s) * triangle
+    }
+
+    #[test]
+    fn a_held_band_is_found_so_closely_that_the_same_commands_are_accepted() {
+        let time_s: Vec<f64> = (0..8000).map(|row| 0.01 * f64::from(row)).collect();
+        let commands: Vec<f64> = time_s.iter().map(|&time_s| command(time_s)).collect();
+        for band in [0.1337, 0.2656, 0.4021] {
+            let valve =
+                Valve { lag_s: 0.05, delay_s: None, band: Some((BandForm::Hold, band)), supply_bar: None };
+            let pressure = valve.simulate(&time_s, &commands);
+            let columns = Columns {
+                scored: vec![true; time_s.len()],
+                output: pressure.clone(),
+                command: Some(commands.clone()),
+                input: pressure,
+                time_s: time_s.clone(),
+                ..Columns::default()
+            };
+            let found = examine(&columns, 1e-4).expect("there is a command");
+            let Some((BandForm::Hold, near)) = found.valve.band else { panic!("{:?}", found.valve) };
+            assert!((near / band - 1.0).abs() < 2e-3, "{near} instead of {band}");
+            assert!(found.rmse_bar < 2e-3, "{band}: {} bar", found.rmse_bar);
+        }
+    }
+}

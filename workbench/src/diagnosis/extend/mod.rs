@@ -191,7 +191,7 @@ pub fn plain(columns: &Columns, scored: &[usize]) -> Option<Extension> {
     let operator = start::operator(&start::Seen::plain(columns), taught)?;
     // Alone an operator may be as uneven as it likes: no search is asked what that costs.
     let task = Task { columns, scored: taught, reached: 0.0 };
-    Some(task.refined_again(operator.with(ExtensionParameters::default()))?.0)
+    Some(task.refined(operator.with(ExtensionParameters::default()))?.0)
 }
 
 /// The operator with the extensions of a set, fitted to the rows of a task; None where no model runs through them.
@@ -203,12 +203,10 @@ fn found(
 ) -> Option<Extension> {
     let kept: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();
     let start = start::operator(&start::Seen::of(search, set), split(&kept).0)?;
-    let (mut found, _) = task.refined(start.with(extensions.clone()))?;
-    // The error has kinks where plays turn earlier: the search for these ends at one, with next to no step left.
-    if found.extensions.rate_dependent_width.is_some() || found.extensions.rate_dependent_thresholds.is_some()
-    {
-        (found, _) = task.refined(found)?;
-    }
+    let ExtensionParameters { rate_dependent_width, rate_dependent_thresholds, .. } = &extensions;
+    let is_width = rate_dependent_width.is_some() || rate_dependent_thresholds.is_some();
+    let refined = if is_width { Task::refined_twice } else { Task::refined };
+    let (found, _) = refined(task, start.with(extensions.clone()))?;
     side::nearer(task, nearer(task, found, plain, extensions)?)
 }
 

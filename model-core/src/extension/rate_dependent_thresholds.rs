@@ -10,8 +10,8 @@
 //! The inverse knows y, so it knows g, and asks the bank for the input at these thresholds: explicit and exact. (By the speed
 //! of the pressure it would have to run after its own answer: what is wider asks for a faster pressure, which is wider.)
 //! The model does not know y. It looks for the y that is the answer at the g that it asks for: the faster y moves the wider is
-//! the bank, of which the answer moves less. Were the speed of a move against s counted too there would be another, at which plays that are wide by the
-//! move of the direct term alone are kept by that from following.
+//! the bank, of which the answer moves less. Were the speed of a move against s counted too there would be another, at which
+//! plays that are wide by the move of the direct term alone are kept by that from following.
 //!
 //! # Limits
 //! For cascades ([`crate::cascade`]) of at most ten plays without negative weights.

@@ -38,8 +38,8 @@ const FARTHER: f64 = 0.5;
 /// What it costs that the logarithms of neighbouring slopes differ by 1, where effects make the operator's input, as a share of the
 /// root of the sum of squares that the search has come to.
 const EVEN: f64 = 0.15;
-/// The same that neighbouring values of what resists motion differ by their mean: fast movements go through few contractions at few speeds, and
-/// what a mass seems to be at one may be what the model lacks at another.
+/// The same that neighbouring values of what resists motion differ by their mean: fast movements go through few contractions at few
+/// speeds, and what a mass seems to be at one may be what the model lacks at another.
 const ALIKE: f64 = 0.4;
 /// Evaluations at most, per variable.
 const PATIENCE: usize = 1;
@@ -119,7 +119,7 @@ impl Task<'_> {
         Some((model, termination))
     }
 
-    /// The same, its extensions left as they are.
+    /// As [`Self::refined`], its extensions left as they are.
     pub fn operator_refined(&self, base: Extension) -> Option<Extension> {
         self.searched(base, None, false).map(|(model, ..)| model)
     }

@@ -3,10 +3,9 @@
 //! The search puts the measured contraction into the effects, which lets the output explain a part of itself. Here the
 //! rate, the acceleration, the travel and the creep are those of the simulated contraction.
 //!
-//! At every row the operators' input is the root of a balance that rises with it, or the contraction is where thresholds follow its speed;
-//! acceleration and rate by Newmark's
-//! rule of average acceleration, rate alone by backward differences: both stable at any step. What follows the operators on the
-//! output does so exactly (`follower`).
+//! At every row the operators' input is the root of a balance that rises with it, or the contraction is where thresholds
+//! follow its speed; acceleration and rate by Newmark's rule of average acceleration, rate alone by backward differences: both
+//! stable at any step. What follows the operators on the output does so exactly (`follower`).
 
 use super::basis::{Basis, Curved, Walk, Weights};
 use super::effect::{Driver, Effect, Form, Parameter, Rate};
@@ -241,11 +240,8 @@ impl<'a> State<'a> {
     fn balance(&mut self, (wanted, viscosity, mass): Forces, step_s: f64, wider: f64) -> (f64, Reached) {
         let (before, last_input) = (self.motion, self.last_input);
         let over = |u: f64, motion: &Motion| {
-            let width = |width: &Width| {
-                width.slope * width.moved(u - last_input, width.range(self.signals, wider, motion.rate))
-            };
-            let width: f64 = self.widths.iter().map(width).sum();
-            u + width + viscosity * motion.rate + mass * motion.acceleration - wanted
+            let taken = self.taken_by_widths(u - last_input, wider, motion.rate);
+            u + taken + viscosity * motion.rate + mass * motion.acceleration - wanted
         };
         let [mut rise, _] = self.rises;
         let resting = before.to(before.place, step_s, mass > 0.0);
@@ -262,8 +258,9 @@ impl<'a> State<'a> {
         (u, reached)
     }
 
-    /// The same with thresholds that follow the speed of the contraction. With that both these and the balance are known: one root, over the
-    /// contraction, since the faster it moves the less the operators let it, and the less the balance leaves them.
+    /// The same with thresholds that follow the speed of the contraction. With that both these and the balance are known:
+    /// one root, over the contraction, since the faster it moves the less the operators let it, and the less the balance
+    /// leaves them.
     fn follow(
         &mut self,
         thresholds: &Effect,
@@ -286,15 +283,18 @@ impl<'a> State<'a> {
         (u, reached)
     }
 
-    /// The operators' input that the widths leave, where the thresholds are `wider` and the contraction is so fast (output unit/s). Input unit.
-    fn left_by_widths(&self, left: f64, wider: f64, rate: f64) -> f64 {
-        let signals = self.signals;
-        let takes = |change: f64| {
-            let of = |width: &Width| width.slope * width.moved(change, width.range(signals, wider, rate));
-            self.widths.iter().map(of).sum::<f64>()
-        };
+    /// The operators' input that the widths leave of what there is for both, where the thresholds are `wider` and the
+    /// contraction is so fast (output unit/s). Input unit.
+    fn left_by_widths(&self, both: f64, wider: f64, rate: f64) -> f64 {
         let [close, _] = self.close;
-        root(left, &mut 1.0, close, |u| u + takes(u - self.last_input) - left)
+        root(both, &mut 1.0, close, |u| u + self.taken_by_widths(u - self.last_input, wider, rate) - both)
+    }
+
+    /// What the widths take after a change of the operators' input. Input unit.
+    #[inline(always)]
+    fn taken_by_widths(&self, change: f64, wider: f64, rate: f64) -> f64 {
+        let of = |width: &Width| width.slope * width.moved(change, width.range(self.signals, wider, rate));
+        self.widths.iter().map(of).sum()
     }
 }
 

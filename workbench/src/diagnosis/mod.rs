@@ -303,7 +303,8 @@ fn diagnose_and<T>(
     };
     let beyond = go_on((&search, &best), valve.as_ref(), plain);
     let inseparable = inseparable(&examinable, &excitation);
-    let mut diagnosis = conclude(&search, best, &sizes, (unexplained, alternatives), valve, examinable)?;
+    let mut diagnosis =
+        conclude((columns, &search), best, &sizes, (unexplained, alternatives), valve, examinable)?;
     if let Some(named) = diagnosis.causes.first_mut() {
         named.evidence.extend(evidence);
     }
@@ -312,7 +313,7 @@ fn diagnose_and<T>(
 }
 
 fn conclude(
-    search: &Search<'_>,
+    (columns, search): (&Columns, &Search<'_>),
     best: Candidate,
     sizes: &[Vec<Candidate>],
     (unexplained, alternatives): (Option<Unexplained>, Vec<Vec<Cause>>),
@@ -324,8 +325,12 @@ fn conclude(
     let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
     let signals = search.signals;
     let of_rows = |values: &[f64]| -> Vec<f64> { signals.rows.iter().map(|row| values[row.at]).collect() };
-    let (load, temperature) =
-        (signals.load.as_deref().map(of_rows), signals.temperature.as_deref().map(of_rows));
+    let rows = signals.scored();
+    // As recorded: people look at these, and the search has them less their means.
+    let recorded = |column: &Option<Vec<f64>>| -> Option<Vec<f64>> {
+        column.as_ref().map(|values| rows.iter().map(|&row| values[row]).collect())
+    };
+    let (load, temperature) = (recorded(&columns.load_n), recorded(&columns.temperature_c));
     let residual = Residual {
         time_s: &of_rows(&signals.time_s),
         residual: &baseline.fit.residual,
@@ -349,7 +354,7 @@ fn conclude(
         residual_before: baseline.fit.residual.clone(),
         residual_after: best.residual.clone(),
         tried: verdict::tried(search, sizes),
-        rows: signals.scored(),
+        rows,
         anatomy,
         valve,
         past_unknown_until_s: None,

@@ -4,6 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::anatomy::axis::Axis;
 use super::anatomy::examinable::Inseparable;
 use super::cause::Cause;
 use super::effect::{Effect, Form, Parameter};
@@ -149,6 +150,10 @@ fn a_recorded_load_is_named_and_an_unrecorded_one_is_not() {
     let diagnosis = diagnosed(&Columns { load_n, ..unrecorded.clone() });
     assert_eq!(names(&diagnosis), [Cause::Load]);
     assert!((parameter(&diagnosis, "offset_mm_per_n") + 0.1).abs() < 0.015);
+    // Its misfit is shown over the load as it was recorded.
+    let mut over = diagnosis.anatomy.axes.iter().filter(|mean| mean.axis == Axis::Load);
+    let bins = &over.next().expect("the load varies").bins;
+    assert!(bins.iter().all(|bin| (16.0..34.0).contains(&bin.at)), "{bins:?}");
     assert_eq!(diagnosed(&unrecorded).verdict, Verdict::Unexplained);
 }
 

@@ -105,6 +105,7 @@ pub fn extended_parameters() -> Result<TrackingParameters<f32, PLAYS, DEAD_ZONES
             exponent: 0.5,
             filter_s: 0.01,
             gain: profile([0.02, 0.03, 0.04]),
+            pressure: None,
         }),
         creep: Some(CreepParameters {
             time_constants_s: [0.1, 1.0, 10.0, 100.0, 1000.0, 10_000.0].into_iter().collect(),

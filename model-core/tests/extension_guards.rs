@@ -6,12 +6,14 @@ mod common;
 mod effects;
 
 use common::{Parameters, SIZE as CAPACITY, cascades, history};
-use effects::{ELSEWHERE, EXACT, Effect, Extensions, LOSSY, PERIOD_S, SIZE, muscle, profile, together};
+use effects::{
+    BY_PRESSURE, ELSEWHERE, EXACT, Effect, Extensions, LOSSY, PERIOD_S, SIZE, muscle, profile, together,
+};
 use model_core::agpi::AgpiParameters;
 use model_core::extension::transport_delay::DELAY_SAMPLES;
 use model_core::extension::{
-    CreepParameters, DeadbandForm, PeriodicDisturbanceParameters, ProfileParameters, Sample,
-    TransportDelayParameters, ValveDeadbandParameters,
+    CreepParameters, DeadbandForm, PeriodicDisturbanceParameters, PressureRateParameters, ProfileParameters,
+    Sample, TransportDelayParameters, ValveDeadbandParameters,
 };
 use model_core::{
     ExtendedInverse, ExtendedModel, ExtensionParameters, Hysteresis, InputError, ModelParameters,
@@ -84,7 +86,7 @@ fn a_delay_holds_as_many_samples_as_it_says_and_refuses_more_without_a_change() 
 
 #[test]
 fn parameters_that_no_effect_has_are_refused_by_their_name() {
-    let cases: [(&str, Effect); 14] = [
+    let cases: [(&str, Effect); 16] = [
         (
             "valve_deadband band",
             ("", |all| {
@@ -137,6 +139,20 @@ fn parameters_that_no_effect_has_are_refused_by_their_name() {
                 all.rate_dependent_thresholds
                     .iter_mut()
                     .for_each(|width| width.gain = profile([0.1, -0.1, 0.1]));
+            }),
+        ),
+        (
+            "rate_dependent_thresholds pressure_gain",
+            ("", |all| {
+                let pressure = Some(PressureRateParameters { gain: -0.1, resolution: 0.0 });
+                all.rate_dependent_thresholds.iter_mut().for_each(|width| width.pressure = pressure);
+            }),
+        ),
+        (
+            "rate_dependent_thresholds resolution",
+            ("", |all| {
+                let pressure = Some(PressureRateParameters { gain: 0.1, resolution: -1.0 });
+                all.rate_dependent_thresholds.iter_mut().for_each(|width| width.pressure = pressure);
             }),
         ),
         (
@@ -250,7 +266,7 @@ fn creep_over_a_thousand_seconds_and_drift_lose_nothing_in_single_precision() {
 
 /// Any set of effects.
 fn effects() -> impl Strategy<Value = Extensions> {
-    let list: Vec<Effect> = EXACT.into_iter().chain(ELSEWHERE).chain(LOSSY).collect();
+    let list: Vec<Effect> = EXACT.into_iter().chain(ELSEWHERE).chain(LOSSY).chain([BY_PRESSURE]).collect();
     let count = list.len();
     prop::sample::subsequence(list, 0..=count).prop_map(|set| together(&set))
 }

@@ -99,9 +99,9 @@ mod tests {
     use model_core::envelope::{EnvelopeParameters, KNOTS, PiecewiseLinearParameters};
     use model_core::extension::{
         CreepParameters, DeadbandForm, DriftParameters, ExtensionParameters, PeriodicDisturbanceParameters,
-        ProfileParameters, RateDependentThresholdsParameters, RateDependentWidthParameters,
-        ScheduleParameters, Sites, SupplySaturationParameters, TransportDelayParameters,
-        ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+        PressureRateParameters, ProfileParameters, RateDependentThresholdsParameters,
+        RateDependentWidthParameters, ScheduleParameters, Sites, SupplySaturationParameters,
+        TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
     };
     use model_core::memoryless::MemorylessParameters;
     use model_core::pid::PidParameters;
@@ -199,6 +199,7 @@ mod tests {
                 exponent: number,
                 filter_s: number,
                 gain: profile(),
+                pressure: Some(PressureRateParameters { gain: number, resolution: number }),
             }),
             creep: Some(CreepParameters { time_constants_s: full(), fractions: full() }),
             drift: Some(DriftParameters { rate_per_s: number, compensated: true }),

@@ -102,6 +102,14 @@ acts_on = "contraction"
 knots_mm = [60.0]
 inertia_s2 = [0.0004]
 
+[extensions.rate_dependent_thresholds]
+exponent = 0.6
+filter_s = 0.01
+knots_mm = [10.0, 60.0, 110.0]
+gain = [0.02, 0.03, 0.04]
+pressure_gain = 0.3
+resolution_bar = 0.004
+
 [extensions.creep]
 acts_on = "pressure"
 time_constants_s = [0.1, 1.0, 10.0]
@@ -198,6 +206,16 @@ fn extensions_that_cannot_be_are_refused_by_table_and_key() {
             "fractions = [0.02, 0.03, 0.03]",
             "fractions = [0.5, 0.3, 0.2]",
             "no invertible model: sum of creep fractions is 1, must be below 1",
+        ),
+        (
+            "gain = [0.02, 0.03, 0.04]",
+            "gain = [0.02, 0.03, 0.04]\npressure_gain = 0.3",
+            "[extensions.rate_dependent_thresholds] resolution_bar: missing",
+        ),
+        (
+            "gain = [0.02, 0.03, 0.04]",
+            "gain = [0.02, 0.03, 0.04]\npressure_gain = 0.3\nresolution_bar = -1",
+            "no invertible model: rate_dependent_thresholds resolution is -1 bar, must be at least 0 bar",
         ),
         ("compensated = false", "compensated = 0", "[extensions.drift] compensated: true or false is needed"),
     ] {

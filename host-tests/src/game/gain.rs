@@ -96,4 +96,22 @@ mod tests {
         assert!(wrong < 0.7, "{wrong}");
         assert!(with_hidden(&extended.model, case.kind, "creep", &serde_json::Map::new()).is_none());
     }
+
+    #[test]
+    fn a_width_by_the_rate_of_the_pressure_is_found_as_it_is_and_leaves_a_fifth_at_most() {
+        let case =
+            Case { kind: Kind::Mgpi, effects: vec![Effect::RateDependentWidth], strength: 1.0, seed: 3 };
+        let (_, extended) =
+            diagnose_and_extend(&columns(&case.recording()), None, &|_, _| ()).expect("a diagnosis");
+        let extended = extended.expect("an extended model");
+        let thresholds = extended.model.extensions.rate_dependent_thresholds.as_ref().expect("a width");
+        let truth = &case.plant().truth().causes["rate_dependent_width"];
+        let found = thresholds.pressure.expect("by the rate of the pressure").gain;
+        for (name, found) in [("width_gain", found), ("rate_exponent", thresholds.exponent)] {
+            let hidden = truth[name].as_f64().expect("a number");
+            assert!((found / hidden - 1.0).abs() < 0.15, "{name}: {found} for {hidden}");
+        }
+        let share = extended.heldout.share().expect("something to gain");
+        assert!(share > 0.8, "{share}");
+    }
 }

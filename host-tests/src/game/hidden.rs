@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use model_core::ExtensionParameters;
 use model_core::extension::profile::Profile;
-use model_core::extension::{CreepParameters, DeadbandForm, ProfileParameters, Site};
+use model_core::extension::{CreepParameters, DeadbandForm, PressureRateParameters, ProfileParameters, Site};
 use rig::dynamics::RATE_UNIT_MM_PER_S;
 use rig::plant::Kind;
 use serde_json::{Map, Value};
@@ -101,6 +101,9 @@ pub fn with_hidden(
             let thresholds = all.rate_dependent_thresholds.as_mut()?;
             let (gain, exponent) = (get("width_gain")?, get("rate_exponent")?);
             thresholds.exponent = exponent;
+            let resolution = thresholds.pressure.map_or(0.0, |pressure| pressure.resolution);
+            let by_pressure = PressureRateParameters { gain, resolution };
+            thresholds.pressure = (kind == Kind::Mgpi).then_some(by_pressure);
             for (&at, value) in thresholds.gain.knots.iter().zip(&mut thresholds.gain.values) {
                 let one_mm_per_s = match kind {
                     Kind::Rig => RATE_UNIT_MM_PER_S,

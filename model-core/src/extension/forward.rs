@@ -8,7 +8,8 @@
 //!
 //! Where thresholds depend on the rate ([`super::rate_dependent_thresholds`]) they are known with y alone, and so is, by the same
 //! balance, u: the root is then that of G(y) = y - operator(u) at these thresholds, to [`TOLERANCE`] of the output range. G rises at least
-//! as fast as y for the same reason, and since a wider bank moves less.
+//! as fast as y for the same reason, and since a wider bank moves less. Thresholds by the rate of the pressure are known before,
+//! and the root is that of F.
 //!
 //! # Limits
 //! A pressure beyond the input range by more than its span counts as one that is not, as in the family. A profile that
@@ -80,6 +81,8 @@ pub struct ExtendedState<T, const N: usize> {
     slope: T,
     /// How far the output moved then, where thresholds depend on the rate: from there the next one begins. Output unit.
     moved: T,
+    /// The pressure whose rate widens thresholds, as it was seen last. Input unit.
+    seen: T,
     /// The step of time that `step` is of, and the one before; none before the second sample.
     times: Option<(T, T)>,
     step: EffectsStep<T>,
@@ -136,6 +139,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             line: DelayLine::new(),
             slope: T::ONE,
             moved: T::ZERO,
+            seen: u,
             times: None,
             step: self.effects.first(),
             has_begun: false,
@@ -197,32 +201,47 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
 
     /// Drives the operator with a pressure.
     fn operate(&self, state: &mut ExtendedState<T, N>, pressure: T, surroundings: &Surroundings<T>) {
-        if let (Some(thresholds), Model::Cascade(cascade)) = (&self.effects.thresholds, &self.model) {
-            return self.operate_wider(state, (thresholds, cascade), pressure, surroundings);
-        }
+        let pressure = self.model.input_range().extrapolated(pressure);
+        let wider = match (&self.effects.thresholds, &self.model) {
+            (Some(thresholds), Model::Cascade(cascade)) => match times(thresholds, state, pressure) {
+                Some(times) => Some((cascade, times)),
+                None => return self.operate_wider(state, (thresholds, cascade), pressure, surroundings),
+            },
+            _ => None,
+        };
+        let output_at = |operator: &mut HysteresisState<T, N>, u| match wider {
+            Some((cascade, times)) => cascade.step_wider(operator, cascade.enveloped(u), times),
+            // Its input is finite.
+            None => self.model.step(operator, u).unwrap_or(T::ZERO),
+        };
         let ExtendedState { operator, trial, effects, slope, step, .. } = state;
         let (Some(balance), Some(step)) = (&self.effects.balance, &step.balance) else {
-            effects.y0 = self.output_at(operator, pressure);
+            effects.y0 = output_at(operator, pressure);
             return;
         };
         let (u0, y0) = (effects.u, effects.y0);
-        let pressure = self.model.input_range().extrapolated(pressure);
         let present = balance.at(step, &effects.balance, surroundings);
-        let f = u0 + present.value((u0, T::ZERO), (y0, T::ZERO)) - pressure;
-        // Else the operator stands where it stood.
-        if f.abs() > self.tolerance {
-            let over = |u| {
-                trial.copy_from(operator);
-                effects.y0 = self.output_at(trial, u);
-                u + present.value((u, u - u0), (effects.y0, effects.y0 - y0)) - pressure
-            };
+        let mut over = |u| {
+            trial.copy_from(operator);
+            effects.y0 = output_at(trial, u);
+            u + present.value((u, u - u0), (effects.y0, effects.y0 - y0)) - pressure
+        };
+        // Where nothing moves the operator stands where it stood, unless its thresholds change.
+        let f = match wider {
+            Some(_) => over(u0),
+            None => u0 + present.value((u0, T::ZERO), (y0, T::ZERO)) - pressure,
+        };
+        let moves = f.abs() > self.tolerance;
+        if moves {
             (effects.u, *slope) = root(Point { u: u0, f }, *slope, self.tolerance, over);
+        }
+        if moves || wider.is_some() {
             operator.copy_from(trial);
         }
         effects.balance = present.remembered((effects.u, effects.u - u0), effects.y0 - y0);
     }
 
-    /// The same where thresholds depend on the rate.
+    /// The same where thresholds depend on the rate of the contraction.
     fn operate_wider(
         &self,
         state: &mut ExtendedState<T, N>,
@@ -240,7 +259,6 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
         let nearer = if is_wider_before { T::from_f64(NEARER) } else { T::ONE };
         let tolerance = self.output_tolerance * nearer;
         let thresholds = thresholds.at(sliding, *rate, cascade.held_back(operator));
-        let pressure = self.model.input_range().extrapolated(pressure);
         let rest = |moved| match &present {
             Some(present) => present.rest(pressure, u0, moved, self.tolerance),
             None => pressure,
@@ -266,11 +284,6 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
         }
     }
 
-    /// A step of the operator, whose input is finite.
-    fn output_at(&self, operator: &mut HysteresisState<T, N>, u: T) -> T {
-        self.model.step(operator, u).unwrap_or(T::ZERO)
-    }
-
     /// The contraction where the operator's output is.
     fn output(&self, state: &mut ExtendedState<T, N>, surroundings: &Surroundings<T>) -> T {
         let EffectsMemory { output: memory, y0, .. } = &mut state.effects;
@@ -283,6 +296,18 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
             _ => *y0,
         }
     }
+}
+
+/// By how much thresholds are wider at a pressure, whose rate is then known; None where it does not count for them.
+fn times<T: Real, const N: usize>(
+    thresholds: &RateDependentThresholds<T>,
+    state: &mut ExtendedState<T, N>,
+    pressure: T,
+) -> Option<T> {
+    let step = state.step.thresholds.as_ref()?;
+    let (rate, seen, times) = thresholds.at_pressure(step, (state.effects.rate, state.seen), pressure)?;
+    (state.effects.rate, state.seen) = (rate, seen);
+    Some(times)
 }
 
 /// A time step that time passes in.

@@ -28,7 +28,8 @@
 //!   recordings begin. Time, drift and tone count from it.
 //! * Steps may be unequal in the model; the inverse has a fixed period, for which all exponentials are computed
 //!   beforehand.
-//! * Forward of inverse is exact up to rounding, but for a held dead band and for what limits cut off.
+//! * Forward of inverse is exact up to rounding, but for a held dead band, thresholds by the rate of the pressure, and what
+//!   limits cut off.
 //!
 //! # Limits
 //! The inverse takes load and temperature as they are, not as they will be after the delay.
@@ -71,7 +72,7 @@ pub use forward::{ExtendedModel, ExtendedState, Output, Sample};
 pub use inverse::{ExtendedInverse, ExtendedInverseState};
 pub use periodic_disturbance::PeriodicDisturbanceParameters;
 pub use profile::ProfileParameters;
-pub use rate_dependent_thresholds::RateDependentThresholdsParameters;
+pub use rate_dependent_thresholds::{PressureRateParameters, RateDependentThresholdsParameters};
 pub use rate_dependent_width::RateDependentWidthParameters;
 pub use schedule::ScheduleParameters;
 pub use site::{Site, Sites};

@@ -13,6 +13,14 @@
 //! the bank, of which the answer moves less. Were the speed of a move against s counted too there would be another, at which
 //! plays that are wide by the move of the direct term alone are kept by that from following.
 //!
+//! # By the rate of the pressure
+//! Rate-dependent operators are also described with thresholds by the rate of their input: rᵢ (1 + k ρᵃ), ρ the size of the
+//! pressure's rate through the same filter (Al Janaideh, Rakheja and Su, Mechatronics 19, 2009; there another function of the
+//! rate). With `pressure` the model is of that kind: it knows the pressure, so it knows g. What is measured is never at rest,
+//! and a small rate to a power below 1 is none: so the pressure goes through a play of the sensor's noise before. The inverse
+//! is not of that kind, for the reason above, and goes by h: k over the loop's slope to the power of a is about the
+//! same. Forward of inverse is then near, and not exact.
+//!
 //! # Limits
 //! For cascades ([`crate::cascade`]) of at most ten plays without negative weights.
 
@@ -21,11 +29,14 @@ use crate::error::{Check, ParameterError, Requirement};
 use crate::model::Model;
 use crate::real::Real;
 
+use super::each;
 use super::profile::{Profile, ProfileParameters};
 use super::sliding::{Sliding, SlidingStep};
 
 /// The largest g.
 const WIDEST: f64 = 1e3;
+/// The largest k, and the largest ρᵃ beside it: no pressure then leads out of the number type.
+const LARGEST: f64 = 1e9;
 
 /// Raw parameters of thresholds that depend on the rate.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +52,19 @@ pub struct RateDependentThresholdsParameters<T> {
     pub filter_s: T,
     /// h: by which part thresholds are wider at a rate of 1 output unit/s; nowhere below 0. Unit: 1.
     pub gain: ProfileParameters<T>,
+    /// The rate of the pressure, if it is that which the model goes by; the inverse goes by h all the same.
+    pub pressure: Option<PressureRateParameters<T>>,
+}
+
+/// Raw parameters of thresholds by the rate of the pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PressureRateParameters<T> {
+    /// k: by which part thresholds are wider where the pressure moves by 1 input unit/s. Unit: 1, at least 0.
+    pub gain: T,
+    /// Radius of the play that the pressure goes through before its rate is taken: what it moves by unseen. Input unit, at
+    /// least 0.
+    pub resolution: T,
 }
 
 impl<T: Real> RateDependentThresholdsParameters<T> {
@@ -49,7 +73,23 @@ impl<T: Real> RateDependentThresholdsParameters<T> {
             exponent: convert::number(self.exponent),
             filter_s: convert::number(self.filter_s),
             gain: self.gain.convert()?,
+            pressure: self.pressure.map(|PressureRateParameters { gain, resolution }| {
+                PressureRateParameters {
+                    gain: convert::number(gain),
+                    resolution: convert::number(resolution),
+                }
+            }),
         })
+    }
+}
+
+impl<T: Real> PressureRateParameters<T> {
+    fn checked(&self) -> Result<Self, ParameterError> {
+        let gain = Check::new("rate_dependent_thresholds pressure_gain", "");
+        let resolution = Check::new("rate_dependent_thresholds resolution", "input unit");
+        gain.at_least(gain.at_most(self.gain, T::from_f64(LARGEST))?, T::ZERO)?;
+        resolution.at_least(resolution.finite(self.resolution)?, T::ZERO)?;
+        Ok(*self)
     }
 }
 
@@ -58,6 +98,7 @@ impl<T: Real> RateDependentThresholdsParameters<T> {
 pub(super) struct RateDependentThresholds<T> {
     sliding: Sliding<T>,
     gain: Profile<T>,
+    pressure: Option<PressureRateParameters<T>>,
 }
 
 /// The effect at a sample.
@@ -90,12 +131,28 @@ impl<T: Real> RateDependentThresholds<T> {
                 ("rate_dependent_thresholds filter_s", parameters.filter_s),
             )?,
             gain: Profile::try_positive(&parameters.gain, "rate_dependent_thresholds", "")?,
+            pressure: each(&parameters.pressure, PressureRateParameters::checked)?,
         })
     }
 
     /// For a step of `dt`; an endless one is a rest.
     pub(super) fn step(&self, dt: T) -> SlidingStep<T> {
         self.sliding.step(dt)
+    }
+
+    /// At a pressure, with ρ and the output of the play as they were at the sample before: ρ, that output, and g. None where the
+    /// contraction's rate counts.
+    pub(super) fn at_pressure(
+        &self,
+        step: &SlidingStep<T>,
+        (rate, seen): (T, T),
+        pressure: T,
+    ) -> Option<(T, T, T)> {
+        let PressureRateParameters { gain, resolution } = self.pressure?;
+        let now = seen.limit(pressure - resolution, pressure + resolution);
+        let rate = step.rate(rate, T::ONE, (now - seen).abs());
+        let power = self.sliding.power(rate).at_most(T::from_f64(LARGEST));
+        Some((rate, now, wider(gain * power)))
     }
 
     /// For the next sample, with ρ and s as they were at the last.
@@ -114,7 +171,12 @@ impl<T: Real> PresentThresholds<'_, T> {
     /// g after a move by `moved` to `y`.
     #[inline(always)]
     pub(super) fn times(&self, (y, moved): (T, T)) -> T {
-        let wider = self.effect.gain.value(y) * self.effect.sliding.power(self.rate(moved));
-        (T::ONE + wider).at_most(T::from_f64(WIDEST))
+        wider(self.effect.gain.value(y) * self.effect.sliding.power(self.rate(moved)))
     }
+}
+
+/// g of so much.
+#[inline(always)]
+fn wider<T: Real>(by: T) -> T {
+    (T::ONE + by).at_most(T::from_f64(WIDEST))
 }

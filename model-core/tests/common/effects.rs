@@ -2,9 +2,9 @@
 #![allow(dead_code, reason = "each file of tests uses a part of it")]
 
 use model_core::extension::{
-    CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters, Site,
-    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
+    CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, PressureRateParameters,
+    ProfileParameters, RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters,
+    Site, SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
     WarmUpParameters,
 };
 use model_core::{ExtensionParameters, ModelParameters, paper};
@@ -65,6 +65,7 @@ pub const EXACT: [Effect; 12] = [
             exponent: 0.5,
             filter_s: 0.01,
             gain: profile([0.02, 0.03, 0.04]),
+            pressure: None,
         });
     }),
     ("creep", |all| {
@@ -121,6 +122,16 @@ pub const LOSSY: [Effect; 3] = [
     ("hold", |all| all.valve_deadband = deadband(DeadbandForm::Hold)),
     ("supply_saturation", |all| all.supply_saturation = Some(SupplySaturationParameters { supply: 5.5 })),
 ];
+
+/// Thresholds by the rate of the pressure, which the inverse does not know.
+pub const BY_PRESSURE: Effect = ("thresholds by the pressure", |all| {
+    all.rate_dependent_thresholds = Some(RateDependentThresholdsParameters {
+        exponent: 0.5,
+        filter_s: 0.01,
+        gain: profile([0.06, 0.06, 0.06]),
+        pressure: Some(PressureRateParameters { gain: 0.3, resolution: 0.002 }),
+    });
+});
 
 /// These effects together.
 pub fn together<'a>(effects: impl IntoIterator<Item = &'a Effect>) -> Extensions {

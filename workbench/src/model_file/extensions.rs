@@ -8,9 +8,9 @@ use model_core::ExtensionParameters;
 use model_core::extension::creep::CREEP_ELEMENTS;
 use model_core::extension::profile::PROFILE_KNOTS;
 use model_core::extension::{
-    CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters, Site,
-    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
+    CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, PressureRateParameters,
+    ProfileParameters, RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters,
+    Site, SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
     WarmUpParameters,
 };
 use toml::{Table, Value};
@@ -138,11 +138,19 @@ fn causes(
         fields.number("filter_s", &mut width.filter_s)?;
         fields.profile(&knots, &format!("width_{input}"), &mut width.width)
     })?;
-    let blank = RateDependentThresholdsParameters { exponent: 0.0, filter_s: 0.0, gain: profile() };
+    let blank =
+        RateDependentThresholdsParameters { exponent: 0.0, filter_s: 0.0, gain: profile(), pressure: None };
     file.cause("rate_dependent_thresholds", rate_dependent_thresholds, blank, |fields, thresholds| {
         fields.number("exponent", &mut thresholds.exponent)?;
         fields.number("filter_s", &mut thresholds.filter_s)?;
-        fields.profile(&knots, "gain", &mut thresholds.gain)
+        fields.profile(&knots, "gain", &mut thresholds.gain)?;
+        if fields.has("pressure_gain", thresholds.pressure.is_some()) {
+            let blank = PressureRateParameters { gain: 0.0, resolution: 0.0 };
+            let pressure = thresholds.pressure.get_or_insert(blank);
+            fields.number("pressure_gain", &mut pressure.gain)?;
+            fields.number(&format!("resolution_{input}"), &mut pressure.resolution)?;
+        }
+        Ok(())
     })?;
     let blank = CreepParameters { time_constants_s: empty(), fractions: empty() };
     file.cause("creep", creep, blank, |fields, creep| {
@@ -218,6 +226,14 @@ impl Fields {
         match self {
             Self::Read(section) if !section.has(key) => Ok(()),
             _ => self.number(key, number),
+        }
+    }
+
+    /// Whether there is something to read at a key, or to write.
+    fn has(&self, key: &str, is_there: bool) -> bool {
+        match self {
+            Self::Read(section) => section.has(key),
+            Self::Write(_) => is_there,
         }
     }
 

@@ -1,14 +1,14 @@
 //! From the effects of the search to the nearest extensions of the model.
 //!
-//! What the search has on either side of the hysteresis the model has too. Thresholds that follow a rate follow that of the
-//! contraction; a stop that does is the width before the operator.
+//! What the search has on either side of the hysteresis the model has too, and thresholds follow the rate that they follow
+//! there; a stop that does is the width before the operator.
 
 use model_core::ExtensionParameters;
 use model_core::extension::profile::{PROFILE_KNOTS, Profile};
 use model_core::extension::{
-    CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, ProfileParameters,
-    RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters, Site,
-    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
+    CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, PressureRateParameters,
+    ProfileParameters, RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters,
+    Site, SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
     WarmUpParameters,
 };
 
@@ -21,8 +21,11 @@ use crate::diagnosis::search::Search;
 use crate::diagnosis::signals::{Signals, TENTS, hats};
 use crate::diagnosis::valve::{BandForm, ValveFit};
 
-/// Time constant of the speed of a width. Unit: s.
+/// So many standard deviations of its noise a pressure may move by unseen.
+const UNSEEN: f64 = 2.0;
+/// Time constant of the speed of a width; of that of the pressure only to begin with. Unit: s.
 const FILTER_S: f64 = 0.01;
+const PRESSURE_FILTER_S: f64 = 0.02;
 /// The least slope of the loop that an output is divided by, as a share of the mean one.
 pub(super) const LEAST_SLOPE: f64 = 0.1;
 /// The least half width of a loop, as a share of the input's span.
@@ -52,7 +55,7 @@ pub fn before_operator(
     let signals = search.signals;
     let turn = Loop::of(search, &set.fit);
     let rate_dependent_width = all.rate_dependent_thresholds.as_ref().map(|thresholds| {
-        let RateDependentThresholdsParameters { exponent, filter_s, gain } = thresholds;
+        let RateDependentThresholdsParameters { exponent, filter_s, gain, .. } = thresholds;
         let radius = turn.half_width(signals.knots[TENTS / 2]).max(LEAST_WIDTH * signals.input_span);
         // At the speed of the contraction for one of the input of 1.
         let mut width = gain.clone();
@@ -136,10 +139,15 @@ impl Carrier<'_> {
             }
             Form::Thresholds(rate) => {
                 let gain = self.profile(|y| parameter(1) / self.typical_at(rate, y).powf(parameter(0)));
+                let of_input = || PressureRateParameters {
+                    gain: parameter(1) / signals.typical_speed(rate).powf(parameter(0)),
+                    resolution: UNSEEN * signals.input_noise,
+                };
                 all.rate_dependent_thresholds = Some(RateDependentThresholdsParameters {
                     exponent: parameter(0),
-                    filter_s: FILTER_S,
+                    filter_s: if rate == Rate::Input { PRESSURE_FILTER_S } else { FILTER_S },
                     gain,
+                    pressure: (rate == Rate::Input).then(of_input),
                 });
             }
             Form::Friction(rate) => {

@@ -9,6 +9,7 @@
 //! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
 //! | `roughness` | how unevenly an operator rises, and what resists motion, which costs where effects make its input |
+//! | `compensating` | what the inverse goes by where thresholds follow the rate of the input |
 //! | `thinned` | the rows that derivatives are taken on |
 //! | [`given`] | what is said of an operator model that the user has |
 //! | [`heldout`] | the gain on rows that took no part in the fit |
@@ -21,10 +22,10 @@
 //!
 //! # Limits
 //! The causes, and where the fit begins, come from the whole recording; a gain that is free of that too takes another
-//! recording. A delay that was found between command and pressure has no place in the chain, and is left out. Thresholds that
-//! follow the rate of the input in the search follow that of the contraction in the model, which is only near.
+//! recording. A delay that was found between command and pressure has no place in the chain, and is left out.
 
 mod carry;
+mod compensating;
 pub mod given;
 pub mod heldout;
 pub mod physical;
@@ -47,6 +48,7 @@ use crate::figures::Figures;
 use crate::identification::{Density, HostExtendedModel, HostParameters, Termination};
 use crate::numbers::root_mean_square;
 use crate::simulation::Rows;
+use compensating::compensating;
 pub use given::Given;
 pub use heldout::HeldOutGain;
 use refine::Task;
@@ -203,10 +205,7 @@ fn found(
 ) -> Option<Extension> {
     let kept: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();
     let start = start::operator(&start::Seen::of(search, set), split(&kept).0)?;
-    let ExtensionParameters { rate_dependent_width, rate_dependent_thresholds, .. } = &extensions;
-    let is_width = rate_dependent_width.is_some() || rate_dependent_thresholds.is_some();
-    let refined = if is_width { Task::refined_twice } else { Task::refined };
-    let (found, _) = refined(task, start.with(extensions.clone()))?;
+    let (found, _) = task.refined(start.with(extensions.clone()))?;
     side::nearer(task, nearer(task, found, plain, extensions)?)
 }
 
@@ -292,6 +291,7 @@ pub fn extend(
         None => (Extension { extensions: extended.extensions, ..plain.clone() }, termination),
         Some(model) => model?,
     };
+    let model = compensating(model);
     let (simulated, plain_simulated) = (model.answer(&seen)?, plain.answer(&seen)?);
     let rmse = |simulated: &[f64]| Figures::of(&columns.output, simulated, &columns.scored).rmse;
     progress(1.0);

@@ -4,7 +4,7 @@
 
 use model_core::ExtensionParameters;
 use model_core::extension::profile::Profile;
-use model_core::extension::{ProfileParameters, Site};
+use model_core::extension::{ProfileParameters, RateDependentThresholdsParameters, Site};
 
 use super::Extended;
 use crate::diagnosis::cause::Cause;
@@ -13,8 +13,7 @@ use crate::diagnosis::physical::{self, Loop, Parameters};
 use crate::identification::{HostModel, simulate};
 
 /// The parameters of the muscle's effects: a model that runs free is not misled by the noise of measured rates, and its operator
-/// takes up less of what the effects do. Only a width's gain by the rate of the input the search alone has. None where there is
-/// no loop to take them from.
+/// takes up less of what the effects do. None where there is no loop to take them from.
 pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
     let parameters = &extended.model.parameters;
     let model = HostModel::try_new(parameters).ok()?;
@@ -70,8 +69,12 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
         (None, None) => {}
     }
     if let Some(thresholds) = rate_dependent_thresholds {
-        let gain = Profile::try_new(&thresholds.gain, "profile", "").ok()?.value(middle(&thresholds.gain));
-        all.push((Cause::RateDependentWidth, physical::width(gain, thresholds.exponent, Rate::Contraction)));
+        let RateDependentThresholdsParameters { exponent, gain, pressure, .. } = thresholds;
+        let (gain, rate) = match pressure {
+            Some(pressure) => (pressure.gain, Rate::Input),
+            None => (Profile::try_new(gain, "profile", "").ok()?.value(middle(gain)), Rate::Contraction),
+        };
+        all.push((Cause::RateDependentWidth, physical::width(gain, *exponent, rate)));
     }
     if let Some(creep) = creep {
         all.push((Cause::Creep, physical::creep(&creep.fractions, &creep.time_constants_s)));

@@ -33,8 +33,6 @@ const STEP_S: f64 = 0.01;
 /// teaches; but a slope that next to no row teaches would grow without end, which costs the taught rows nothing, and throws those
 /// that come later by more than a stroke.
 const STAY: f64 = 0.03;
-/// The share of it where a search goes on from the end of another.
-const FARTHER: f64 = 0.5;
 /// What it costs that the logarithms of neighbouring slopes differ by 1, where effects make the operator's input, as a share of the
 /// root of the sum of squares that the search has come to.
 const EVEN: f64 = 0.15;
@@ -108,29 +106,15 @@ impl Derivatives {
 impl Task<'_> {
     /// The model refined from where it stands; None where it does not run through the rows.
     pub fn refined(&self, base: Extension) -> Option<(Extension, Termination)> {
-        let (model, termination, _) = self.searched(base, None, true)?;
-        Some((model, termination))
-    }
-
-    /// The same, and once more from there, free to go farther: for what begins so far off that leaving the start costs much.
-    pub fn refined_twice(&self, base: Extension) -> Option<(Extension, Termination)> {
-        let (near, _, stay) = self.searched(base, None, true)?;
-        let (model, termination, _) = self.searched(near, Some(FARTHER * stay), true)?;
-        Some((model, termination))
+        self.searched(base, true)
     }
 
     /// As [`Self::refined`], its extensions left as they are.
     pub fn operator_refined(&self, base: Extension) -> Option<Extension> {
-        self.searched(base, None, false).map(|(model, ..)| model)
+        self.searched(base, false).map(|(model, _)| model)
     }
 
-    /// With what it costs to move a variable by a step, if that is known, and what it cost. Output unit.
-    fn searched(
-        &self,
-        base: Extension,
-        stay: Option<f64>,
-        with_extensions: bool,
-    ) -> Option<(Extension, Termination, f64)> {
+    fn searched(&self, base: Extension, with_extensions: bool) -> Option<(Extension, Termination)> {
         let Columns { time_s, output, input_is_command, .. } = self.columns;
         let (low, high) = range(output);
         let last = self.scored.last()?;
@@ -142,7 +126,6 @@ impl Task<'_> {
         };
         let variables = DVector::from_vec(of(&base, &units));
         let first = self.residuals(&with(&base, &units, variables.as_slice()))?.norm();
-        let stay = stay.unwrap_or(STAY * first);
         let is_alone = base.acting(self.columns) == ExtensionParameters::default();
         let start = variables.clone();
         let reached = self.reached * (self.scored.len() as f64).sqrt();
@@ -152,7 +135,7 @@ impl Task<'_> {
             units,
             base,
             start,
-            stay,
+            stay: STAY * first,
             even: if is_alone { 0.0 } else { EVEN * reached },
             alike: ALIKE * reached,
             thinned,
@@ -162,7 +145,7 @@ impl Task<'_> {
         };
         let kernel = LevenbergMarquardt::new().with_ftol(ENOUGH).with_patience(PATIENCE).with_stepbound(1.0);
         let (problem, report) = kernel.minimize(problem);
-        Some((problem.model(&problem.variables), (&report.termination).into(), stay))
+        Some((problem.model(&problem.variables), (&report.termination).into()))
     }
 
     /// Root mean square error of a model; None where it does not run through the rows. Output unit.

@@ -33,7 +33,9 @@ pub fn unevenness(extensions: &ExtensionParameters<f64>) -> Vec<f64> {
     let ExtensionParameters { viscous_lag, inertia, rate_dependent_width, rate_dependent_thresholds, .. } =
         extensions;
     let width = rate_dependent_width.as_ref().map(|width| &width.width);
-    let thresholds = rate_dependent_thresholds.as_ref().map(|thresholds| &thresholds.gain);
+    // By the rate of the input they have no profile.
+    let by_contraction = rate_dependent_thresholds.as_ref().filter(|all| all.pressure.is_none());
+    let thresholds = by_contraction.map(|thresholds| &thresholds.gain);
     let damper = viscous_lag.as_ref().filter(|_| inertia.is_some());
     let profiles = [damper, inertia.as_ref(), width, thresholds].into_iter().flatten();
     let of_profile = |profile: &ProfileParameters<f64>| {

@@ -9,8 +9,10 @@ use super::Operator;
 use crate::comparison::choice::penalised;
 use crate::diagnosis::Columns;
 use crate::diagnosis::candidate::Candidate;
-use crate::diagnosis::effect::Effect;
+use crate::diagnosis::effect::{Effect, Form};
 use crate::diagnosis::equivalent::Stages;
+use crate::diagnosis::fit::Fit;
+use crate::diagnosis::free_run::free_run;
 use crate::diagnosis::output;
 use crate::diagnosis::search::Search;
 use crate::figures::Figures;
@@ -48,6 +50,12 @@ impl Seen {
         let first = set.fit.effects.len() - set.causes.len();
         let effects: Vec<Effect> = set.fit.effects[first..].to_vec();
         let mut output = signals.output.clone();
+        if let Some(without) = without_wider_thresholds(&set.fit) {
+            let [with, without] = [&set.fit, &without].map(|fit| free_run(signals, &search.basis, fit).all);
+            for (y, (with, without)) in output.iter_mut().zip(with.iter().zip(without)) {
+                *y -= with - without;
+            }
+        }
         for (i, effect) in effects.iter().enumerate() {
             let (columns, _) = output::columns(effect, signals);
             for (column, weight) in columns.iter().zip(set.fit.output_weights(signals, first + i)) {
@@ -58,6 +66,14 @@ impl Seen {
         }
         Self { input: Stages::new(signals, &effects).seen.input, output }
     }
+}
+
+/// The fit with thresholds that no rate makes wider; None where there are only such.
+fn without_wider_thresholds(fit: &Fit) -> Option<Fit> {
+    let mut fit = fit.clone();
+    let is_wider = |effect: &&mut Effect| matches!(effect.form, Form::Thresholds(_));
+    fit.effects.iter_mut().find(is_wider)?.parameters[1].value = 0.0;
+    Some(fit)
 }
 
 /// The operator that fits best on the given rows, which are in order.

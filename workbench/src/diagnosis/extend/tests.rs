@@ -60,6 +60,7 @@ pub fn model() -> Extension {
             exponent: 0.5,
             filter_s: 0.01,
             gain: ProfileParameters::constant(0.05),
+            pressure: None,
         }),
         creep: Some(CreepParameters {
             time_constants_s: [1.0].into_iter().collect(),

@@ -193,8 +193,17 @@ fn visit_extensions(
     if let Some(thresholds) = &mut extensions.rate_dependent_thresholds {
         logarithm(&mut thresholds.exponent, change);
         thresholds.exponent = thresholds.exponent.min(LARGEST_EXPONENT);
-        let step = largest(&thresholds.gain.values);
-        thresholds.gain.values.iter_mut().for_each(|value| mirrored(value, step, change));
+        match &mut thresholds.pressure {
+            // The other gain is the inverse's, and worked out from this one.
+            Some(pressure) => {
+                logarithm(&mut pressure.gain, change);
+                logarithm(&mut thresholds.filter_s, change);
+            }
+            None => {
+                let step = largest(&thresholds.gain.values);
+                thresholds.gain.values.iter_mut().for_each(|value| mirrored(value, step, change));
+            }
+        }
     }
     if let Some(creep) = &mut extensions.creep {
         creep.fractions.iter_mut().for_each(|fraction| mirrored(fraction, SHARE_STEP, change));

@@ -203,6 +203,12 @@ fn print_summary(
             gain.gain_error,
             gain.noise_floor
         );
+        if !diagnosis.causes.is_empty() && !gain.is_sure() {
+            say!(
+                "no sure gain  on rows that it has not seen the extended model is no better than chance makes it: try it on \
+                 another recording (--validate) before it is used for one"
+            );
+        }
     }
     for named in &diagnosis.causes {
         let parameters: Vec<String> =

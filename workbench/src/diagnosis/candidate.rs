@@ -15,6 +15,8 @@ const ALIKE: f64 = 0.08;
 const UNSEEN: f64 = 0.3;
 /// The same of an inertia alone: it has no more than its rivals, a lag, or a lag and a delay.
 const UNSEEN_ALONE: f64 = 0.05;
+/// What a set has to be better by whose warm-up takes strokes away: whatever else fades looks like that.
+const FADING: f64 = 0.3;
 /// What a set with a lag has to be better by where its small delay, which belongs to the baseline, is as long as it may be:
 /// it is then a lag and a delay.
 const LEANING: f64 = 0.1;
@@ -38,6 +40,8 @@ pub struct Candidate {
     pub spread: Option<f64>,
     /// Whether the motion that its causes name shows.
     pub shows: bool,
+    /// Whether a warm-up of it takes strokes away with travel instead of bringing them.
+    pub fades: bool,
     /// The damping ratio of its mass, if it has one, by all that damps it.
     pub damping_ratio: Option<f64>,
 }
@@ -56,7 +60,8 @@ impl Candidate {
             (false, _) => UNSEEN,
         };
         let leaning = if self.leans() { LEANING } else { 0.0 };
-        let form = ALIKE * dynamic as f64 + unseen + leaning;
+        let fading = if self.fades { FADING } else { 0.0 };
+        let form = ALIKE * dynamic as f64 + unseen + leaning + fading;
         self.score.mean().max(1e-12).ln() + pure + complexity + self.containment() + form
     }
 
@@ -161,6 +166,7 @@ mod tests {
             pure_error: None,
             spread: None,
             shows: true,
+            fades: false,
             damping_ratio,
         }
     }

@@ -140,6 +140,13 @@ pub fn shows(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
     })
 }
 
+/// Whether there is a warm-up whose first strokes are too long instead of too short.
+pub fn fades(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
+    let Some(place) = causes.iter().position(|cause| *cause == Cause::WarmUp) else { return false };
+    let all = parameters(search, causes, fit);
+    all[place].1.iter().any(|&(name, value)| name == "fraction" && value < 0.0)
+}
+
 /// Those of the valve's causes.
 pub fn of_valve(valve: &Valve, cause: Cause) -> Parameters {
     match cause {

@@ -3,7 +3,8 @@
 //! - A step of the zero at a free time: if with it fewer causes do better than all of them without, or if it alone is
 //!   worth its place where no cause is.
 //! - A pure error that stays large: visits to the same state still differ by much of the residual, and naming the causes
-//!   has removed less than half of that.
+//!   has removed less than half of that. Beside a warm-up that takes strokes away all of it has to be gone: a muscle that
+//!   loses pressure, say, does so as well, but does not settle.
 //! - Single rows far off their neighbours.
 //! - Causes that gain next to nothing where a model with them runs free.
 //!
@@ -143,7 +144,7 @@ fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let removed = if set.causes.is_empty() { 0.0 } else { 1.0 - (after / before).powi(2) };
     let [(large, least), (larger, most)] = LARGE;
     let size = (after / set.score.mean().max(1e-12) - large) / (larger - large);
-    let is_left = size > 0.0 && removed < least + (most - least) * size.min(1.0);
+    let is_left = set.fades || size > 0.0 && removed < least + (most - least) * size.min(1.0);
     let is_seen = after > SEEN * search.signals.noise;
     let tones_hz = search.signals.tones(&set.residual, 3);
     (is_seen && is_left).then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })

@@ -13,7 +13,7 @@ use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
 use super::gain::{Score, mask};
-use super::physical::{Loop, damping_ratio, shows};
+use super::physical::{Loop, damping_ratio, fades, shows};
 use super::pure_error::{PureError, pure_error};
 use super::race::{Runner, is_same};
 use super::screen::Screen;
@@ -117,6 +117,7 @@ impl<'a> Search<'a> {
             pure_error,
             spread: pure_error,
             shows: true,
+            fades: false,
             damping_ratio: None,
         };
         Some(Self {
@@ -185,9 +186,9 @@ impl<'a> Search<'a> {
         let least = 1.5 * self.signals.noise;
         let pure_error = pure.map(|error| error.square.sqrt().max(least));
         let spread = self.pure.zip(pure).map(|(before, after)| after.beside(&before, &free).max(least));
-        let shows = shows(self, &causes, &fit);
+        let (shows, fades) = (shows(self, &causes, &fit), fades(self, &causes, &fit));
         let damping_ratio = damping_ratio(self, &causes, &fit);
-        Candidate { causes, fit, score, pure_error, spread, residual: free, shows, damping_ratio }
+        Candidate { causes, fit, score, pure_error, spread, residual: free, shows, fades, damping_ratio }
     }
 
     /// A set without one of its causes: the rest fitted from where it stands, or as it was found before if that is better.

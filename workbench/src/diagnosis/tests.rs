@@ -158,6 +158,22 @@ fn a_recorded_load_is_named_and_an_unrecorded_one_is_not() {
 }
 
 #[test]
+fn what_settles_with_travel_is_a_warm_up_and_what_fades_and_comes_back_is_not() {
+    let plant = Plant::new();
+    let output = hysteresis(&plant.pressure);
+    let mut travel_mm = 0.0;
+    let settling = output.windows(2).map(|pair| {
+        travel_mm += (pair[1] - pair[0]).abs();
+        pair[1] * (1.0 + 0.1 * (-travel_mm / 400.0_f64).exp())
+    });
+    let settling: Vec<f64> = output.iter().take(1).copied().chain(settling).collect();
+    assert_eq!(names(&diagnosed(&plant.recorded(&settling))), [Cause::WarmUp]);
+    let lost = |t: f64| [0.0, 0.1, 0.06, 0.12, 0.09][(t / 16.0) as usize % 5];
+    let fading: Vec<f64> = output.iter().zip(&plant.time_s).map(|(y, &t)| y * (1.0 - lost(t))).collect();
+    assert_eq!(diagnosed(&plant.recorded(&fading)).verdict, Verdict::Unexplained);
+}
+
+#[test]
 fn a_slow_valve_is_told_from_the_muscle() {
     let plant = Plant::new();
     let mut slow = Columns { ..plant.recorded(&hysteresis(&plant.pressure)) };

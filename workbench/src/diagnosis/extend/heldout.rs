@@ -32,6 +32,11 @@ impl HeldOutGain {
         let most = self.before.rmse - self.noise_floor;
         (most > 0.0).then(|| (self.before.rmse - self.after.rmse) / most)
     }
+
+    /// Whether it is more than its standard error.
+    pub fn is_sure(&self) -> bool {
+        self.before.rmse - self.after.rmse > self.gain_error
+    }
 }
 
 /// The gain of the second model over the first on the given rows of a recording; None where there are too few rows, or a

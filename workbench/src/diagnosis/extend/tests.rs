@@ -161,6 +161,8 @@ fn the_gain_is_that_of_the_rows_asked_for() {
     assert_eq!(gained.from_s, columns.time_s[1000]);
     assert_eq!(gained.after.rmse, 0.0);
     assert!((gained.share().expect("something to gain") - 1.0).abs() < 1e-12);
+    assert!(gained.is_sure());
+    assert!(!gain(&columns, &rows, (&truth, &plain), 0.0).expect("enough rows").is_sure());
     assert!(gained.before.rmse > 0.5, "{}", gained.before.rmse);
     assert_eq!(gain(&columns, &rows[..5], (&plain, &truth), 0.0), None);
 }

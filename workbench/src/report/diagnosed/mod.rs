@@ -114,7 +114,11 @@ fn after(view: &View<'_>, gained: Option<&Gained<'_>>) -> Markup {
             @if let Some(Gained { gain, .. }) = gained {
                 " (the difference is sure within " (with_unit(gain.gain_error, view.unit())) ")"
             }
-            "." }
+            "."
+            @if gained.is_some_and(|gained| !gained.gain.is_sure()) {
+                " Chance may do as much: try the extended model on another recording before it is used for one."
+            }
+        }
         (explained(&plots))
     }
 }

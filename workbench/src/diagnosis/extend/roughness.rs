@@ -1,5 +1,5 @@
 //! How unevenly an operator rises: the logarithms of the ratios of neighbouring slopes, of envelope and dead zones. And how
-//! unevenly what resists motion does so.
+//! unevenly what resists motion does so, and creep over the decades.
 //!
 //! What effects make of the input reaches beyond where the rows are: a mass that swings drives the operators to where the
 //! recording hardly goes. What rows do not teach there is as around it, rather than whatever slope fits the few that do.
@@ -7,12 +7,14 @@
 use model_core::ExtensionParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::EnvelopeParameters;
-use model_core::extension::ProfileParameters;
 
 use crate::identification::{DEAD_ZONES, HostParameters};
 
 /// The least slope, so that there is a logarithm. Any unit.
 const LEAST: f64 = 1e-9;
+
+/// What the unevenness of a creep counts beside that of a profile: it is less sure to be even.
+const CREEP: f64 = 0.5;
 
 /// Of a cascade; nothing of the other models.
 pub fn roughness(parameters: &HostParameters) -> Vec<f64> {
@@ -28,7 +30,8 @@ pub fn roughness(parameters: &HostParameters) -> Vec<f64> {
 }
 
 /// How unevenly what resists fast motion does so: differences of neighbouring values of the profiles of masses with their dampers and of
-/// widths, over their mean. A viscosity alone shows at any speed, and rows teach it well.
+/// widths, over their mean. A viscosity alone shows at any speed, and rows teach it well. And how unevenly a creep goes on over the
+/// decades: its elements are so near each other that rows hardly tell which of them a part belongs to.
 pub fn unevenness(extensions: &ExtensionParameters<f64>) -> Vec<f64> {
     let ExtensionParameters { viscous_lag, inertia, rate_dependent_width, rate_dependent_thresholds, .. } =
         extensions;
@@ -38,12 +41,15 @@ pub fn unevenness(extensions: &ExtensionParameters<f64>) -> Vec<f64> {
     let thresholds = by_contraction.map(|thresholds| &thresholds.gain);
     let damper = viscous_lag.as_ref().filter(|_| inertia.is_some());
     let profiles = [damper, inertia.as_ref(), width, thresholds].into_iter().flatten();
-    let of_profile = |profile: &ProfileParameters<f64>| {
-        let values: &[f64] = &profile.values;
-        let mean = (values.iter().sum::<f64>() / values.len().max(1) as f64).max(LEAST);
-        values.windows(2).map(|pair| (pair[1] - pair[0]) / mean).collect::<Vec<f64>>()
-    };
-    profiles.flat_map(of_profile).collect()
+    let of_creep = extensions.creep.iter().flat_map(|creep| differences(&creep.fractions));
+    let of_creep = of_creep.map(|uneven| CREEP * uneven);
+    profiles.flat_map(|profile| differences(&profile.values)).chain(of_creep).collect()
+}
+
+/// Of neighbouring values, over their mean.
+fn differences(values: &[f64]) -> Vec<f64> {
+    let mean = (values.iter().sum::<f64>() / values.len().max(1) as f64).max(LEAST);
+    values.windows(2).map(|pair| (pair[1] - pair[0]) / mean).collect()
 }
 
 /// From 0 outward, to either side.
@@ -68,6 +74,7 @@ fn ratios(slopes: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
 #[cfg(test)]
 mod tests {
     use model_core::envelope::{PiecewiseLinearParameters, TanhParameters};
+    use model_core::extension::{CreepParameters, ProfileParameters};
 
     use super::*;
     use crate::diagnosis::extend::tests::model;
@@ -102,6 +109,20 @@ mod tests {
         let expected = [0.0, 0.0, 1.0 / 3.0, 4.0 / 3.0];
         assert_eq!(uneven.len(), expected.len());
         assert!(uneven.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12), "{uneven:?}");
+    }
+
+    #[test]
+    fn a_creep_that_is_the_same_in_every_decade_is_even_and_one_element_alone_is_not() {
+        let creep = |fractions: [f64; 4]| ExtensionParameters {
+            creep: Some(CreepParameters {
+                time_constants_s: [0.1, 0.3, 1.0, 3.0].into_iter().collect(),
+                fractions: fractions.into_iter().collect(),
+            }),
+            ..ExtensionParameters::default()
+        };
+        assert_eq!(unevenness(&creep([0.02; 4])), [0.0; 3]);
+        let alone = unevenness(&creep([0.0, 0.04, 0.0, 0.0]));
+        assert_eq!(alone, [4.0 * CREEP, -4.0 * CREEP, 0.0]);
     }
 
     #[test]

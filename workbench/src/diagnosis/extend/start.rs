@@ -50,10 +50,11 @@ impl Seen {
         let first = set.fit.effects.len() - set.causes.len();
         let effects: Vec<Effect> = set.fit.effects[first..].to_vec();
         let mut output = signals.output.clone();
-        if let Some(without) = without_wider_thresholds(&set.fit) {
-            let [with, without] = [&set.fit, &without].map(|fit| free_run(signals, &search.basis, fit).all);
-            for (y, (with, without)) in output.iter_mut().zip(with.iter().zip(without)) {
-                *y -= with - without;
+        // An operator cannot say what wider thresholds do: it would take the mean of all speeds for its own.
+        if let Some(at_rest) = at_rest(&set.fit) {
+            let [wider, at_rest] = [&set.fit, &at_rest].map(|fit| free_run(signals, &search.basis, fit).all);
+            for (y, (wider, at_rest)) in output.iter_mut().zip(wider.iter().zip(at_rest)) {
+                *y -= wider - at_rest;
             }
         }
         for (i, effect) in effects.iter().enumerate() {
@@ -68,8 +69,8 @@ impl Seen {
     }
 }
 
-/// The fit with thresholds that no rate makes wider; None where there are only such.
-fn without_wider_thresholds(fit: &Fit) -> Option<Fit> {
+/// The fit with its thresholds as they are at rest; None where none follow a rate.
+fn at_rest(fit: &Fit) -> Option<Fit> {
     let mut fit = fit.clone();
     let is_wider = |effect: &&mut Effect| matches!(effect.form, Form::Thresholds(_));
     fit.effects.iter_mut().find(is_wider)?.parameters[1].value = 0.0;

@@ -21,11 +21,11 @@ use crate::convert;
 use crate::dead_zone::{DeadZoneParameters, DeadZones};
 use crate::envelope::{AnyEnvelope, Envelope, EnvelopeParameters};
 use crate::error::{InputError, ParameterError, finite_input};
-use crate::few_plays::Ends;
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
-use crate::play::{PlayBank, PlayParameters, PlayState, Reached};
+use crate::play::{PlayBank, PlayParameters, Reached};
 use crate::range::Range;
 use crate::real::Real;
+use crate::turning_points::TurningPoints;
 
 /// Raw parameters of a cascade with at most `N` plays and `M` dead zones.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,11 +71,12 @@ impl<T: Real, const N: usize, const M: usize> CascadeParameters<T, N, M> {
 
 /// A validated, invertible cascade of an envelope, at most `N` plays and at most `M` dead zones.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)] // As for `InverseCascade`.
 pub struct Cascade<T, E, const N: usize, const M: usize> {
-    envelope: E,
-    plays: PlayBank<T, N>,
-    dead_zones: DeadZones<T, M>,
     input_range: Range<T>,
+    envelope: E,
+    dead_zones: DeadZones<T, M>,
+    plays: PlayBank<T, N>,
     preconditioned: bool,
 }
 
@@ -165,11 +166,12 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
         let v = |x| self.envelope.value(x);
         let (low, high) = (v(self.input_range.min()), v(self.input_range.max()));
         let plays = self.plays.inverse()?;
-        Ok(InverseCascade {
-            inner_ends: plays.ends(Range::try_new(low, high, "envelope range", "")?, self.envelope.values()),
-            plays,
-            forward: self.clone(),
-        })
+        let range = |low, high| Range::try_new(low, high, "envelope range", "");
+        // Roundings of the plays must not lead out of the envelope's values, near the ends of which its own loses as much.
+        let (least, most) = self.envelope.values();
+        let rounding = plays.rounding(&range(low, high)?);
+        let inner_range = range(low.at_least(least + rounding), high.at_most(most - rounding))?;
+        Ok(InverseCascade { inner_range, plays, forward: self.clone() })
     }
 }
 
@@ -177,10 +179,10 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)] // In this order what every sample needs is within the reach of a load, 1020 bytes: else each costs an addition.
 pub struct InverseCascade<T, E, const N: usize, const M: usize> {
-    /// Of the plays' moves: the image of the input range under the envelope.
-    inner_ends: Ends<T>,
     /// The inverse of the forward model's plays.
     plays: PlayBank<T, N>,
+    /// Of the plays' moves: the image of the input range under the envelope.
+    inner_range: Range<T>,
     forward: Cascade<T, E, N, M>,
 }
 
@@ -195,7 +197,7 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
     #[inline(never)]
     pub(crate) fn reach_wider(&self, state: &mut HysteresisState<T, N>, y: T, times: T) -> (T, T) {
         let Cascade { envelope, plays, dead_zones, input_range, .. } = &self.forward;
-        let inner = &self.inner_ends.range;
+        let inner = &self.inner_range;
         let v = plays.input_wider(&state.plays, dead_zones.inverse(y), times);
         let (x, v) = if v <= inner.min() {
             (input_range.min(), inner.min())
@@ -212,20 +214,24 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
     pub(crate) fn answer(&self, state: &mut HysteresisState<T, N>, y: T) -> T {
         let u = self.forward.dead_zones.inverse(y);
         let inside = |v| self.forward.input_range.limit(self.forward.envelope.inverse_inside(v));
-        let near_end = |plays: &mut PlayState<T, N>| self.answer_near_end(plays, u);
-        self.plays.advance_inside(&mut state.plays, u, &self.inner_ends, inside, near_end)
+        let at_end = |rises| self.end(rises);
+        let many = |plays: &mut TurningPoints<T, N>| self.answer_of_many(plays, u);
+        self.plays.advance_inside(&mut state.plays, u, &self.inner_range, inside, at_end, many)
     }
 
-    /// The answer where u may be beyond what can be reached. Apart, lest it costs the other case registers.
+    /// The answer of many plays. Apart, lest it costs few plays registers.
     #[inline(never)]
-    fn answer_near_end(&self, plays: &mut PlayState<T, N>, u: T) -> T {
-        let ends = &self.forward.input_range;
-        match self.plays.advance_near_end(plays, u, &self.inner_ends) {
-            Reached::Inside(v) => ends.limit(self.forward.envelope.inverse(v)),
-            // The end itself, whatever the envelope's rounding.
-            Reached::End(v) if v == self.inner_ends.range.max() => ends.max(),
-            Reached::End(_) => ends.min(),
+    fn answer_of_many(&self, plays: &mut TurningPoints<T, N>, u: T) -> T {
+        match self.plays.advance_many_inside(plays, u, &self.inner_range) {
+            Reached::Inside(v) => self.forward.input_range.limit(self.forward.envelope.inverse(v)),
+            Reached::End(v) => self.end(v == self.inner_range.max()),
         }
+    }
+
+    /// An end of the input range: the end itself, whatever the envelope's rounding.
+    #[inline(always)]
+    fn end(&self, upper: bool) -> T {
+        if upper { self.forward.input_range.max() } else { self.forward.input_range.min() }
     }
 }
 

@@ -1,11 +1,13 @@
 //! A strictly increasing piecewise-linear curve, evaluated in both directions by a search for the segment.
 //!
-//! The common form of the plays' loading curve, the dead-zone stage and the piecewise-linear envelope.
+//! The common form of the dead-zone stage and the piecewise-linear envelope. The loading curve of the plays is another one
+//! (`loading_curve`), of the same segments.
 //!
 //! # The search
 //! Unused places of the array hold segments that never start, so that its length is a constant. Up to 16 segments, which
-//! is more than ten operators need, it is halved without a branch, in four steps, or in fewer where the array is
-//! shorter; more segments cost a loop.
+//! is more than ten operators need, it is halved in four steps, or in fewer where the array is shorter: forward without a branch,
+//! in the inverse, which the control law takes, by branches, so that what is loaded stands at an address that the compiler knows.
+//! More segments cost a loop.
 
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
@@ -25,13 +27,29 @@ pub(crate) struct Segment<T> {
     pub(crate) place: usize,
 }
 
-/// A curve of at most `K` + 1 segments; the first and the last go on without end.
+/// x at y on those of `count` segments from a place on, by halves that overlap where the number is odd: on the last that has started,
+/// or the first where none has. Unrolled: the number is known where it is inlined.
+macro_rules! halved {
+    ($name:ident, $of_half:ident) => {
+        #[inline(always)]
+        fn $name(&self, from: usize, count: usize, y: T) -> T {
+            let half = count / 2;
+            let from_half = from + (count - half);
+            let started = |segment: &Segment<T>| segment.y <= y;
+            if half > 0 && self.segments.get(from_half).is_some_and(started) {
+                self.$of_half(from_half, half, y)
+            } else {
+                self.$of_half(from, count - half, y)
+            }
+        }
+    };
+}
+
+/// A curve of at most `K` segments; the first and the last go on without end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonotoneCurve<T, const K: usize> {
-    /// By rising start. At least the first one is in use, where there is room for it.
+    /// By rising start. At least the first one is in use.
     segments: [Segment<T>; K],
-    /// The segment for which the array has no place.
-    last: Segment<T>,
     /// How many segments are in use.
     len: usize,
 }
@@ -40,110 +58,77 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
     /// A straight line through a point.
     ///
     /// # Errors
-    /// The slope, which `check` names, or its reciprocal is not above 0 and finite.
+    /// The slope, which `check` names, or its reciprocal is not above 0 and finite; or there is no room for it.
     pub(crate) fn line(point: (T, T), slope: T, check: Check) -> Result<Self, ParameterError> {
-        let never = Segment { x: T::INFINITY, y: T::INFINITY, slope, reciprocal_slope: slope, place: K };
-        let mut curve = Self { segments: [never; K], last: never, len: 0 };
-        curve.push(Segment::try_new(point, slope, check)?, check)?;
+        let mut curve = Self { segments: [Segment::never(); K], len: 0 };
+        curve.bend(point, slope, check)?;
         Ok(curve)
     }
 
     /// Goes on from `point`, a point of the last segment and beyond its start, with another slope.
     ///
     /// # Errors
-    /// As for [`line`](Self::line); or there is no room for another segment.
+    /// As for [`line`](Self::line).
     pub(crate) fn bend(&mut self, point: (T, T), slope: T, check: Check) -> Result<(), ParameterError> {
-        self.push(Segment::try_new(point, slope, check)?, check)
-    }
-
-    fn push(&mut self, segment: Segment<T>, check: Check) -> Result<(), ParameterError> {
-        let free = match self.segments.get_mut(self.len) {
-            Some(free) => free,
-            None if self.len == K => &mut self.last,
-            None => return Err(check.length(K + 2, Requirement::AtMost((K + 1) as f64))),
-        };
-        *free = Segment { place: self.len, ..segment };
+        let segment = Segment::try_new(point, slope, self.len, check)?;
+        let too_many = || check.length(K + 1, Requirement::AtMost(K as f64));
+        *self.segments.get_mut(self.len).ok_or_else(too_many)? = segment;
         self.len += 1;
         Ok(())
-    }
-
-    /// The curve of the inverse function.
-    pub(crate) fn inverted(&self) -> Self {
-        Self { segments: self.segments.map(Segment::inverted), last: self.last.inverted(), len: self.len }
     }
 
     /// So many places the unrolled search looks at.
     const FEW: usize = if K < FEW_SEGMENTS { K } else { FEW_SEGMENTS };
 
+    /// Whether these are all that are in use. Where the array has no more it need not be asked.
+    #[inline(always)]
+    fn has_few(&self) -> bool {
+        K <= FEW_SEGMENTS || self.len <= FEW_SEGMENTS
+    }
+
     /// y at x.
     pub fn value(&self, x: T) -> T {
-        self.search(|segment| segment.x <= x).value(x)
+        let started = |segment: &Segment<T>| segment.x <= x;
+        let segment = match self.segments.get(..Self::FEW) {
+            Some(few) if self.has_few() => halve(few, started),
+            _ => self.search_many(started),
+        };
+        segment.map_or(x, |segment| segment.value(x))
     }
 
     /// x at y.
     #[inline(always)]
     pub fn inverse(&self, y: T) -> T {
-        self.search(|segment| segment.y <= y).inverse(y)
+        if self.has_few() { self.inverse_of_16(0, Self::FEW, y) } else { self.inverse_of_many(y) }
     }
 
     /// The smallest slope.
     pub fn smallest_slope(&self) -> T {
-        self.segments().fold(T::INFINITY, |least, s| if s.slope < least { s.slope } else { least })
+        let segments = self.segments.iter().take(self.len);
+        segments.fold(T::INFINITY, |least, segment| least.at_most(segment.slope))
     }
 
-    /// Number of segments.
-    pub(crate) fn len(&self) -> usize {
-        self.len
-    }
+    halved!(inverse_of_16, inverse_of_8);
+    halved!(inverse_of_8, inverse_of_4);
+    halved!(inverse_of_4, inverse_of_2);
+    halved!(inverse_of_2, inverse_of_1);
 
-    /// The segments by rising start.
-    pub(crate) fn segments(&self) -> impl Iterator<Item = &Segment<T>> {
-        self.segments.iter().chain([&self.last]).take(self.len)
-    }
-
-    /// The segment at a place; the last one beyond.
+    /// x at y on the segment at this place.
     #[inline(always)]
-    pub(crate) fn segment(&self, place: usize) -> &Segment<T> {
-        self.segments.get(place).unwrap_or(&self.last)
-    }
-
-    /// The segment that x lies on, of a curve of many segments.
-    #[inline(always)]
-    pub(crate) fn segment_at(&self, x: T) -> &Segment<T> {
-        self.search_many(|segment| segment.x <= x)
-    }
-
-    /// The segment that y lies on, of a curve of many segments.
-    #[inline(always)]
-    pub(crate) fn segment_of(&self, y: T) -> &Segment<T> {
-        self.search_many(|segment| segment.y <= y)
-    }
-
-    /// The last segment that has started; the first where none has.
-    #[inline(always)]
-    fn search(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
-        if self.len <= Self::FEW
-            && let Some(few @ [first, ..]) = self.segments.get(..Self::FEW)
-        {
-            return halve(few, started).unwrap_or(first);
-        }
-        self.search_many_apart(started)
+    fn inverse_of_1(&self, place: usize, _: usize, y: T) -> T {
+        self.segments.get(place).map_or(y, |segment| segment.inverse(y))
     }
 
     /// Apart, lest it costs few segments registers.
     #[inline(never)]
-    fn search_many_apart(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
-        self.search_many(started)
+    fn inverse_of_many(&self, y: T) -> T {
+        self.search_many(|segment| segment.y <= y).map_or(y, |segment| segment.inverse(y))
     }
 
-    /// [`search`](Self::search), whatever the number of segments.
-    #[inline(always)]
-    fn search_many(&self, started: impl Fn(&Segment<T>) -> bool) -> &Segment<T> {
-        if started(&self.last) {
-            return &self.last;
-        }
+    /// The last segment that has started; the first where none has.
+    fn search_many(&self, started: impl Fn(&Segment<T>) -> bool) -> Option<&Segment<T>> {
         let started = self.segments.partition_point(started);
-        self.segment(started.saturating_sub(1))
+        self.segments.get(started.saturating_sub(1))
     }
 }
 
@@ -160,13 +145,28 @@ fn halve<S>(mut open: &[S], started: impl Fn(&S) -> bool) -> Option<&S> {
 }
 
 impl<T: Real> Segment<T> {
-    fn try_new((x, y): (T, T), slope: T, check: Check) -> Result<Self, ParameterError> {
+    /// From a start on, or through it: where so many start before this one.
+    ///
+    /// # Errors
+    /// The slope, which `check` names, or its reciprocal is not above 0 and finite.
+    pub(crate) fn try_new(
+        (x, y): (T, T),
+        slope: T,
+        place: usize,
+        check: Check,
+    ) -> Result<Self, ParameterError> {
         let slope = check.above(slope, T::ZERO)?;
         let reciprocal_slope = check.named("reciprocal slope").finite(T::ONE / slope)?;
-        Ok(Self { x, y, slope, reciprocal_slope, place: 0 })
+        Ok(Self { x, y, slope, reciprocal_slope, place })
     }
 
-    fn inverted(self) -> Self {
+    /// One that starts nowhere.
+    pub(crate) fn never() -> Self {
+        Self { x: T::INFINITY, y: T::INFINITY, slope: T::ONE, reciprocal_slope: T::ONE, place: 0 }
+    }
+
+    /// That of the inverse curve.
+    pub(crate) fn inverted(self) -> Self {
         Self { x: self.y, y: self.x, slope: self.reciprocal_slope, reciprocal_slope: self.slope, ..self }
     }
 

@@ -9,6 +9,7 @@ use crate::real::Real;
 
 /// What a model or an inverse remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)] // As for `InverseCascade`.
 pub struct HysteresisState<T, const N: usize> {
     /// That of the plays.
     pub(crate) plays: PlayState<T, N>,

@@ -33,6 +33,7 @@ pub struct LawParameters<T> {
 
 /// A validated control law with the inverse model `I`.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)] // As for `LawState`.
 pub struct Law<T, I> {
     inverse: I,
     pid: Pid<T>,
@@ -43,6 +44,7 @@ pub struct Law<T, I> {
 
 /// What the law remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)] // The inverse's first: what stands at the begin needs no address of its own.
 pub struct LawState<T, const N: usize> {
     inverse: HysteresisState<T, N>,
     pid: PidState<T>,
@@ -91,10 +93,10 @@ impl<T: Real, I> Law<T, I> {
     where
         I: InverseHysteresis<T, N>,
     {
-        let contraction = finite_input(contraction)?;
-        let feedforward = self.inverse.step(&mut state.inverse, reference)?;
+        let (reference, contraction) = (finite_input(reference)?, finite_input(contraction)?);
         let error = reference - contraction;
-        let asked = feedforward + self.pid.output(&mut state.pid, error, contraction);
+        let feedback = self.pid.output(&mut state.pid, error, contraction);
+        let asked = self.inverse.step(&mut state.inverse, reference)? + feedback;
         let command = self.limits.step_toward(state.command, asked, self.largest_change);
         state.command = command;
         self.pid.settle(&mut state.pid, error, command - asked);

@@ -54,6 +54,7 @@ pub mod extension;
 mod few_plays;
 pub mod hysteresis;
 pub mod law;
+mod loading_curve;
 pub mod memoryless;
 pub mod mgpi;
 pub mod model;

@@ -10,7 +10,7 @@
 //! u = u₀ ± C(|v - v₀|), C(Δ) = q Δ + Σ pᵢ max(Δ - 2 rᵢ, 0),
 //!
 //! up to the turning point before, where the two are wiped out and the move goes on from the one before that. So a sample
-//! costs one search among the turning points (`turning_points`) and one on the curve ([`crate::curve`]), and its
+//! costs one search among the turning points (`turning_points`) and one on the curve (`loading_curve`), and its
 //! cost hardly grows with the number of plays. A move that has wiped out all turning points drives all plays:
 //! u = (q + Σ pᵢ) v ∓ Σ pᵢ rᵢ.
 //!
@@ -26,9 +26,10 @@
 
 use heapless::Vec;
 
-use crate::curve::{MonotoneCurve, Segment};
+use crate::curve::Segment;
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
-use crate::few_plays::{Ends, FEW_PLAYS, FewPlays};
+use crate::few_plays::{FEW_PLAYS, FewPlays};
+use crate::loading_curve::LoadingCurve;
 use crate::play_move::Target;
 use crate::play_state::Memory;
 use crate::range::Range;
@@ -46,20 +47,17 @@ pub struct PlayBank<T, const N: usize> {
     /// The same bank, where it has at most [`FEW_PLAYS`].
     few: FewPlays<T>,
     /// C: how far u moves when v moves from a turning point. Its i-th bend is at twice the i-th threshold.
-    pub(crate) curve: MonotoneCurve<T, N>,
-    /// The last segment of the curve, on which all plays are driven.
-    pub(crate) all: Segment<T>,
+    pub(crate) curve: LoadingCurve<T, N>,
     /// Where a falling move that drives all plays can be thought to come from: the last segment's line goes through it.
     /// A rising one comes from the same point on the other side of 0.
     pub(crate) origin_of_all: Turn<T>,
 }
 
 impl<T: Real, const N: usize> PlayBank<T, N> {
-    fn new(curve: MonotoneCurve<T, N>) -> Self {
-        let all = *curve.segment(curve.len() - 1);
-        let (v, u) = all.start();
+    fn new(curve: LoadingCurve<T, N>) -> Self {
+        let (v, u) = curve.all().start();
         let origin_of_all = Turn { v: half(v), u: half(u), driven: 0 };
-        Self { few: FewPlays::new(&curve), curve, all, origin_of_all }
+        Self { few: FewPlays::new(&curve), curve, origin_of_all }
     }
 
     /// # Errors
@@ -71,7 +69,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             let requirement = Requirement::Exactly(thresholds.len() as f64);
             return Err(Check::new("number of play weights", "").length(weights.len(), requirement));
         }
-        let mut curve = MonotoneCurve::line((T::ZERO, T::ZERO), *q, Check::new("q", ""))?;
+        let mut curve = LoadingCurve::line(*q, Check::new("q", ""))?;
         let (mut last, mut slope, mut point) = (T::ZERO, *q, (T::ZERO, T::ZERO));
         for (i, (&threshold, &weight)) in thresholds.iter().zip(weights).enumerate() {
             last = Check::at("play thresholds", i, "").above(threshold, last)?;
@@ -86,7 +84,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// Number of plays.
     pub fn len(&self) -> usize {
-        self.curve.len() - 1
+        self.curve.len()
     }
 
     /// Whether the bank is the direct term alone.
@@ -96,7 +94,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// The smallest slope of u over v, the distance from being non-invertible. Unit: 1.
     pub fn smallest_slope(&self) -> T {
-        self.curve.smallest_slope()
+        self.curve.segments().fold(T::INFINITY, |least, segment| least.at_most(segment.slope()))
     }
 
     /// The thresholds of the plays.
@@ -133,13 +131,12 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// The state at the input `v` with these outputs of the plays.
     fn state_with(&self, output: impl Fn(usize) -> T, v: T) -> PlayState<T, N> {
-        let memory = if self.len() <= FEW_PLAYS {
+        if self.len() <= FEW_PLAYS {
             let last = self.len().saturating_sub(1);
-            Memory::Few(FewPlays::state_with(|play| output(play.min(last)), v))
+            PlayState::few(FewPlays::state_with(|play| output(play.min(last)), v))
         } else {
-            Memory::Many(self.turning_points_with(output, v))
-        };
-        PlayState { memory }
+            PlayState::many(self.turning_points_with(output, v))
+        }
     }
 
     /// A history of one turning point for each play, from the largest threshold on.
@@ -162,23 +159,22 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         state
     }
 
-    /// The same memory, kept by turning points whatever the number of plays. The bank then moves by those: slower while the
-    /// plays are few, at a cost that hardly grows with their number.
+    /// The same memory, kept by turning points whatever the number of plays. The bank then moves by those: slower while the plays are
+    /// few, at a cost that hardly grows with their number. A bank without room for more than ten leaves it as it is.
     pub fn by_turning_points(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
-        let memory = match &state.memory {
-            Memory::Few(few) => {
+        match state.memory() {
+            Memory::Few(few) if N > FEW_PLAYS => {
                 let output = |play| few.iter().nth(play).copied().unwrap_or(T::ZERO);
-                Memory::Many(self.turning_points_with(output, few.v))
+                PlayState::many(self.turning_points_with(output, few.v))
             }
-            Memory::Many(many) => Memory::Many(many.clone()),
-        };
-        PlayState { memory }
+            _ => state.clone(),
+        }
     }
 
     /// The outputs of the plays, by rising threshold.
     pub fn outputs(&self, state: &PlayState<T, N>) -> Vec<T, N> {
         let mut outputs: Vec<T, N> = Vec::new();
-        let state = match &state.memory {
+        let state = match state.memory() {
             Memory::Few(few) => {
                 outputs.extend(few.iter().take(self.len()).copied());
                 return outputs;
@@ -207,7 +203,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// [`step`](Self::step) for an input that is known to be finite.
     #[inline(always)]
     pub(crate) fn advance(&self, state: &mut PlayState<T, N>, v: T) -> T {
-        match &mut state.memory {
+        match state.memory_mut() {
             Memory::Few(few) if v >= few.v => self.few.drive::<true>(few, v),
             Memory::Few(few) => self.few.drive::<false>(few, v),
             Memory::Many(many) => self.advance_many(many, v, many.goes_up_to(v), None).output(),
@@ -231,7 +227,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// As [`advance`](Self::advance), with thresholds `times` as wide at this sample; of a bank that can widen.
     #[inline(always)]
     pub(crate) fn advance_wider(&self, state: &mut PlayState<T, N>, v: T, times: T) -> T {
-        match &mut state.memory {
+        match state.memory_mut() {
             Memory::Few(few) => self.few.drive_wider(few, v, times),
             Memory::Many(_) => self.advance(state, v),
         }
@@ -239,7 +235,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// What the plays of a bank that can widen hold back, from -1 (all follow a fall) to 1 (all follow a rise).
     pub(crate) fn held_back(&self, state: &PlayState<T, N>) -> T {
-        match &state.memory {
+        match state.memory() {
             Memory::Few(few) => self.few.held_back(few),
             Memory::Many(_) => T::ZERO,
         }
@@ -248,7 +244,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// The v that [`advance_wider`](Self::advance_wider) would answer with `u`. Moves nothing.
     #[inline(always)]
     pub(crate) fn input_wider(&self, state: &PlayState<T, N>, u: T, times: T) -> T {
-        match &state.memory {
+        match state.memory() {
             Memory::Few(few) => self.few.input_wider(few, u, times),
             Memory::Many(many) => many.last.v,
         }
@@ -257,17 +253,16 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps, against the
     /// direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
-        match (&mut state.memory, rising) {
+        match (state.memory_mut(), rising) {
             (Memory::Few(few), true) => self.few.drive::<true>(few, v),
             (Memory::Few(few), false) => self.few.drive::<false>(few, v),
             (Memory::Many(many), _) => self.advance_many(many, v, rising, None).output(),
         }
     }
 
-    /// How far a move may go for u to stay within `range`. Where roundings could lead out of the wider `domain`, no move is
-    /// surely inside.
-    pub(crate) fn ends(&self, range: Range<T>, domain: (T, T)) -> Ends<T> {
-        self.few.ends(range, domain)
+    /// More than roundings can move u, where that stays within `range`; of few plays.
+    pub(crate) fn rounding(&self, range: &Range<T>) -> T {
+        self.few.rounding(range)
     }
 
     /// As [`advance_toward`](Self::advance_toward), but goes no farther than u stays within the range: the input
@@ -279,58 +274,50 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         rising: bool,
         range: &Range<T>,
     ) -> T {
-        self.reach_within(state, v, rising, range).output()
-    }
-
-    /// [`advance_within`](Self::advance_within), with what has been reached.
-    fn reach_within(&self, state: &mut PlayState<T, N>, v: T, rising: bool, range: &Range<T>) -> Reached<T> {
-        match (&mut state.memory, rising) {
-            (Memory::Few(few), true) => self.few.drive_to_end::<true>(few, v, range),
-            (Memory::Few(few), false) => self.few.drive_to_end::<false>(few, v, range),
-            (Memory::Many(many), _) => self.advance_many(many, v, rising, Some(range)),
+        match (state.memory_mut(), rising) {
+            (Memory::Few(few), true) => {
+                self.few.drive_within::<true, _>(few, v, range, |u| u, || range.max())
+            }
+            (Memory::Few(few), false) => {
+                self.few.drive_within::<false, _>(few, v, range, |u| u, || range.min())
+            }
+            (Memory::Many(many), _) => self.advance_many(many, v, rising, Some(range)).output(),
         }
     }
 
-    /// As [`advance`](Self::advance), but stays within the ends; from a state that no jumps led to. Hands u to `inside`, or
-    /// leaves the move to `near_end` where it might not stay within: with many plays always, but few plays are the faster for
-    /// not having to say afterwards which it was.
+    /// As [`advance`](Self::advance), but stays within the range; from a state that no jumps led to. Hands u to `inside`, or asks
+    /// `at_end`, to which it says whether that is the upper one. Many plays are handed on, lest they cost few plays registers.
     #[inline(always)]
     pub(crate) fn advance_inside<A>(
         &self,
         state: &mut PlayState<T, N>,
         v: T,
-        ends: &Ends<T>,
-        inside: impl Fn(T) -> A,
-        near_end: impl FnOnce(&mut PlayState<T, N>) -> A,
+        range: &Range<T>,
+        inside: impl FnOnce(T) -> A,
+        at_end: impl FnOnce(bool) -> A,
+        many: impl FnOnce(&mut TurningPoints<T, N>) -> A,
     ) -> A {
-        let (low, high) = ends.inside;
-        match &mut state.memory {
+        match state.memory_mut() {
             Memory::Few(few) if v >= few.v => {
-                if v < high {
-                    return inside(self.few.drive::<true>(few, v));
-                }
+                self.few.drive_within::<true, _>(few, v, range, inside, || at_end(true))
             }
-            Memory::Few(few) => {
-                if v > low {
-                    return inside(self.few.drive::<false>(few, v));
-                }
-            }
-            Memory::Many(_) => {}
+            Memory::Few(few) => self.few.drive_within::<false, _>(few, v, range, inside, || at_end(false)),
+            Memory::Many(state) => many(state),
         }
-        near_end(state)
     }
 
-    /// As [`advance`](Self::advance), but stays within the ends wherever `v` is.
-    pub(crate) fn advance_near_end(&self, state: &mut PlayState<T, N>, v: T, ends: &Ends<T>) -> Reached<T> {
-        let rising = match &state.memory {
-            Memory::Few(few) => v >= few.v,
-            Memory::Many(many) => many.goes_up_to(v),
-        };
-        self.reach_within(state, v, rising, &ends.range)
+    /// What many plays have reached that move to `v`, but stay within the range.
+    pub(crate) fn advance_many_inside(
+        &self,
+        state: &mut TurningPoints<T, N>,
+        v: T,
+        range: &Range<T>,
+    ) -> Reached<T> {
+        self.advance_many(state, v, state.goes_up_to(v), Some(range))
     }
 
     /// Apart, lest it costs few plays registers.
-    #[inline(never)]
+    #[inline(always)]
     fn advance_many(
         &self,
         state: &mut TurningPoints<T, N>,
@@ -359,11 +346,10 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 
     /// The state that the inverse bank has where this bank has `state`.
     pub fn inverse_state(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
-        let memory = match &state.memory {
-            Memory::Few(few) => Memory::Few(self.few.inverse_state(few)),
-            Memory::Many(many) => Memory::Many(many.inverted()),
-        };
-        PlayState { memory }
+        match state.memory() {
+            Memory::Few(few) => PlayState::few(self.few.inverse_state(few)),
+            Memory::Many(many) => PlayState::many(many.inverted()),
+        }
     }
 }
 

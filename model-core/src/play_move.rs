@@ -13,6 +13,14 @@ pub(crate) struct Target<T> {
     pub(crate) end: Option<T>,
 }
 
+impl<T: Real> Target<T> {
+    /// Whether a move that leads to this output has come to the end.
+    #[inline(always)]
+    fn is_reached<const RISING: bool>(&self, u: T) -> bool {
+        self.end.is_some_and(|end| reaches::<T, RISING>(u, end))
+    }
+}
+
 /// The output after a move.
 pub(crate) enum Reached<T> {
     /// Where it was to go.
@@ -71,22 +79,57 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         state: &mut TurningPoints<T, N>,
         to: Target<T>,
     ) -> Reached<T> {
+        match self.gone_on::<RISING>(state, to.v) {
+            Some((u, driven)) if !to.is_reached::<RISING>(u) => {
+                state.last = Turn { v: to.v, u, driven };
+                Reached::Inside(u)
+            }
+            _ => self.turn_and_drive::<RISING>(state, to),
+        }
+    }
+
+    /// As [`drive`](Self::drive), whatever the move passes. Apart, for it is long.
+    #[inline(never)]
+    fn turn_and_drive<const RISING: bool>(
+        &self,
+        state: &mut TurningPoints<T, N>,
+        to: Target<T>,
+    ) -> Reached<T> {
         if state.rising != RISING {
             self.turn::<RISING>(state);
         }
-        let Target { v, end } = to;
-        let kept = Self::kept::<RISING>(state, |turn| if RISING { turn.v <= v } else { turn.v >= v });
+        let v = to.v;
+        let kept = Self::kept::<RISING>(state, |turn| reaches::<T, RISING>(v, turn.v));
         let branch =
             self.branch::<RISING>(state, kept, |from| self.curve.segment_at(way::<T, RISING>(from.v, v)));
         let u = go::<T, RISING>(branch.from.u, branch.segment.value(way::<T, RISING>(branch.from.v, v)));
-        if let Some(end) = end
-            && if RISING { u >= end } else { u <= end }
-        {
-            self.stop_at::<RISING>(state, kept, end);
-            return Reached::End(end);
+        match to.end {
+            Some(end) if to.is_reached::<RISING>(u) => {
+                self.stop_at::<RISING>(state, kept, end);
+                Reached::End(end)
+            }
+            _ => {
+                branch.leave::<RISING, N>(state, v, u);
+                Reached::Inside(u)
+            }
         }
-        branch.leave::<RISING, N>(state, v, u);
-        Reached::Inside(u)
+    }
+
+    /// u at `v`, and how many plays are driven there, if a move only goes on: does not turn, passes no turning point, and drives more
+    /// plays than the move before it, or fewer. Of a smooth input most samples do, and drive the same plays as the last one or a few more.
+    #[inline(always)]
+    fn gone_on<const RISING: bool>(&self, state: &TurningPoints<T, N>, v: T) -> Option<(T, usize)> {
+        if state.rising != RISING {
+            return None;
+        }
+        let (behind, ahead) = state.sides::<RISING>();
+        let from = behind.at(behind.height())?;
+        if ahead.at(ahead.height()).is_some_and(|turn| reaches::<T, RISING>(v, turn.v)) {
+            return None;
+        }
+        let way = way::<T, RISING>(from.v, v);
+        let segment = self.curve.segment_near(state.last.driven, way);
+        (segment.place != from.driven).then(|| (go::<T, RISING>(from.u, segment.value(way)), segment.place))
     }
 
     /// Ends a move, which leaves at least so many turning points, where u reaches `end`. Apart, lest it costs the other
@@ -96,9 +139,9 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         let (_, ahead) = state.sides::<RISING>();
         // A state may know turning points beyond the end, which the move then does not reach.
         if kept.ahead < ahead.height()
-            && ahead.at(kept.ahead + 1).is_some_and(|turn| if RISING { turn.u > end } else { turn.u < end })
+            && ahead.at(kept.ahead + 1).is_some_and(|turn| passes::<T, RISING>(turn.u, end))
         {
-            kept = Self::kept::<RISING>(state, |turn| if RISING { turn.u <= end } else { turn.u >= end });
+            kept = Self::kept::<RISING>(state, |turn| reaches::<T, RISING>(end, turn.u));
         }
         let branch =
             self.branch::<RISING>(state, kept, |from| self.curve.segment_of(way::<T, RISING>(from.u, end)));
@@ -152,7 +195,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     fn branch_of_all<const RISING: bool>(&self) -> Branch<'_, T> {
         let Turn { v, u, driven } = self.origin_of_all;
         let from = if RISING { Turn { v: -v, u: -u, driven } } else { self.origin_of_all };
-        Branch { from, segment: &self.all, kept: Kept { behind: 0, ahead: 0 }, is_new: false }
+        Branch { from, segment: self.curve.all(), kept: Kept { behind: 0, ahead: 0 }, is_new: false }
     }
 
     /// The move ends in a turning point, and one in the direction `RISING` begins.
@@ -172,6 +215,12 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
 #[inline(always)]
 pub(crate) fn passes<T: Real, const RISING: bool>(to: T, other: T) -> bool {
     if RISING { to > other } else { to < other }
+}
+
+/// Whether a move in one direction to `to` reaches `other`.
+#[inline(always)]
+fn reaches<T: Real, const RISING: bool>(to: T, other: T) -> bool {
+    if RISING { to >= other } else { to <= other }
 }
 
 /// How far it is from one coordinate to another, in the direction of a move.

@@ -1,29 +1,57 @@
 //! What a bank of plays remembers: the outputs of few plays, or the turning points of the input of many.
 
-use crate::few_plays::Outputs;
+use crate::few_plays::{FEW_PLAYS, Outputs};
 use crate::real::Real;
 use crate::turning_points::TurningPoints;
 
 /// What a bank of at most `N` plays remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C)] // As for `InverseCascade`.
 pub struct PlayState<T, const N: usize> {
-    pub(crate) memory: Memory<T, N>,
+    /// Where there are no turning points. Beside these it is left as it is.
+    few: Outputs<T>,
+    /// Of a bank of more than [`FEW_PLAYS`].
+    many: Option<TurningPoints<T, N>>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-// Boxing the turning points needs a heap, which the board does not have.
-#[allow(clippy::large_enum_variant)]
-pub(crate) enum Memory<T, const N: usize> {
-    /// Of at most [`FEW_PLAYS`](crate::few_plays::FEW_PLAYS).
-    Few(Outputs<T>),
-    /// Of more.
-    Many(TurningPoints<T, N>),
+/// Either.
+pub(crate) enum Memory<F, M> {
+    Few(F),
+    Many(M),
 }
 
 impl<T: Real, const N: usize> PlayState<T, N> {
+    /// Of plays that are kept by their outputs.
+    pub(crate) fn few(few: Outputs<T>) -> Self {
+        Self { few, many: None }
+    }
+
+    /// Of plays that are kept by turning points, of a bank that has room for many.
+    pub(crate) fn many(many: TurningPoints<T, N>) -> Self {
+        Self { few: Outputs::none(), many: Some(many) }
+    }
+
+    /// What is remembered. A bank without room for many plays need not be asked which it is.
+    #[inline(always)]
+    pub(crate) fn memory(&self) -> Memory<&Outputs<T>, &TurningPoints<T, N>> {
+        match &self.many {
+            Some(many) if N > FEW_PLAYS => Memory::Many(many),
+            _ => Memory::Few(&self.few),
+        }
+    }
+
+    /// As [`memory`](Self::memory), to be changed.
+    #[inline(always)]
+    pub(crate) fn memory_mut(&mut self) -> Memory<&mut Outputs<T>, &mut TurningPoints<T, N>> {
+        match &mut self.many {
+            Some(many) if N > FEW_PLAYS => Memory::Many(many),
+            _ => Memory::Few(&mut self.few),
+        }
+    }
+
     /// The last input of the bank. Unit: that of its input.
     pub fn input(&self) -> T {
-        match &self.memory {
+        match self.memory() {
             Memory::Few(few) => few.v,
             Memory::Many(many) => many.last.v,
         }
@@ -31,9 +59,11 @@ impl<T: Real, const N: usize> PlayState<T, N> {
 
     /// Makes it the same as another one of the same bank; copies no more than is remembered.
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        match (&mut self.memory, &other.memory) {
-            (Memory::Many(many), Memory::Many(other)) => many.copy_from(other),
-            (memory, other) => memory.clone_from(other),
+        self.few.clone_from(&other.few);
+        match (&mut self.many, &other.many) {
+            (Some(many), Some(other)) => many.copy_from(other),
+            (None, None) => {}
+            (many, other) => many.clone_from(other),
         }
     }
 }

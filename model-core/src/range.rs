@@ -34,6 +34,12 @@ impl<T: Real> Range<T> {
         self.max
     }
 
+    /// The limit in one direction.
+    #[inline(always)]
+    pub(crate) fn end<const RISING: bool>(&self) -> T {
+        if RISING { self.max } else { self.min }
+    }
+
     /// The value, or the limit that it passes.
     pub fn limit(&self, value: T) -> T {
         value.limit(self.min, self.max)

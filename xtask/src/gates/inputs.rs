@@ -2,6 +2,7 @@
 //!
 //! | phase | what it is after |
 //! |---|---|
+//! | first strokes | the dearest ends: those of a muscle that has not been through its range |
 //! | standstill | the cheapest sample |
 //! | full reversals | every play moves, and turns round, in every sample |
 //! | small reversals | turning points that pile up around many places |
@@ -10,8 +11,6 @@
 //! | random | what nobody has thought of |
 //! | smooth | what a controller is really asked for |
 //! | mode changes | another mode in every sample |
-//!
-//! Apart from these, [`first_strokes`] is after the dearest ends of the range: those of a muscle that has not been through it.
 //!
 //! But for the smooth course and standstill, the muscle is where it should not be, so that the feedback and its limits
 //! work hard.
@@ -52,7 +51,8 @@ pub fn samples((low_mm, high_mm): (f64, f64)) -> Vec<Sample> {
     };
     let both = &[Mode::Both];
     let smooth = || (0..4000).map(smooth).collect();
-    phase("standstill", both, following, vec![0.5; 300])
+    phase("first strokes", both, following, first_strokes())
+        .chain(phase("standstill", both, following, vec![0.5; 300]))
         .chain(phase("full reversals", both, opposed, reversals(0.5, 600, |_| 0.5).collect()))
         .chain(phase("small reversals", both, opposed, (1..20).flat_map(small_reversals).collect()))
         .chain(phase("nested reversals", both, opposed, (1..10).flat_map(nested_reversals).collect()))
@@ -63,11 +63,14 @@ pub fn samples((low_mm, high_mm): (f64, f64)) -> Vec<Sample> {
         .collect()
 }
 
-/// Strokes of a muscle that was never used, each a little longer than the one before and back beyond the lower end; once it has
-/// been through the whole range, its ends are cheap.
-pub fn first_strokes(range_mm: (f64, f64)) -> Vec<Sample> {
-    let strokes = (0..400).flat_map(|k| [f64::from(k) / 400.0, -1e-6, -0.1]);
-    strokes.map(|share| sample(range_mm, "first strokes", Mode::Both, share, following(share))).collect()
+/// Strokes of a muscle that was never used, each a little longer than the one before: back to near the lower end, where another muscle
+/// would be beyond it and this one may be or not, just beyond it, and far beyond; and each a second time, not quite as long.
+fn first_strokes() -> Vec<f64> {
+    let stroke = |(k, near): (u32, f64)| {
+        let top = f64::from(k) / 400.0;
+        [top, 0.15 * near - 0.02, -1e-6, top - 0.01, 0.15 * near - 0.02, -0.1]
+    };
+    (0..400).zip(random()).flat_map(stroke).collect()
 }
 
 /// Reference and contraction as shares of the muscle's way from the lower to the upper end.

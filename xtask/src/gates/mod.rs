@@ -72,9 +72,6 @@ pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     let range_mm = Mgpi::try_new(&paper::mgpi()?)?.output_range();
     let samples = inputs::samples(range_mm);
     let mut figures = run::step("instructions", || costs(&plugin, &law, &emulated, &parameters, &samples))?;
-    figures.extend(run::step("first strokes", || {
-        first_strokes(&plugin, &law, &parameters, &inputs::first_strokes(range_mm))
-    })?);
     figures
         .extend(run::step("instructions of each model", || costs_of_models(&plugin, &emulated, &samples))?);
     figures.extend(run::step("production image", || production::figures(&stm32f405, &plugin, &samples))?);
@@ -156,24 +153,6 @@ fn costs(
         figures.extend(instructions(title, &cost, samples));
     }
     Ok(figures)
-}
-
-/// The most instructions of the inverse while a muscle has not been through its range.
-fn first_strokes(
-    plugin: &Path,
-    law: &Image,
-    parameters: &Parameters,
-    samples: &[Sample],
-) -> Result<Vec<Figure>> {
-    let functions = [law.function(INVERSE)?, law.function(SIZED[0])?];
-    let costs =
-        counted::run(law, plugin, &functions, |link| drive::control_law(link, 0, parameters, samples))?;
-    let figure = |(title, cost): (&str, Cost)| Figure {
-        name: format!("{title}, first strokes, most instructions"),
-        value: cost.max,
-        remark: format!("in {} samples", samples.len()),
-    };
-    Ok(["inverse", "inverse of compiled size"].into_iter().zip(costs).map(figure).collect())
 }
 
 /// The most instructions of the controller with each model of the family, of either half, in the dearest samples;

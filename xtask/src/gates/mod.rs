@@ -7,6 +7,7 @@
 //! | [`inputs`] | the samples that the law is driven with |
 //! | [`drive`] | the samples through an image, checked against the same code on the host |
 //! | [`counted`] | an image in the emulator under the instruction counter |
+//! | [`longest`] | the longest way through a function, over all its branches |
 //! | [`elf`] | functions, sizes and panics of an image |
 //! | [`accuracy`] | `f32` against `f64` |
 //! | [`models`] | the models whose tick is counted |
@@ -26,6 +27,7 @@ mod counted;
 mod drive;
 mod elf;
 mod inputs;
+mod longest;
 mod models;
 mod production;
 
@@ -51,6 +53,12 @@ const CONTROLLER: &str = "firmware::law::controller_step";
 const SIZED: [&str; 2] = ["firmware::sized::tanh_step", "firmware::sized::piecewise_step"];
 /// The control law of compiled size.
 const SIZED_LAW: &str = "firmware::sized::law_step";
+/// Their names in the table.
+const SIZED_TITLES: [&str; 3] = [
+    "inverse of compiled size",
+    "inverse of compiled size, piecewise-linear envelope",
+    "control law of compiled size (inverse, PID, limits)",
+];
 /// The controller in two halves, as the tick has it.
 const HALVES: [&str; 2] = ["firmware::law::controller_prepare", "firmware::law::controller_act"];
 const TICK: &str = "TIM2";
@@ -72,6 +80,7 @@ pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     let range_mm = Mgpi::try_new(&paper::mgpi()?)?.output_range();
     let samples = inputs::samples(range_mm);
     let mut figures = run::step("instructions", || costs(&plugin, &law, &emulated, &parameters, &samples))?;
+    figures.extend(run::step("longest ways", || longest_ways(&law))?);
     figures
         .extend(run::step("instructions of each model", || costs_of_models(&plugin, &emulated, &samples))?);
     figures.extend(run::step("production image", || production::figures(&stm32f405, &plugin, &samples))?);
@@ -140,11 +149,11 @@ fn costs(
     costs.extend(counted::run(emulated, plugin, &[tick], |link| drive::emulated(link, parameters, samples))?);
     let titles = [
         "inverse",
-        "inverse of compiled size",
+        SIZED_TITLES[0],
         "controller (inverse, PID, limits)",
-        "control law of compiled size (inverse, PID, limits)",
+        SIZED_TITLES[2],
         "inverse, piecewise-linear envelope",
-        "inverse of compiled size, piecewise-linear envelope",
+        SIZED_TITLES[1],
         "whole tick of the image emulated",
     ];
     let mut figures = Vec::new();
@@ -153,6 +162,18 @@ fn costs(
         figures.extend(instructions(title, &cost, samples));
     }
     Ok(figures)
+}
+
+/// What the inverses and the law of compiled size take at most, whatever they are given.
+fn longest_ways(law: &Image) -> Result<Vec<Figure>> {
+    let functions = [law.function(SIZED[0])?, law.function(SIZED[1])?, law.function(SIZED_LAW)?];
+    let figure = |(title, most): (&str, u64)| Figure {
+        name: format!("{title}, longest way"),
+        value: most as f64,
+        remark: "over all branches".to_owned(),
+    };
+    let most = longest::longest(&law.path, &functions)?;
+    Ok(SIZED_TITLES.into_iter().zip(most).map(figure).collect())
 }
 
 /// The most instructions of the controller with each model of the family, of either half, in the dearest samples;

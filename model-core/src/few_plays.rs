@@ -17,8 +17,7 @@
 //!
 //! # Leaves
 //! Both searches are trees of branches whose leaves are compiled for their number of plays: all that a leaf loads stands where
-//! the compiler knows. At the ends there is a tree for each number of plays that the whole move would drive; together they take
-//! some 15 kB of the board's flash.
+//! the compiler knows. At the ends there is a tree for each number of plays that the whole move would drive, which costs flash.
 
 use core::array;
 

@@ -16,6 +16,12 @@
 //! The inverse remembers the history that it has commanded. An output that no input of the range reaches
 //! is answered with the end of the range, and the inverse then remembers that end, not the impossible
 //! demand: the next reachable output is inverted as exactly as if nothing had happened.
+//!
+//! # Where v and u count from
+//! Plays do not mind where their input counts from, as long as their outputs count from there too. But the smaller the numbers
+//! the smaller their roundings, and near an end of its values the envelope is so flat that a rounding of v there is many of x. So
+//! the inverse counts v, and u with it, from near its flatter end, and the envelope and the dead zones give and take them so.
+//! That is for single precision, whose error it lessens to a third.
 
 use crate::convert;
 use crate::dead_zone::{DeadZoneParameters, DeadZones};
@@ -78,6 +84,8 @@ pub struct Cascade<T, E, const N: usize, const M: usize> {
     dead_zones: DeadZones<T, M>,
     plays: PlayBank<T, N>,
     preconditioned: bool,
+    /// The v and the u that v and u count from, in the envelope, the dead zones and every state; 0 but inside an inverse.
+    origin: (f64, f64),
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M> {
@@ -97,6 +105,7 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M
             dead_zones: DeadZones::try_new(dead_zones)?,
             input_range: Range::try_new(*input_min, *input_max, "input range", "input unit")?,
             preconditioned: *preconditioned,
+            origin: (0.0, 0.0),
         })
     }
 
@@ -142,7 +151,7 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Hysteresis<T, N> f
 
     fn rest_state(&self) -> HysteresisState<T, N> {
         let lowest = self.envelope.value(self.input_range.min());
-        let mut plays = self.plays.rest_state(lowest);
+        let mut plays = self.plays.rested_at(T::from_f64(-self.origin.0), lowest);
         if self.preconditioned {
             self.plays.advance(&mut plays, self.envelope.value(self.input_range.max()));
             self.plays.advance(&mut plays, lowest);
@@ -163,15 +172,38 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
     type Inverse = InverseCascade<T, E, N, M>;
 
     fn inverse(&self) -> Result<Self::Inverse, ParameterError> {
-        let v = |x| self.envelope.value(x);
-        let (low, high) = (v(self.input_range.min()), v(self.input_range.max()));
         let plays = self.plays.inverse()?;
+        let forward = self.counting_from_flat(plays.slope_of_all());
+        let v = |x| forward.envelope.value(x);
+        let (low, high) = (v(self.input_range.min()), v(self.input_range.max()));
         let range = |low, high| Range::try_new(low, high, "envelope range", "");
         // Roundings of the plays must not lead out of the envelope's values, near the ends of which its own loses as much.
-        let (least, most) = self.envelope.values();
+        let (least, most) = forward.envelope.values();
         let rounding = plays.rounding(&range(low, high)?);
         let inner_range = range(low.at_least(least + rounding), high.at_most(most - rounding))?;
-        Ok(InverseCascade { inner_range, plays, forward: self.clone() })
+        Ok(InverseCascade { inner_range, plays, forward })
+    }
+}
+
+impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Cascade<T, E, N, M> {
+    /// The same model, but v counts from between the ends of its range, the nearer to an end the flatter the envelope is there.
+    /// `slope`: of v over u where all plays are driven.
+    fn counting_from_flat(&self, slope: T) -> Self {
+        let (low, high) =
+            (self.envelope.value(self.input_range.min()), self.envelope.value(self.input_range.max()));
+        let part = T::from_f64(1.0 / 64.0) * (high - low);
+        let input = |v| self.envelope.inverse(v).to_f64();
+        let (at_low, at_high) = (input(low + part) - input(low), input(high) - input(high - part));
+        let v = (at_low * low.to_f64() + at_high * high.to_f64()) / (at_low + at_high);
+        // Exactly a T: what breaks the dead zones have near it lose nothing.
+        let u = T::from_f64(v / slope.to_f64()).to_f64();
+        let v = u * slope.to_f64();
+        match self.envelope.less(v).filter(|_| v.is_finite()) {
+            Some(envelope) => {
+                Self { envelope, dead_zones: self.dead_zones.less(u), origin: (v, u), ..self.clone() }
+            }
+            None => self.clone(),
+        }
     }
 }
 
@@ -183,12 +215,18 @@ pub struct InverseCascade<T, E, const N: usize, const M: usize> {
     plays: PlayBank<T, N>,
     /// Of the plays' moves: the image of the input range under the envelope.
     inner_range: Range<T>,
+    /// The model that this is the inverse of, but for where v and u count from.
     forward: Cascade<T, E, N, M>,
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, E, N, M> {
-    /// The model that this is the inverse of.
-    pub fn forward(&self) -> &Cascade<T, E, N, M> {
+    /// The inputs that it answers with. Input unit.
+    pub fn input_range(&self) -> &Range<T> {
+        &self.forward.input_range
+    }
+
+    /// The model that this is the inverse of. Its states are its own, for its v and u count from elsewhere.
+    pub(crate) fn forward(&self) -> &Cascade<T, E, N, M> {
         &self.forward
     }
 
@@ -239,11 +277,13 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<
     for InverseCascade<T, E, N, M>
 {
     fn state_of(&self, state: &HysteresisState<T, N>) -> HysteresisState<T, N> {
-        HysteresisState::of_plays(self.forward.plays.inverse_state(&state.plays))
+        let (v, u) = self.forward.origin;
+        HysteresisState::of_plays(self.forward.plays.inverse_state(&state.plays.less(v, u)))
     }
 
     fn rest_state(&self) -> HysteresisState<T, N> {
-        self.state_of(&self.forward.rest_state())
+        let Cascade { plays, .. } = &self.forward;
+        HysteresisState::of_plays(plays.inverse_state(&self.forward.rest_state().plays))
     }
 
     fn last_output(&self, state: &HysteresisState<T, N>) -> T {

@@ -77,6 +77,13 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
         Ok(())
     }
 
+    /// The same curve where x and y count from an origin on.
+    pub(crate) fn less(&self, x: f64, y: f64) -> Self {
+        let less = |value: T, origin| T::from_f64(value.to_f64() - origin);
+        let moved = |segment: Segment<T>| Segment { x: less(segment.x, x), y: less(segment.y, y), ..segment };
+        Self { segments: self.segments.map(moved), len: self.len }
+    }
+
     /// So many places the unrolled search looks at.
     const FEW: usize = if K < FEW_SEGMENTS { K } else { FEW_SEGMENTS };
 

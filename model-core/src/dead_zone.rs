@@ -134,6 +134,11 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
         self.curve.smallest_slope()
     }
 
+    /// The same where u counts from an origin on.
+    pub(crate) fn less(&self, u: f64) -> Self {
+        Self { curve: self.curve.less(u, 0.0) }
+    }
+
     /// y(u). Unit: output unit. The outermost segments go on without end.
     pub fn value(&self, u: T) -> T {
         self.curve.value(u)

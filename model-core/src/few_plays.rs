@@ -302,6 +302,12 @@ impl<T: Real> Outputs<T> {
         Self { outputs: [T::ZERO; FEW_PLAYS], v: T::ZERO }
     }
 
+    /// The same where inputs, and so outputs, count from `v` on.
+    pub(crate) fn less(&self, v: f64) -> Self {
+        let less = |value: T| T::from_f64(value.to_f64() - v);
+        Self { outputs: self.outputs.map(less), v: less(self.v) }
+    }
+
     /// The outputs by rising threshold.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
         self.outputs.iter()

@@ -147,11 +147,11 @@ impl<T: Real, const N: usize, const M: usize> Model<T, N, M> {
     /// # Errors
     /// The first parameter that no model can be made of.
     pub fn try_new(parameters: &ModelParameters<T, N, M>) -> Result<Self, ParameterError> {
-        Ok(match parameters {
-            ModelParameters::Cascade(cascade) => Self::Cascade(Cascade::try_new(cascade)?),
-            ModelParameters::Agpi(agpi) => Self::Agpi(Agpi::try_new(agpi)?),
-            ModelParameters::Egpi(egpi) => Self::Egpi(Egpi::try_new(egpi)?),
-        })
+        match parameters {
+            ModelParameters::Cascade(cascade) => apart(|| Cascade::try_new(cascade).map(Self::Cascade)),
+            ModelParameters::Agpi(agpi) => apart(|| Agpi::try_new(agpi).map(Self::Agpi)),
+            ModelParameters::Egpi(egpi) => apart(|| Egpi::try_new(egpi).map(Self::Egpi)),
+        }
     }
 
     /// The smallest slope of the plays, the distance from being non-invertible. Unit: 1.
@@ -203,12 +203,18 @@ impl<T: Real, const N: usize, const M: usize> Invertible<T, N> for Model<T, N, M
     type Inverse = InverseModel<T, N, M>;
 
     fn inverse(&self) -> Result<Self::Inverse, ParameterError> {
-        Ok(match self {
-            Self::Cascade(cascade) => InverseModel::Cascade(cascade.inverse()?),
-            Self::Agpi(agpi) => InverseModel::Agpi(agpi.inverse()?),
-            Self::Egpi(egpi) => InverseModel::Egpi(egpi.inverse()?),
-        })
+        match self {
+            Self::Cascade(cascade) => apart(|| cascade.inverse().map(InverseModel::Cascade)),
+            Self::Agpi(agpi) => apart(|| agpi.inverse().map(InverseModel::Agpi)),
+            Self::Egpi(egpi) => apart(|| egpi.inverse().map(InverseModel::Egpi)),
+        }
     }
+}
+
+/// Does this in a function of its own, so that what it needs of the stack, which on a board is small, is needed by nothing else.
+#[inline(never)]
+fn apart<R>(work: impl FnOnce() -> R) -> R {
+    work()
 }
 
 /// The inverse of a [`Model`].

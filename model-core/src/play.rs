@@ -107,10 +107,20 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         self.curve.segments().fold(T::ZERO, |most, s| if s.slope() > most { s.slope() } else { most })
     }
 
+    /// The slope where all plays are driven. Unit: 1.
+    pub(crate) fn slope_of_all(&self) -> T {
+        self.curve.all().slope()
+    }
+
     /// The state of a bank that rested at 0 and was then brought to `v`: the paper's initial state,
     /// equation (1) with w = 0.
     pub fn rest_state(&self, v: T) -> PlayState<T, N> {
-        let mut state = self.state_with(|_| T::ZERO, T::ZERO);
+        self.rested_at(T::ZERO, v)
+    }
+
+    /// The state of a bank that rested at `rest` instead of at 0.
+    pub(crate) fn rested_at(&self, rest: T, v: T) -> PlayState<T, N> {
+        let mut state = self.state_with(|_| rest, rest);
         self.advance(&mut state, v);
         state
     }

@@ -155,6 +155,8 @@ pub struct Command<T> {
 impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     /// # Errors
     /// The first parameter that no controller can be made of.
+    // Not inlined, like what it calls: what each needs of a board's stack is then not needed at once.
+    #[inline(never)]
     pub fn try_new(parameters: &TrackingParameters<T, N, M>) -> Result<Self, ParameterError> {
         let period = Check::new("period_s", "s").above(parameters.period_s, T::ZERO)?;
         let slew = Check::new("slew_bar_per_s", "bar/s").above(parameters.slew_bar_per_s, T::ZERO)?;

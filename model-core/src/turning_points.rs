@@ -98,10 +98,21 @@ impl<T: Real, const N: usize> TurningPoints<T, N> {
 
     /// The same memory, seen from the inverse bank.
     pub(crate) fn inverted(&self) -> Self {
-        let mut inverted = self.clone();
-        inverted.highs.iter_mut().chain(inverted.lows.iter_mut()).for_each(|turn| *turn = turn.inverted());
-        inverted.last = self.last.inverted();
-        inverted
+        self.with(Turn::inverted)
+    }
+
+    /// The same where inputs count from `v` on, and outputs from `u`.
+    pub(crate) fn less(&self, v: f64, u: f64) -> Self {
+        let less = |value: T, origin| T::from_f64(value.to_f64() - origin);
+        self.with(|turn| Turn { v: less(turn.v, v), u: less(turn.u, u), ..turn })
+    }
+
+    /// The same with other points.
+    fn with(&self, other: impl Fn(Turn<T>) -> Turn<T>) -> Self {
+        let mut all = self.clone();
+        all.highs.iter_mut().chain(all.lows.iter_mut()).for_each(|turn| *turn = other(*turn));
+        all.last = other(self.last);
+        all
     }
 }
 

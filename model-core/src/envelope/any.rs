@@ -100,6 +100,14 @@ impl<T: Real> Envelope<T> for AnyEnvelope<T> {
         }
     }
 
+    fn less(&self, v: f64) -> Option<Self> {
+        match self {
+            Self::Identity(_) => None,
+            Self::Tanh(envelope) => envelope.less(v).map(Self::Tanh),
+            Self::PiecewiseLinear(envelope) => envelope.less(v).map(Self::PiecewiseLinear),
+        }
+    }
+
     fn values(&self) -> (T, T) {
         match self {
             Self::Identity(envelope) => envelope.values(),

@@ -32,6 +32,14 @@ pub trait Envelope<T: Real> {
         self.inverse(v)
     }
 
+    /// The same envelope where v counts from an origin on; None where it cannot.
+    fn less(&self, _v: f64) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        None
+    }
+
     /// The ends of the open interval in which [`inverse_inside`](Self::inverse_inside) has a meaning. Unit: 1.
     fn values(&self) -> (T, T) {
         (-T::INFINITY, T::INFINITY)

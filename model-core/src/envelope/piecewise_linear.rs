@@ -77,6 +77,10 @@ impl<T: Real, const K: usize> Envelope<T> for PiecewiseLinear<T, K> {
         self.curve.inverse(v)
     }
 
+    fn less(&self, v: f64) -> Option<Self> {
+        Some(Self { curve: self.curve.less(0.0, v) })
+    }
+
     /// That over all knots, whatever the range.
     fn least_slope(&self, _: &Range<T>) -> T {
         self.curve.smallest_slope()

@@ -47,6 +47,9 @@ pub struct TanhEnvelope<T> {
     /// The largest and smallest values, a few roundings inside c3 - c0 and c3 + c0.
     low: T,
     high: T,
+    /// How far these are from 0 without the roundings: c0 - c3 and c0 + c3.
+    below: T,
+    above: T,
     reciprocal_c1: T,
     /// The input at the middle of the height, -c2/c1.
     centre: T,
@@ -66,7 +69,8 @@ impl<T: Real> TanhEnvelope<T> {
         let margin = T::from_f64(4.0) * T::EPSILON * (c0 + c3.abs());
         let low = Check::new("c3 - c0", "").finite(c3 - c0 + margin)?;
         let high = Check::new("c3 + c0", "").above(c3 + c0 - margin, low)?;
-        Ok(Self { parameters, low, high, reciprocal_c1, centre })
+        let (below, above) = (c0 - c3, c0 + c3);
+        Ok(Self { parameters, low, high, below, above, reciprocal_c1, centre })
     }
 }
 
@@ -81,11 +85,24 @@ impl<T: Real> Envelope<T> for TanhEnvelope<T> {
     }
 
     /// γ⁻¹(v) = (atanh((v - c3)/c0) - c2)/c1. Half the distances from the two ends, c0 + (v - c3) and c0 - (v - c3), take the
-    /// place of the quotient; summed in this order they lose least where the curve is flat.
+    /// place of the quotient.
     #[inline(always)]
     fn inverse_inside(&self, v: T) -> T {
+        T::atanh_of_ratio(self.below + v, self.above - v) * self.reciprocal_c1 + self.centre
+    }
+
+    fn less(&self, v: f64) -> Option<Self> {
         let TanhParameters { c0, c3, .. } = self.parameters;
-        T::atanh_of_ratio((c0 + v) - c3, (c0 - v) + c3) * self.reciprocal_c1 + self.centre
+        let (c0, moved) = (c0.to_f64(), c3.to_f64() - v);
+        let less = |value: T| T::from_f64(value.to_f64() - v);
+        Some(Self {
+            parameters: TanhParameters { c3: T::from_f64(moved), ..self.parameters },
+            low: less(self.low),
+            high: less(self.high),
+            below: T::from_f64(c0 - moved),
+            above: T::from_f64(c0 + moved),
+            ..*self
+        })
     }
 
     fn values(&self) -> (T, T) {

@@ -69,6 +69,8 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
     ///
     /// # Errors
     /// The first parameter that no inverse can be made of; a supply that is not above the lowest command.
+    // Not inlined, for the sake of a board's stack.
+    #[inline(never)]
     pub fn try_new(
         parameters: &ModelParameters<T, N, M>,
         extensions: &ExtensionParameters<T>,

@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use firmware::law::inverse_step;
 use firmware::order::BoardTracking;
-use model_core::{Hysteresis, InverseHysteresis, Invertible, Mgpi, paper};
+use model_core::{InverseHysteresis, Invertible, Mgpi, paper};
 
 use super::drive::Parameters;
 use super::inputs::Sample;
@@ -17,7 +17,7 @@ pub fn inverse_error(parameters: &Parameters, samples: &[Sample]) -> Result<(f64
     let tracking = BoardTracking::try_new(parameters)?;
     let single = tracking.inverse();
     let double = Mgpi::try_new(&paper::mgpi()?)?.inverse()?;
-    let range = double.forward().input_range();
+    let range = double.input_range();
     let (mut single_state, mut double_state) = (single.rest_state(), double.rest_state());
     let mut largest = (0.0, 0);
     for (number, sample) in samples.iter().enumerate() {

@@ -246,7 +246,7 @@ impl Control {
         self.faults.latch(fault, self.ticks);
         self.capture.stop();
         // Nothing refuses this event.
-        let _ = self.advance(Event::Trip);
+        let _ = self.enter(Event::Trip);
     }
 
     /// Takes a sign of life of the host.
@@ -259,8 +259,21 @@ impl Control {
         self.faults.count(fault);
     }
 
-    /// Goes to the next state, and does what entering it needs.
+    /// Goes to the next state, and does what it begins with.
     fn advance(&mut self, event: Event) -> Result<(), Refusal> {
+        self.enter(event)?;
+        if self.state == State::SelfTest {
+            self.monitors.start_anew();
+            self.self_test_ticks = self.protection.self_test_ticks;
+            if self.self_test_ticks == 0 {
+                self.end_self_test().unwrap_or_else(|fault| self.report(fault));
+            }
+        }
+        Ok(())
+    }
+
+    /// Goes to the next state, and ends what it has no place for.
+    fn enter(&mut self, event: Event) -> Result<(), Refusal> {
         self.state = match next(self.state, event) {
             Next::To(state) => state,
             Next::Home if self.installed.is_some() => State::SelfTest,
@@ -271,13 +284,6 @@ impl Control {
             self.running = None;
             self.service_code = VENT;
             self.player.clear();
-        }
-        if self.state == State::SelfTest {
-            self.monitors.start_anew();
-            self.self_test_ticks = self.protection.self_test_ticks;
-            if self.self_test_ticks == 0 {
-                self.end_self_test().unwrap_or_else(|fault| self.report(fault));
-            }
         }
         Ok(())
     }
@@ -337,7 +343,7 @@ impl Control {
             }
         }
         // The only state that this is called in takes the event.
-        let _ = self.advance(Event::Tested);
+        let _ = self.enter(Event::Tested);
         Ok(())
     }
 

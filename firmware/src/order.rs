@@ -62,7 +62,7 @@ pub enum Order {
 pub fn prepare(request: &Request) -> Result<Order, Refusal> {
     Ok(match *request {
         Request::Identify => Order::Identify,
-        Request::Configure(ref configuration) => Order::Install(validate(configuration)?),
+        Request::Configure(ref configuration) => return validate(configuration),
         Request::Start(mode) => Order::Start(mode),
         Request::SetMode(mode) => Order::SetMode(mode),
         Request::Stop => Order::Stop,
@@ -78,7 +78,7 @@ pub fn prepare(request: &Request) -> Result<Order, Refusal> {
 }
 
 #[inline(never)]
-fn validate(configuration: &Configuration) -> Result<Installation, Refusal> {
+fn validate(configuration: &Configuration) -> Result<Order, Refusal> {
     if configuration.version != VERSION {
         return Err(Refusal::Version(VERSION));
     }
@@ -86,7 +86,7 @@ fn validate(configuration: &Configuration) -> Result<Installation, Refusal> {
     let refuse = |error: ParameterError| Refusal::Parameter(text(format_args!("{error}")));
     let tracking = Tracking::try_new(parameters).map_err(refuse)?;
     let survey = survey(&parameters.model, tracking.inverse()).map_err(refuse)?;
-    Ok(Installation { tracking, survey, period_s: parameters.period_s })
+    Ok(Order::Install(Installation { tracking, survey, period_s: parameters.period_s }))
 }
 
 /// Limits that can be compared with: none is NaN or negative, and what has to be above 0 is.

@@ -20,4 +20,4 @@ pub mod production;
 pub mod stub;
 pub mod valve_log;
 
-pub use production::{Production, STACK_BYTES};
+pub use production::Production;

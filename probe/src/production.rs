@@ -1,6 +1,7 @@
 //! The production image, a tick a call.
 
 use std::io::{ErrorKind, Read, Write};
+use std::ops::Range;
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
@@ -29,10 +30,8 @@ const LINK_STATUS: u32 = 0x4000_4400;
 const RXNE: u8 = 1 << 5;
 /// How often that bit is asked for before a byte is given up: the emulator takes a byte from its socket when it comes to it.
 const ARRIVAL_POLLS: u32 = 1_000_000;
-/// The stack, from memory.x.
-const STACK: u32 = 0x2000_0000;
-/// Its length. Unit: byte.
-pub const STACK_BYTES: u32 = 88 * 1024;
+/// The lowest address of the stack, and the one behind its highest; from memory.x.
+const STACK: [&str; 2] = ["_stack_end", "_stack_start"];
 /// The sectors of the parameter store, from memory.x.
 const STORE: u32 = 0x0800_4000;
 /// Unit: byte.
@@ -70,6 +69,8 @@ pub struct Production {
     scratch: Vec<u8>,
     /// Samples for the ticks that pass while something else is waited for.
     samples: Option<Samples>,
+    /// The addresses of the stack.
+    stack: Range<u32>,
 }
 
 impl Production {
@@ -80,7 +81,8 @@ impl Production {
     /// # Errors
     /// The file is not the production image, or the emulator cannot be started.
     pub fn start(elf: &Path, store: &[u8], bus: Option<&Path>, options: &[String]) -> Result<Self> {
-        let scan = address(elf, SCAN)?;
+        let (scan, [stack_end, stack_start]) = (address(elf, SCAN)?, STACK.map(|name| address(elf, name)));
+        let stack = stack_end?..stack_start?;
         let (link, their_link) = UnixStream::pair()?;
         let (debug, their_debug) = UnixStream::pair()?;
         debug.set_read_timeout(Some(LIMIT))?;
@@ -104,7 +106,7 @@ impl Production {
             .spawn()
             .context("cannot start qemu-system-arm")?;
         let mut stub = Stub::connect(debug)?;
-        stub.write(STACK, &vec![UNUSED; STACK_BYTES as usize])?;
+        stub.write(stack.start, &vec![UNUSED; stack.len()])?;
         let mut flash = store.to_vec();
         flash.resize(STORE_BYTES, 0xFF);
         stub.write(STORE, &flash)?;
@@ -112,7 +114,7 @@ impl Production {
         stub.resume(&[])?;
         let valve = ValveLog::new(log);
         let (receiver, scratch) = (Receiver::new(), Vec::new());
-        let mut image = Self { child, stub, link, receiver, valve, scratch, samples: None };
+        let mut image = Self { child, stub, link, receiver, valve, scratch, samples: None, stack };
         // What was written before the first tick.
         image.valve.codes()?;
         Ok(image)
@@ -234,9 +236,14 @@ impl Production {
     /// # Errors
     /// The stub does not tell.
     pub fn stack_bytes(&mut self) -> Result<u32> {
-        let stack = self.stub.read(STACK, STACK_BYTES)?;
+        let stack = self.stub.read(self.stack.start, self.stack_room())?;
         let unused = stack.iter().take_while(|byte| **byte == UNUSED).count();
-        Ok(STACK_BYTES - unused as u32)
+        Ok(self.stack_room() - unused as u32)
+    }
+
+    /// The most that the stack can hold. Unit: byte.
+    pub fn stack_room(&self) -> u32 {
+        self.stack.end - self.stack.start
     }
 
     /// Ends the emulator in order, so that what it counts is written.
@@ -258,11 +265,11 @@ impl Drop for Production {
     }
 }
 
-/// Where a function of an ELF file begins.
+/// Where a symbol of an ELF file is: a function, or an end of the stack.
 fn address(elf: &Path, name: &str) -> Result<u32> {
     let bytes = std::fs::read(elf).with_context(|| format!("cannot read {}", elf.display()))?;
     let file = object::File::parse(&*bytes)?;
     let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name));
-    let symbol = symbol.with_context(|| format!("{} has no function {name}", elf.display()))?;
+    let symbol = symbol.with_context(|| format!("{} has no symbol {name}", elf.display()))?;
     Ok((symbol.address() & !THUMB) as u32)
 }

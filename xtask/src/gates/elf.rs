@@ -1,6 +1,7 @@
 //! What the ELF file of an image tells without being run: where its functions and handlers are, how large it is, and
 //! whether it can panic.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -27,6 +28,8 @@ pub struct Function {
     pub address: u64,
     /// How many instructions it has, constants behind the last one counted with them.
     pub instructions: usize,
+    /// Its length; 0 where the ELF file does not say. Unit: byte.
+    pub bytes: u64,
 }
 
 /// An image.
@@ -38,6 +41,8 @@ pub struct Image {
     pub functions: Vec<Function>,
     /// Where its handlers of exceptions begin.
     pub handlers: Vec<u64>,
+    /// Where constants stand between its instructions.
+    pub constants: Vec<Range<u64>>,
     /// What it occupies of the flash. Unit: byte.
     pub flash: u64,
     /// What its variables occupy of the RAM, without the stack. Unit: byte.
@@ -79,6 +84,9 @@ impl Image {
                 .map(|symbol| function(&elf, &symbol))
                 .collect(),
             handlers: handlers(vectors.data()?),
+            constants: constants(
+                elf.symbols().filter_map(|symbol| Some((symbol.address(), symbol.name().ok()?))).collect(),
+            ),
             flash,
             ram,
         })
@@ -101,10 +109,15 @@ impl Image {
     /// leaves out what nothing refers to.
     pub fn panics(&self) -> Vec<&str> {
         let names = self.functions.iter().map(|function| function.name.as_str());
-        let mut panics: Vec<_> = names.filter(|name| PANICS.iter().any(|part| name.contains(part))).collect();
+        let mut panics: Vec<_> = names.filter(|name| is_panic(name)).collect();
         panics.sort_unstable();
         panics
     }
+}
+
+/// Whether a function of this name ends the program.
+pub fn is_panic(name: &str) -> bool {
+    PANICS.iter().any(|part| name.contains(part))
 }
 
 fn function<'data>(elf: &ElfFile32<'data, LittleEndian>, symbol: &impl ObjectSymbol<'data>) -> Function {
@@ -114,6 +127,7 @@ fn function<'data>(elf: &ElfFile32<'data, LittleEndian>, symbol: &impl ObjectSym
         name: format!("{:#}", rustc_demangle::demangle(&name)),
         address: symbol.address() & !THUMB,
         instructions: instructions(code(elf, symbol).unwrap_or_default()),
+        bytes: symbol.size(),
     }
 }
 
@@ -124,6 +138,16 @@ fn code<'data>(
 ) -> Option<&'data [u8]> {
     let section = elf.section_by_index(symbol.section_index()?).ok()?;
     section.data_range(symbol.address() & !THUMB, symbol.size()).ok()?
+}
+
+/// From each mark of constants (`$d`) to the next mark of instructions (`$t`).
+fn constants(mut symbols: Vec<(u64, &str)>) -> Vec<Range<u64>> {
+    let is = |name: &str, mark| name == mark || name.starts_with(&format!("{mark}."));
+    symbols.retain(|(_, name)| is(name, "$d") || is(name, "$t"));
+    symbols.sort_unstable();
+    let end = |next: Option<&(u64, &str)>| next.map_or(u64::MAX, |(address, _)| *address);
+    let marks = symbols.iter().enumerate().filter(|(_, (_, name))| is(name, "$d"));
+    marks.map(|(place, (start, _))| *start..end(symbols.get(place + 1))).collect()
 }
 
 /// The number of Thumb instructions: one or two halfwords each, as the first one says.
@@ -151,12 +175,19 @@ fn handlers(table: &[u8]) -> Vec<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Function, Image, handlers, instructions};
+    use super::{Function, Image, constants, handlers, instructions};
 
     fn panics(names: &[&str]) -> Vec<String> {
-        let function = |name: &&str| Function { name: (*name).to_owned(), address: 0, instructions: 0 };
-        let functions = names.iter().map(function).collect();
-        let image = Image { path: "image".into(), functions, handlers: Vec::new(), flash: 0, ram: 0 };
+        let function =
+            |name: &&str| Function { name: (*name).to_owned(), address: 0, instructions: 0, bytes: 0 };
+        let image = Image {
+            path: "image".into(),
+            functions: names.iter().map(function).collect(),
+            handlers: Vec::new(),
+            constants: Vec::new(),
+            flash: 0,
+            ram: 0,
+        };
         image.panics().into_iter().map(str::to_owned).collect()
     }
 
@@ -164,6 +195,12 @@ mod tests {
     fn instructions_of_one_and_of_two_halfwords_are_told_apart() {
         // push {r7, lr}; mov.w r0, #-1; pop {r7, pc}.
         assert_eq!(instructions(&[0x80, 0xB5, 0x4F, 0xF0, 0xFF, 0x30, 0x80, 0xBD]), 3);
+    }
+
+    #[test]
+    fn constants_last_from_their_mark_to_that_of_instructions() {
+        let symbols = vec![(0x20, "$t.1"), (0x10, "$d"), (0x10, "main"), (0x0, "$t"), (0x30, "$d.2")];
+        assert_eq!(constants(symbols), [0x10..0x20, 0x30..u64::MAX]);
     }
 
     #[test]

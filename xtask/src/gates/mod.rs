@@ -8,6 +8,8 @@
 //! | [`drive`] | the samples through an image, checked against the same code on the host |
 //! | [`counted`] | an image in the emulator under the instruction counter |
 //! | [`longest`] | the longest way through a function, over all its branches |
+//! | [`deepest`] | the most stack that a function can take, over all calls |
+//! | [`thumb`] | the instructions that both follow |
 //! | [`elf`] | functions, sizes and panics of an image |
 //! | [`accuracy`] | `f32` against `f64` |
 //! | [`models`] | the models whose tick is counted |
@@ -24,12 +26,14 @@
 mod accuracy;
 mod bounds;
 mod counted;
+mod deepest;
 mod drive;
 mod elf;
 mod inputs;
 mod longest;
 mod models;
 mod production;
+mod thumb;
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};

@@ -21,7 +21,7 @@ mod port;
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
-use firmware::law::{BoardInverse, controller_step, inverse_step, paper_parameters, piecewise_parameters};
+use firmware::law::{controller_step, inverse_step, paper_parameters, piecewise_parameters};
 use firmware::order::BoardTracking;
 use firmware::sized::{SizedInverse, SizedLaw, SizedLawState, law_step, paper_law};
 use model_core::{HysteresisState, InverseHysteresis, Mode, ParameterError, TrackingState};
@@ -34,7 +34,7 @@ const MODES: [Mode; 4] = [Mode::Both, Mode::FeedforwardOnly, Mode::FeedbackOnly,
 
 /// The law with what it remembers.
 struct Law {
-    inverse: BoardInverse,
+    /// Of the controller's own inverse, beside it.
     inverse_state: HysteresisState<f32, PLAYS>,
     sized: SizedInverse,
     tracking: BoardTracking,
@@ -46,18 +46,20 @@ impl Law {
     /// The paper's model and gains, at rest. Apart, so that its temporaries leave the stack.
     #[inline(never)]
     fn paper(piecewise: bool) -> Result<Self, ParameterError> {
-        let parameters = if piecewise { piecewise_parameters()? } else { paper_parameters()? };
-        let tracking = BoardTracking::try_new(black_box(&parameters))?;
-        let inverse = tracking.inverse().clone();
-        let (inverse_state, state) = (inverse.rest_state(), tracking.rest_state(Mode::Both));
-        let sized = SizedInverse::paper(piecewise)?;
-        Ok(Self { inverse, inverse_state, sized, tracking, state, sized_law: paper_law()? })
+        let tracking = paper_tracking(piecewise)?;
+        Ok(Self {
+            inverse_state: tracking.inverse().rest_state(),
+            state: tracking.rest_state(Mode::Both),
+            sized: SizedInverse::paper(piecewise)?,
+            sized_law: paper_law()?,
+            tracking,
+        })
     }
 
     fn sample(&mut self, port: &Port) {
         let mode = MODES[usize::from(port.receive_byte() & 3)];
         let (reference_mm, contraction_mm) = (port.receive(), port.receive());
-        let inverse = inverse_step(&self.inverse, &mut self.inverse_state, reference_mm);
+        let inverse = inverse_step(self.tracking.inverse(), &mut self.inverse_state, reference_mm);
         let sized = self.sized.step(reference_mm);
         let command =
             controller_step(&self.tracking, &mut self.state, mode, reference_mm, contraction_mm.into());
@@ -70,14 +72,22 @@ impl Law {
     }
 }
 
+/// The controller. Apart, as above.
+#[inline(never)]
+fn paper_tracking(piecewise: bool) -> Result<BoardTracking, ParameterError> {
+    let parameters = if piecewise { piecewise_parameters()? } else { paper_parameters()? };
+    BoardTracking::try_new(black_box(&parameters))
+}
+
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let port = Port::open();
     port.send_byte(0);
-    if let Ok(mut law) = Law::paper(port.receive_byte() != 0) {
+    // Where it stands: there is not the stack to move it.
+    if let Ok(law) = &mut Law::paper(port.receive_byte() != 0) {
         loop {
             // Whatever it holds is unknown to the compiler.
-            black_box(&mut law).sample(&port);
+            black_box(&mut *law).sample(&port);
             #[cfg(feature = "deliberate_panic")]
             black_box([0])[usize::from(port.receive_byte())];
         }

@@ -81,7 +81,7 @@ use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
 use cause::Cause;
-use extend::{Extended, Extension, Operator, extend};
+use extend::{Extended, Extender, Operator, Plain};
 use overlooked::{Overlooked, overlooked};
 use reject::{Unexplained, no_gain, unexplained};
 use rivals::{Settled, settled};
@@ -205,10 +205,10 @@ pub fn diagnose_and_extend(
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<(Diagnosis, Option<Extended>), DiagnosisError> {
     let (mut diagnosis, (extended, is_third_order)) =
-        diagnose_and(columns, progress, |found, valve, plain| {
+        diagnose_and(columns, progress, |found, valve, extender| {
             let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
-            let extended = plain.and_then(|plain| extend(columns, found, valve, plain, given, &progress));
-            (extended, found.1.is_third_order())
+            let extended = extender.and_then(|extender| extender.extend(found, valve, given, &progress));
+            (extended, found.is_third_order())
         })?;
     // A model that gains nothing, or is much farther from the muscle than the search has come, has nothing to say about them.
     let gaining = extended.as_ref().filter(|extended| {
@@ -252,11 +252,11 @@ pub fn diagnose_and_extend(
     Ok((diagnosis, extended))
 }
 
-/// Diagnoses a recording, and goes on from what was found and from the plain model, if one runs through the recording.
+/// Diagnoses a recording, and goes on from what was found, with what extends the operator model, if one runs through the recording.
 fn diagnose_and<T>(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
-    go_on: impl FnOnce((&Search<'_>, &Candidate), Option<&ValveFit>, Option<Extension>) -> T,
+    go_on: impl FnOnce(&Candidate, Option<&ValveFit>, Option<&Extender<'_>>) -> T,
 ) -> Result<(Diagnosis, T), DiagnosisError> {
     check(columns)?;
     progress(0.0, "preparing");
@@ -286,22 +286,22 @@ fn diagnose_and<T>(
         Some((search, found))
     };
     // What the valve does and the model without causes say nothing about the muscle's.
-    let beside = || (examine(columns, input_noise), extend::plain(columns, &scored_rows));
+    let beside = || (examine(columns, input_noise), Plain::new(columns, &scored_rows));
     let ((valve, plain), searched) = rayon::join(beside, searched);
     let (search, (best, sizes)) = searched.ok_or(DiagnosisError::NoBaseline)?;
-    let Settled { set: best, alternatives, evidence } =
-        settled(columns, &search, (&best, &sizes), plain.as_ref());
+    let extender = plain.and_then(|plain| Extender::new(columns, &search, plain));
+    let Settled { set: best, alternatives, evidence } = settled(&search, (&best, &sizes), extender.as_ref());
     // No choice of the search, so its rivals are those of the width alone.
     let best = best.with_viscosity(&sizes).unwrap_or(best);
     progress(0.8, "what is left");
     let unexplained = unexplained(&search, &best);
     let is_silent = best.causes.is_empty() && unexplained.is_none();
-    let look = |plain: &Extension| overlooked(columns, &search, sizes.first()?, plain);
-    let (best, alternatives, evidence) = match plain.as_ref().filter(|_| is_silent).and_then(look) {
+    let look = |extender: &Extender<'_>| overlooked(&search, sizes.first()?, extender);
+    let (best, alternatives, evidence) = match extender.as_ref().filter(|_| is_silent).and_then(look) {
         Some(Overlooked { set, alternatives, evidence }) => (set, alternatives, Some(evidence)),
         None => (best, alternatives, evidence),
     };
-    let beyond = go_on((&search, &best), valve.as_ref(), plain);
+    let beyond = go_on(&best, valve.as_ref(), extender.as_ref());
     let inseparable = inseparable(&examinable, &excitation);
     let mut diagnosis =
         conclude((columns, &search), best, &sizes, (unexplained, alternatives), valve, examinable)?;

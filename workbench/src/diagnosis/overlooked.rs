@@ -9,10 +9,9 @@
 
 use rayon::prelude::*;
 
-use super::Columns;
 use super::candidate::Candidate;
 use super::cause::Cause;
-use super::extend::{Extension, Refitted};
+use super::extend::Extender;
 use super::search::Search;
 
 /// A cause leaves at most this share of the operator model's error.
@@ -31,22 +30,16 @@ pub struct Overlooked {
 }
 
 /// The fast cause of single ones that were looked at which the operator model is clearly better with; None where there is none.
-pub fn overlooked(
-    columns: &Columns,
-    search: &Search<'_>,
-    singles: &[Candidate],
-    plain: &Extension,
-) -> Option<Overlooked> {
+pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Overlooked> {
     let fast: Vec<&Candidate> = singles.iter().filter(|set| set.causes.iter().all(|c| c.is_fast())).collect();
     if fast.is_empty() {
         return None;
     }
-    let refitted = Refitted::new(columns, search, plain)?;
-    let errors: Vec<f64> = fast.par_iter().map(|set| refitted.with(set).unwrap_or(f64::INFINITY)).collect();
-    clear(refitted.without, &errors)?;
+    let errors: Vec<f64> = fast.par_iter().map(|set| extender.with(set).unwrap_or(f64::INFINITY)).collect();
+    clear(extender.without, &errors)?;
     // The plain model may have come to a worse end than the search's operators lead to, without any cause.
     let without =
-        refitted.with(&search.baseline).map_or(refitted.without, |error| error.min(refitted.without));
+        extender.with(&search.baseline).map_or(extender.without, |error| error.min(extender.without));
     let (best, others) = clear(without, &errors)?;
     Some(Overlooked {
         set: fast[best].clone(),

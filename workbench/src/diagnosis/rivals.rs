@@ -14,10 +14,9 @@
 
 use rayon::prelude::*;
 
-use super::Columns;
 use super::candidate::Candidate;
 use super::cause::Cause;
-use super::extend::{Extension, Refitted};
+use super::extend::Extender;
 use super::search::Search;
 
 /// Sets whose costs differ by more than this are told apart by the search.
@@ -47,19 +46,18 @@ pub struct Settled {
     pub evidence: Option<String>,
 }
 
-/// Settles between a set and its rivals among those that were looked at: by the `plain` model that runs free with each, if there is
-/// one and it can, else by the search alone.
+/// Settles between a set and its rivals among those that were looked at: by the operator model that runs free with each, if there
+/// is one and it can, else by the search alone.
 pub fn settled(
-    columns: &Columns,
     search: &Search<'_>,
     (best, sizes): (&Candidate, &[Vec<Candidate>]),
-    plain: Option<&Extension>,
+    extender: Option<&Extender<'_>>,
 ) -> Settled {
     let by_cost = |one: &&Candidate, other: &&Candidate| one.cost().total_cmp(&other.cost());
     let mut alike: Vec<&Candidate> = sizes.iter().flatten().filter(|set| is_rival(best, set)).collect();
     alike.sort_by(by_cost);
     let larger = sizes.iter().flatten().filter(|set| is_larger_rival(best, set)).min_by(by_cost);
-    let free = plain.and_then(|plain| running_free(columns, search, (best, &alike, larger), plain));
+    let free = extender.and_then(|extender| running_free(search, (best, &alike, larger), extender));
     free.unwrap_or_else(|| {
         let is_as_good = |set: &&&Candidate| {
             set.causes.len() <= best.causes.len()
@@ -77,18 +75,16 @@ pub fn settled(
 /// What the operator model makes of a set, of those alike, and of a larger one; None where there are no others, or where the model is
 /// not as near with the first or the best of them as the search has come: its form is then too far from the muscle's to decide.
 fn running_free(
-    columns: &Columns,
     search: &Search<'_>,
     (best, alike, larger): (&Candidate, &[&Candidate], Option<&Candidate>),
-    plain: &Extension,
+    extender: &Extender<'_>,
 ) -> Option<Settled> {
     let alike: Vec<&Candidate> = [best].into_iter().chain(alike.iter().copied().take(MOST)).collect();
     let sets: Vec<&Candidate> = alike.iter().copied().chain(larger).collect();
     if sets.len() == 1 || best.causes.len() > 1 {
         return None;
     }
-    let refitted = Refitted::new(columns, search, plain)?;
-    let errors: Vec<f64> = sets.par_iter().map(|set| refitted.with(set).unwrap_or(f64::INFINITY)).collect();
+    let errors: Vec<f64> = sets.par_iter().map(|set| extender.with(set).unwrap_or(f64::INFINITY)).collect();
     let costs: Vec<f64> = alike.iter().zip(&errors).map(|(set, error)| total(set.cost(), *error)).collect();
     let place = decided(&costs, &errors)?;
     let set = sets[place];

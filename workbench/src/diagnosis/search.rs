@@ -33,8 +33,9 @@ const TONES: usize = 2;
 /// Causes that are fitted beside a set, and effects of each.
 const PROMISING: usize = 5;
 const STARTS: usize = 2;
-/// What a cause has to promise, as a share of the sum of squares: far below what any is worth its place for.
-const LEAST: f64 = 0.02;
+/// What a cause has to promise, as a share of what it has to explain to be worth its place: what it promises is by first order, and
+/// the others may have taken up much of what is its.
+const PROMISED: f64 = 1.0 / 6.0;
 /// The evidence that an effect has to have for it.
 pub const EVIDENCE: f64 = 0.12;
 /// The same of a delay, a lag, a mass: where there is none they gain nothing, since no misfit of shape looks like them.
@@ -162,7 +163,9 @@ impl<'a> Search<'a> {
                     if set.causes.is_empty() && cause.resists_motion() { starts.len() } else { STARTS };
                 (best, cause, starts.into_iter().take(most).map(|start| start.1).collect())
             })
-            .filter(|(best, _, _): &(f64, Cause, Vec<Effect>)| *best >= LEAST)
+            .filter(|(best, cause, _): &(f64, Cause, Vec<Effect>)| {
+                *best >= PROMISED * explained(self.needed(*cause, set))
+            })
             .collect();
         all.sort_by(|one, other| other.0.total_cmp(&one.0));
         all.into_iter().take(PROMISING).map(|(_, cause, starts)| (cause, starts)).collect()
@@ -300,17 +303,21 @@ impl<'a> Search<'a> {
         gain >= BETTER
     }
 
+    /// The evidence that a cause has to have for it beside a set.
+    fn needed(&self, cause: Cause, set: &Candidate) -> f64 {
+        let (least, more) =
+            if is_distinct(&cause) { (EVIDENCE_OF_FAST, MORE_OF_FAST) } else { (EVIDENCE, MORE) };
+        least + more * self.baseline.evidence(set).max(0.0)
+    }
+
     /// Whether a set is worth its last cause beside the others.
     fn is_worth(&self, without: &Candidate, set: &Candidate) -> bool {
         let square = |set: &Candidate| set.score.mean().powi(2);
         let share = (square(without) - square(set)) / square(&self.baseline);
         let last = set.causes.iter().find(|cause| !without.causes.contains(cause));
-        let is_distinct = last.is_some_and(|cause| cause.is_fast() && !cause.is_near_shape());
-        let (least, more, much) =
-            if is_distinct { (EVIDENCE_OF_FAST, MORE_OF_FAST, MUCH_OF_FAST) } else { (EVIDENCE, MORE, MUCH) };
-        let needed = least + more * self.baseline.evidence(without).max(0.0);
+        let much = if last.is_some_and(is_distinct) { MUCH_OF_FAST } else { MUCH };
         let gain = without.score.gain(&set.score);
-        without.evidence(set) >= needed
+        last.is_some_and(|last| without.evidence(set) >= self.needed(*last, without))
             && gain >= GAIN
             && (without.causes.is_empty() || share >= SHARE || gain >= much)
     }
@@ -360,7 +367,27 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Whether next to no misfit of shape looks like a cause.
+fn is_distinct(cause: &Cause) -> bool {
+    cause.is_fast() && !cause.is_near_shape()
+}
+
+/// The share of the sum of squares that an evidence comes to, which is a difference of logarithms of errors.
+fn explained(evidence: f64) -> f64 {
+    -(-2.0 * evidence).exp_m1()
+}
+
 /// Square sum of what a fit has not seen.
 fn unseen(fit: &Fit) -> f64 {
     fit.unseen.iter().map(|e| e * e).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::explained;
+
+    #[test]
+    fn half_of_the_error_is_three_quarters_of_its_square() {
+        assert!((explained(2.0_f64.ln()) - 0.75).abs() < 1e-12);
+    }
 }

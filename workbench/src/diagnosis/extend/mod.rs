@@ -37,11 +37,13 @@ mod thinned;
 mod variables;
 
 use std::borrow::Cow;
+use std::sync::{Mutex, PoisonError};
 
 use model_core::ExtensionParameters;
 
 use super::Columns;
 use super::candidate::Candidate;
+use super::cause::Cause;
 use super::search::Search;
 use super::valve::ValveFit;
 use crate::figures::Figures;
@@ -186,129 +188,154 @@ fn rows(columns: &Columns) -> Rows<'_> {
     }
 }
 
-/// The model without extensions that an extended one is compared with, fitted to the first of the scored rows; None where none runs
-/// through the recording.
-pub fn plain(columns: &Columns, scored: &[usize]) -> Option<Extension> {
-    let (taught, _) = split(scored);
-    let operator = start::operator(&start::Seen::plain(columns), taught)?;
-    // Alone an operator may be as uneven as it likes: no search is asked what that costs.
-    let task = Task { columns, scored: taught, reached: 0.0 };
-    Some(task.refined(operator.with(ExtensionParameters::default()))?.0)
+/// The model without extensions.
+#[derive(Clone, Debug)]
+pub struct Plain {
+    /// Fitted to the first of the scored rows: what an extended one is compared with.
+    taught: Extension,
+    /// Fitted to all of them, from there.
+    whole: Extension,
+    termination: Termination,
 }
 
-/// The operator with the extensions of a set, fitted to the rows of a task; None where no model runs through them.
-fn found(
-    task: &Task<'_>,
-    (search, set): (&Search<'_>, &Candidate),
-    extensions: ExtensionParameters<f64>,
-    plain: &Extension,
-) -> Option<Extension> {
-    let kept: Vec<usize> = search.signals.rows.iter().map(|row| row.at).collect();
-    let start = start::operator(&start::Seen::of(search, set), split(&kept).0)?;
-    let (found, _) = task.refined(start.with(extensions.clone()))?;
-    side::nearer(task, nearer(task, found, plain, extensions)?)
+impl Plain {
+    /// Of a recording; None where none runs through it.
+    pub fn new(columns: &Columns, scored: &[usize]) -> Option<Self> {
+        let (taught, _) = split(scored);
+        let operator = start::operator(&start::Seen::plain(columns), taught)?;
+        let model = operator.with(ExtensionParameters::default());
+        let (taught, _) = Task::alone(columns, taught).refined(model)?;
+        let (whole, termination) = Task::alone(columns, scored).refined(taught.clone())?;
+        Some(Self { taught, whole, termination })
+    }
 }
 
-/// The plain model fitted to all scored rows, beside which sets of causes are tried.
-pub struct Refitted<'a> {
+/// Where the operator model of a recording is extended by sets of causes.
+pub struct Extender<'a> {
     columns: &'a Columns,
     search: &'a Search<'a>,
     scored: Vec<usize>,
-    plain: Extension,
-    /// Its error, root mean square. Output unit.
+    plain: Plain,
+    /// The plain model's error over all scored rows, root mean square. Output unit.
     pub without: f64,
+    /// What the operator begins with beside sets that were tried, each known by its causes and what it costs.
+    starts: Mutex<Vec<(Vec<Cause>, f64, Operator)>>,
 }
 
-impl<'a> Refitted<'a> {
-    /// From the [`plain`] model; None where it does not run through the recording.
-    pub fn new(columns: &'a Columns, search: &'a Search<'a>, plain: &Extension) -> Option<Self> {
+impl<'a> Extender<'a> {
+    /// From the plain model; None where that does not run through the recording.
+    pub fn new(columns: &'a Columns, search: &'a Search<'a>, plain: Plain) -> Option<Self> {
         let scored = search.signals.scored();
-        let task = Task { columns, scored: &scored, reached: 0.0 };
-        let (plain, _) = task.refined(plain.clone())?;
-        let without = task.rms(&plain)?;
-        Some(Self { columns, search, scored, plain, without })
+        let without = Task::alone(columns, &scored).rms(&plain.whole)?;
+        Some(Self { columns, search, scored, plain, without, starts: Mutex::default() })
     }
 
-    /// The error of the model with the causes of a set; None where no such model runs through the recording. Output unit.
+    /// The error of the model with the causes of a set over all scored rows; None where no such model runs through them. Output unit.
     pub fn with(&self, set: &Candidate) -> Option<f64> {
-        let reached = root_mean_square(&set.residual);
-        let task = Task { columns: self.columns, scored: &self.scored, reached };
+        let task = self.task(set, &self.scored);
         let extensions = carry::extensions(self.columns, self.search, set);
-        task.rms(&found(&task, (self.search, set), extensions, &self.plain)?)
+        task.rms(&self.found(&task, set, extensions, &self.plain.whole)?)
     }
-}
 
-/// Extends the operator model by the causes of a set and those of the valve, to be compared with the [`plain`] one; None where no
-/// model runs through the recording. The operator goes on from a given one, unless there is none or its form is too poor.
-/// `progress` is called with the share of the work that is done.
-pub fn extend(
-    columns: &Columns,
-    (search, set): (&Search<'_>, &Candidate),
-    valve: Option<&ValveFit>,
-    mut plain: Extension,
-    given: Option<&Operator>,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Option<Extended> {
-    let signals = search.signals;
-    let scored = signals.scored();
-    let (taught, untaught) = split(&scored);
-    let reached = root_mean_square(&set.residual);
-    let before = Task { columns, scored: taught, reached };
-    let whole = Task { columns, scored: &scored, reached };
+    fn task<'b>(&self, set: &Candidate, scored: &'b [usize]) -> Task<'b>
+    where
+        'a: 'b,
+    {
+        Task { reached: root_mean_square(&set.residual), ..Task::alone(self.columns, scored) }
+    }
 
-    let mut extensions = carry::extensions(columns, search, set);
-    carry::add_valve(&mut extensions, valve);
-    let mut extended = if set.causes.is_empty() {
-        Extension { extensions, ..plain.clone() }
-    } else {
-        let found = found(&before, (search, set), extensions, &plain)?;
-        progress(0.4);
-        found
-    };
-    let given = match given {
-        None => None,
-        Some(operator) => {
-            let before_it = |all: &_| carry::before_operator(all, search, set);
-            let (given, refitted) = given::judge(&before, operator, (&plain, &extended), before_it)?;
-            if !given.is_too_poor() {
-                (plain, _) = before.refined(operator.with(ExtensionParameters::default()))?;
-                extended = refitted;
-            }
-            Some(given)
+    /// The operator with the extensions of a set, fitted to the rows of a task; None where no model runs through them.
+    fn found(
+        &self,
+        task: &Task<'_>,
+        set: &Candidate,
+        extensions: ExtensionParameters<f64>,
+        plain: &Extension,
+    ) -> Option<Extension> {
+        let (found, _) = task.refined(self.start(set)?.with(extensions.clone()))?;
+        side::nearer(task, nearer(task, found, plain, extensions)?)
+    }
+
+    /// What the operator begins with beside a set.
+    fn start(&self, set: &Candidate) -> Option<Operator> {
+        let starts = || self.starts.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_known = |(causes, cost, _): &&_| *causes == set.causes && *cost == set.cost();
+        if let Some((_, _, operator)) = starts().iter().find(is_known) {
+            return Some(operator.clone());
         }
-    };
-    progress(0.7);
-    let valve_is_named = valve.is_some_and(|fit| !fit.causes.is_empty());
-    let seen = seen_from(columns, valve_is_named);
-    let heldout = heldout::gain(&seen, untaught, (&plain, &extended), signals.noise)?;
+        let kept: Vec<usize> = self.search.signals.rows.iter().map(|row| row.at).collect();
+        let operator = start::operator(&start::Seen::of(self.search, set), split(&kept).0)?;
+        starts().push((set.causes.clone(), set.cost(), operator.clone()));
+        Some(operator)
+    }
 
-    let counted =
-        Counted { scored: scored.clone(), reached, plain: plain.clone(), extended: extended.clone() };
-    let with_causes = || (!set.causes.is_empty()).then(|| whole.refined(extended.clone()));
-    let (plain, model) = rayon::join(|| whole.refined(plain), with_causes);
-    let (plain, termination) = plain?;
-    let (model, termination) = match model {
-        None => (Extension { extensions: extended.extensions, ..plain.clone() }, termination),
-        Some(model) => model?,
-    };
-    let model = compensating(model);
-    let (simulated, plain_simulated) = (model.answer(&seen)?, plain.answer(&seen)?);
-    let rmse = |simulated: &[f64]| Figures::of(&columns.output, simulated, &columns.scored).rmse;
-    progress(1.0);
-    Some(Extended {
-        baseline_rmse: rmse(&plain_simulated),
-        extended_rmse: rmse(&simulated),
-        model,
-        simulated,
-        plain,
-        plain_simulated,
-        heldout,
-        starts: start::STARTS,
-        termination,
-        given,
-        valve_is_named,
-        counted,
-    })
+    /// Extends the operator model by the causes of a set and those of the valve, to be compared with the plain one; None where no
+    /// model runs through the recording. The operator goes on from a given one, unless there is none or its form is too poor.
+    /// `progress` is called with the share of the work that is done.
+    pub fn extend(
+        &self,
+        set: &Candidate,
+        valve: Option<&ValveFit>,
+        given: Option<&Operator>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Option<Extended> {
+        let Self { columns, search, scored, .. } = self;
+        let (taught, untaught) = split(scored);
+        let (before, whole) = (self.task(set, taught), self.task(set, scored));
+        let Plain { taught: mut plain, whole: mut plain_of_all, mut termination } = self.plain.clone();
+
+        let mut extensions = carry::extensions(columns, search, set);
+        carry::add_valve(&mut extensions, valve);
+        let mut extended = if set.causes.is_empty() {
+            Extension { extensions, ..plain.clone() }
+        } else {
+            let found = self.found(&before, set, extensions, &plain)?;
+            progress(0.4);
+            found
+        };
+        let given = match given {
+            None => None,
+            Some(operator) => {
+                let before_it = |all: &_| carry::before_operator(all, search, set);
+                let (given, refitted) = given::judge(&before, operator, (&plain, &extended), before_it)?;
+                if !given.is_too_poor() {
+                    (plain, _) = before.refined(operator.with(ExtensionParameters::default()))?;
+                    (plain_of_all, termination) = whole.refined(plain.clone())?;
+                    extended = refitted;
+                }
+                Some(given)
+            }
+        };
+        progress(0.7);
+        let valve_is_named = valve.is_some_and(|fit| !fit.causes.is_empty());
+        let seen = seen_from(columns, valve_is_named);
+        let heldout = heldout::gain(&seen, untaught, (&plain, &extended), search.signals.noise)?;
+
+        let reached = whole.reached;
+        let counted = Counted { scored: scored.clone(), reached, plain, extended: extended.clone() };
+        let mut model = Extension { extensions: extended.extensions.clone(), ..plain_of_all.clone() };
+        if !set.causes.is_empty() {
+            (model, termination) = whole.refined(extended)?;
+        }
+        let model = compensating(model);
+        let (simulated, plain_simulated) = (model.answer(&seen)?, plain_of_all.answer(&seen)?);
+        let rmse = |simulated: &[f64]| Figures::of(&columns.output, simulated, &columns.scored).rmse;
+        progress(1.0);
+        Some(Extended {
+            baseline_rmse: rmse(&plain_simulated),
+            extended_rmse: rmse(&simulated),
+            model,
+            simulated,
+            plain: plain_of_all,
+            plain_simulated,
+            heldout,
+            starts: start::STARTS,
+            termination,
+            given,
+            valve_is_named,
+            counted,
+        })
+    }
 }
 
 /// A refined model with extensions, or, where it gains little over the plain one, whichever is better of it and the plain

@@ -103,7 +103,12 @@ impl Derivatives {
     }
 }
 
-impl Task<'_> {
+impl<'a> Task<'a> {
+    /// Of a model without effects. An operator alone may be as uneven as it likes: no search is asked what that costs.
+    pub fn alone(columns: &'a Columns, scored: &'a [usize]) -> Self {
+        Self { columns, scored, reached: 0.0 }
+    }
+
     /// The model refined from where it stands; None where it does not run through the rows.
     pub fn refined(&self, base: Extension) -> Option<(Extension, Termination)> {
         self.searched(base, true)

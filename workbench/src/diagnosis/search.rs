@@ -33,8 +33,10 @@ const TONES: usize = 2;
 /// Causes that are fitted beside a set, and effects of each.
 const PROMISING: usize = 5;
 const STARTS: usize = 2;
-/// What a cause has to promise, as a share of what it has to explain to be worth its place: what it promises is by first order, and
-/// the others may have taken up much of what is its.
+/// What a cause has to promise, as a share of the sum of squares: far below what any is worth its place for.
+const LEAST: f64 = 0.02;
+/// The same of a slow cause, as a share of what it has to explain to be worth its place. By first order, in which they are promised, fast
+/// ones may show little of what they are.
 const PROMISED: f64 = 1.0 / 6.0;
 /// The evidence that an effect has to have for it.
 pub const EVIDENCE: f64 = 0.12;
@@ -164,7 +166,8 @@ impl<'a> Search<'a> {
                 (best, cause, starts.into_iter().take(most).map(|start| start.1).collect())
             })
             .filter(|(best, cause, _): &(f64, Cause, Vec<Effect>)| {
-                *best >= PROMISED * explained(self.needed(*cause, set))
+                let of_slow = if cause.is_fast() { 0.0 } else { explained(self.needed(*cause, set)) };
+                *best >= LEAST.max(PROMISED * of_slow)
             })
             .collect();
         all.sort_by(|one, other| other.0.total_cmp(&one.0));

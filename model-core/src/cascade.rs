@@ -198,9 +198,9 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Cascade<T,
         // Exactly a T: what breaks the dead zones have near it lose nothing.
         let u = T::from_f64(v / slope.to_f64()).to_f64();
         let v = u * slope.to_f64();
-        match self.envelope.less(v).filter(|_| v.is_finite()) {
+        match self.envelope.counted_from(v).filter(|_| v.is_finite()) {
             Some(envelope) => {
-                Self { envelope, dead_zones: self.dead_zones.less(u), origin: (v, u), ..self.clone() }
+                Self { envelope, dead_zones: self.dead_zones.counted_from(u), origin: (v, u), ..self.clone() }
             }
             None => self.clone(),
         }
@@ -278,7 +278,7 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseHysteresis<
 {
     fn state_of(&self, state: &HysteresisState<T, N>) -> HysteresisState<T, N> {
         let (v, u) = self.forward.origin;
-        HysteresisState::of_plays(self.forward.plays.inverse_state(&state.plays.less(v, u)))
+        HysteresisState::of_plays(self.forward.plays.inverse_state(&state.plays.counted_from(v, u)))
     }
 
     fn rest_state(&self) -> HysteresisState<T, N> {

@@ -1,4 +1,4 @@
-//! Numbers and lists in another number type or capacity.
+//! Numbers and lists in another number type or capacity, and numbers from another origin.
 
 use heapless::Vec;
 
@@ -8,6 +8,11 @@ use crate::real::Real;
 /// The nearest number of the other type.
 pub(crate) fn number<T: Real, U: Real>(value: T) -> U {
     U::from_f64(value.to_f64())
+}
+
+/// The same number where numbers count from an origin on.
+pub(crate) fn counted_from<T: Real>(value: T, origin: f64) -> T {
+    T::from_f64(value.to_f64() - origin)
 }
 
 /// The list, which `parameter` names, in the other type and capacity.

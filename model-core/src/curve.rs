@@ -9,6 +9,7 @@
 //! in the inverse, which the control law takes, by branches, so that what is loaded stands at an address that the compiler knows.
 //! More segments cost a loop.
 
+use crate::convert::counted_from;
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
@@ -78,9 +79,12 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
     }
 
     /// The same curve where x and y count from an origin on.
-    pub(crate) fn less(&self, x: f64, y: f64) -> Self {
-        let less = |value: T, origin| T::from_f64(value.to_f64() - origin);
-        let moved = |segment: Segment<T>| Segment { x: less(segment.x, x), y: less(segment.y, y), ..segment };
+    pub(crate) fn counted_from(&self, x: f64, y: f64) -> Self {
+        let moved = |segment: Segment<T>| Segment {
+            x: counted_from(segment.x, x),
+            y: counted_from(segment.y, y),
+            ..segment
+        };
         Self { segments: self.segments.map(moved), len: self.len }
     }
 

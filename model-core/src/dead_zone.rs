@@ -135,8 +135,8 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
     }
 
     /// The same where u counts from an origin on.
-    pub(crate) fn less(&self, u: f64) -> Self {
-        Self { curve: self.curve.less(u, 0.0) }
+    pub(crate) fn counted_from(&self, u: f64) -> Self {
+        Self { curve: self.curve.counted_from(u, 0.0) }
     }
 
     /// y(u). Unit: output unit. The outermost segments go on without end.

@@ -21,6 +21,7 @@
 
 use core::array;
 
+use crate::convert::counted_from;
 use crate::loading_curve::LoadingCurve;
 use crate::play_move::{go, passes};
 use crate::range::Range;
@@ -303,9 +304,8 @@ impl<T: Real> Outputs<T> {
     }
 
     /// The same where inputs, and so outputs, count from `v` on.
-    pub(crate) fn less(&self, v: f64) -> Self {
-        let less = |value: T| T::from_f64(value.to_f64() - v);
-        Self { outputs: self.outputs.map(less), v: less(self.v) }
+    pub(crate) fn counted_from(&self, v: f64) -> Self {
+        Self { outputs: self.outputs.map(|z| counted_from(z, v)), v: counted_from(self.v, v) }
     }
 
     /// The outputs by rising threshold.

@@ -58,8 +58,8 @@ impl<T: Real, const N: usize> PlayState<T, N> {
     }
 
     /// The same memory where inputs count from `v` on and outputs from `u`, which the bank gives there when all plays are driven.
-    pub(crate) fn less(&self, v: f64, u: f64) -> Self {
-        Self { few: self.few.less(v), many: self.many.as_ref().map(|many| many.less(v, u)) }
+    pub(crate) fn counted_from(&self, v: f64, u: f64) -> Self {
+        Self { few: self.few.counted_from(v), many: self.many.as_ref().map(|many| many.counted_from(v, u)) }
     }
 
     /// Makes it the same as another one of the same bank; copies no more than is remembered.

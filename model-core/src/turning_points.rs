@@ -13,6 +13,7 @@
 //! forgotten altogether. So no more than two turning points are kept for each number of driven plays, one for all plays;
 //! with one for none, that is at most N highs and N lows.
 
+use crate::convert::counted_from;
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 use crate::turn_stack::TurnStack;
@@ -102,9 +103,8 @@ impl<T: Real, const N: usize> TurningPoints<T, N> {
     }
 
     /// The same where inputs count from `v` on, and outputs from `u`.
-    pub(crate) fn less(&self, v: f64, u: f64) -> Self {
-        let less = |value: T, origin| T::from_f64(value.to_f64() - origin);
-        self.with(|turn| Turn { v: less(turn.v, v), u: less(turn.u, u), ..turn })
+    pub(crate) fn counted_from(&self, v: f64, u: f64) -> Self {
+        self.with(|turn| Turn { v: counted_from(turn.v, v), u: counted_from(turn.u, u), ..turn })
     }
 
     /// The same with other points.

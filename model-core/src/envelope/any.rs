@@ -100,11 +100,11 @@ impl<T: Real> Envelope<T> for AnyEnvelope<T> {
         }
     }
 
-    fn less(&self, v: f64) -> Option<Self> {
+    fn counted_from(&self, v: f64) -> Option<Self> {
         match self {
             Self::Identity(_) => None,
-            Self::Tanh(envelope) => envelope.less(v).map(Self::Tanh),
-            Self::PiecewiseLinear(envelope) => envelope.less(v).map(Self::PiecewiseLinear),
+            Self::Tanh(envelope) => envelope.counted_from(v).map(Self::Tanh),
+            Self::PiecewiseLinear(envelope) => envelope.counted_from(v).map(Self::PiecewiseLinear),
         }
     }
 

@@ -33,7 +33,7 @@ pub trait Envelope<T: Real> {
     }
 
     /// The same envelope where v counts from an origin on; None where it cannot.
-    fn less(&self, _v: f64) -> Option<Self>
+    fn counted_from(&self, _v: f64) -> Option<Self>
     where
         Self: Sized,
     {

@@ -77,8 +77,8 @@ impl<T: Real, const K: usize> Envelope<T> for PiecewiseLinear<T, K> {
         self.curve.inverse(v)
     }
 
-    fn less(&self, v: f64) -> Option<Self> {
-        Some(Self { curve: self.curve.less(0.0, v) })
+    fn counted_from(&self, v: f64) -> Option<Self> {
+        Some(Self { curve: self.curve.counted_from(0.0, v) })
     }
 
     /// That over all knots, whatever the range.

@@ -91,14 +91,13 @@ impl<T: Real> Envelope<T> for TanhEnvelope<T> {
         T::atanh_of_ratio(self.below + v, self.above - v) * self.reciprocal_c1 + self.centre
     }
 
-    fn less(&self, v: f64) -> Option<Self> {
+    fn counted_from(&self, v: f64) -> Option<Self> {
         let TanhParameters { c0, c3, .. } = self.parameters;
         let (c0, moved) = (c0.to_f64(), c3.to_f64() - v);
-        let less = |value: T| T::from_f64(value.to_f64() - v);
         Some(Self {
             parameters: TanhParameters { c3: T::from_f64(moved), ..self.parameters },
-            low: less(self.low),
-            high: less(self.high),
+            low: convert::counted_from(self.low, v),
+            high: convert::counted_from(self.high, v),
             below: T::from_f64(c0 - moved),
             above: T::from_f64(c0 + moved),
             ..*self

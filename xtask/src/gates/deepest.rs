@@ -4,8 +4,8 @@
 //! calls, the most that one of those it calls takes. A jump to another function counts as a call.
 //!
 //! # Limits
-//! Calls through pointers are not followed: only texts and the log are written by them. Nor are panics, which end the program. A function that calls itself, or that takes as
-//! much of the stack as a register says, is refused.
+//! Calls through pointers are not followed: only texts and the log are written by them. Nor are panics, which end the program. A
+//! function that calls itself, or that takes as much of the stack as a register says, is refused.
 
 use std::collections::HashMap;
 

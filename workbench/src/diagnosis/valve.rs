@@ -23,15 +23,17 @@ const RECORDED_DELAY: f64 = 1.0;
 /// Rows that are compared, at most.
 const ROWS: usize = 20_000;
 /// Dead bands that are tried, between these shares of the command's span.
-const BANDS: (usize, f64, f64) = (240, 0.003, 0.3);
+const BANDS: (usize, f64, f64) = (480, 0.003, 0.3);
 /// Lags that they are tried with, beside the one found without: that stands in for the band. Unit: s.
 const LAGS_S: [f64; 3] = [0.02, 0.05, 0.12];
 /// How many of them are gone on from, so many places apart.
 const BEGINNINGS: usize = 4;
-const APART: f64 = 4.0;
-/// How many places to either side of the best are tried at last where the band holds, and how far apart: one command that is
-/// wrongly accepted moves all that come after it, until the command stands still.
-const CLOSELY: (i32, f64) = (150, 0.01);
+const APART: f64 = 8.0;
+/// How many places to either side of each are tried where the band holds, and how far apart, ever finer: one command that is wrongly
+/// accepted moves all that come after it, until the command stands still.
+const CLOSELY: [(i32, f64); 3] = [(60, 0.05), (60, 0.01), (60, 0.002)];
+/// How far to either side of the best a band that drags is looked for. Unit: place.
+const FINER: [f64; 8] = [6.0, 3.6, 2.0, 1.2, 0.72, 0.4, 0.24, 0.14];
 /// Iterations for lag, delay and limit.
 const ITERATIONS: usize = 12;
 
@@ -199,6 +201,14 @@ impl Task<'_> {
         (squares / f64::max(count, 1.0)).sqrt().max(self.noise)
     }
 
+    /// Mean of the absolute difference.
+    fn mean_error(&self, simulated: &[f64]) -> f64 {
+        let all = simulated.iter().zip(self.pressure).zip(self.scored);
+        let scored = all.filter(|(_, scored)| **scored).map(|((one, other), _)| (one - other).abs());
+        let (sum, count) = scored.fold((0.0, 0.0), |(sum, count), error| (sum + error, count + 1.0));
+        sum / f64::max(count, 1.0)
+    }
+
     /// The valve with each effect that it has not, polished.
     fn richer(&self, valve: &Valve) -> Vec<(Valve, f64)> {
         let mut all = Vec::new();
@@ -218,21 +228,24 @@ impl Task<'_> {
     }
 
     /// The valve with a dead band. Its stairs fit at the right band only, and the lag that was found without it stands in for
-    /// it: so bands are tried closely, each with several lags, and the best few are polished.
+    /// it: so bands are tried closely, each with several lags, and the best few are gone on from.
+    ///
+    /// They are ranked by their mean absolute error: near the right band few commands are wrongly accepted, but what each of them does to
+    /// the squares is by chance.
     fn banded(&self, valve: &Valve, form: BandForm) -> Option<(Valve, f64)> {
         let (low, high) = range(self.command);
         let at = |place: f64, lag_s: f64| {
             let share = BANDS.1 * (BANDS.2 / BANDS.1).powf(place / (BANDS.0 - 1) as f64);
             Valve { band: Some((form, share * (high - low))), lag_s, ..*valve }
         };
+        let mean_error = |place: f64, lag_s: f64| {
+            let error = self.mean_error(&at(place, lag_s).simulate(self.time_s, self.command));
+            (error, place, lag_s)
+        };
         let lags = LAGS_S.into_iter().chain([valve.lag_s]);
         let mut tried: Vec<(f64, f64, f64)> = (0..BANDS.0)
             .into_par_iter()
-            .flat_map_iter(|place| lags.clone().map(move |lag_s| (place as f64, lag_s)))
-            .map(|(place, lag_s)| {
-                let simulated = at(place, lag_s).simulate(self.time_s, self.command);
-                (self.error(&simulated), place, lag_s)
-            })
+            .flat_map_iter(|place| lags.clone().map(move |lag_s| mean_error(place as f64, lag_s)))
             .collect();
         tried.sort_by(|one, other| one.0.total_cmp(&other.0));
         let mut begun: Vec<(f64, f64)> = Vec::new();
@@ -241,27 +254,28 @@ impl Task<'_> {
                 begun.push((place, lag_s));
             }
         }
-        let begun = begun.into_iter().take(BEGINNINGS);
-        let mut best = begun
-            .map(|(place, lag_s)| (place, self.polished(at(place, lag_s))))
-            .min_by(|one, other| one.1.1.total_cmp(&other.1.1))?;
-        // Ever finer around the best, lag and all refitted.
-        for step in [3.0, 1.8, 1.0, 0.6, 0.36, 0.2, 0.12, 0.07] {
-            for place in [best.0 - step, best.0 + step] {
-                let other = self.polished(at(place, best.1.0.lag_s));
-                if other.1 < best.1.1 {
-                    best = (place, other);
+        begun.truncate(BEGINNINGS);
+        let polished = |(place, lag_s)| (place, self.polished(at(place, lag_s)));
+        let ends = begun.into_par_iter().map(polished).map(|mut end| {
+            if form == BandForm::Hold {
+                for (count, apart) in CLOSELY {
+                    let lag_s = end.1.0.lag_s;
+                    let near = (-count..=count).map(|i| mean_error(end.0 + f64::from(i) * apart, lag_s));
+                    let nearest = near.min_by(|one, other| one.0.total_cmp(&other.0));
+                    let nearest = nearest.map(|(_, place, lag_s)| polished((place, lag_s)));
+                    end = nearest.filter(|near| near.1.1 < end.1.1).unwrap_or(end);
                 }
             }
-        }
-        if form == BandForm::Hold {
-            let closely = (-CLOSELY.0..=CLOSELY.0).into_par_iter().map(|i| {
-                let valve = at(best.0 + f64::from(i) * CLOSELY.1, best.1.0.lag_s);
-                (self.error(&valve.simulate(self.time_s, self.command)), valve)
-            });
-            let (_, valve) = closely.min_by(|one, other| one.0.total_cmp(&other.0))?;
-            best.1 =
-                std::iter::once(best.1).chain([self.polished(valve)]).min_by(|a, b| a.1.total_cmp(&b.1))?;
+            end
+        });
+        let mut best = ends.min_by(|one, other| one.1.1.total_cmp(&other.1.1))?;
+        if form == BandForm::Backlash {
+            for step in FINER {
+                for place in [best.0 - step, best.0 + step] {
+                    let other = polished((place, best.1.0.lag_s));
+                    best = if other.1.1 < best.1.1 { other } else { best };
+                }
+            }
         }
         Some(best.1)
     }
@@ -338,7 +352,7 @@ mod tests {
     fn a_held_band_is_found_so_closely_that_the_same_commands_are_accepted() {
         let time_s: Vec<f64> = (0..8000).map(|row| 0.01 * f64::from(row)).collect();
         let commands: Vec<f64> = time_s.iter().map(|&time_s| command(time_s)).collect();
-        for band in [0.1337, 0.2656, 0.4021] {
+        for band in (0..16).map(|i| 0.08 + 0.0213 * f64::from(i)) {
             let valve =
                 Valve { lag_s: 0.05, delay_s: None, band: Some((BandForm::Hold, band)), supply_bar: None };
             let pressure = valve.simulate(&time_s, &commands);

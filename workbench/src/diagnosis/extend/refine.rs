@@ -38,7 +38,7 @@ const STAY: f64 = 0.03;
 const EVEN: f64 = 0.15;
 /// The same that neighbouring values of what resists motion differ by their mean: fast movements go through few contractions at few
 /// speeds, and what a mass seems to be at one may be what the model lacks at another.
-const ALIKE: f64 = 0.4;
+const ALIKE: f64 = 1.0;
 /// Evaluations at most, per variable.
 const PATIENCE: usize = 1;
 /// Derivatives are corrected so many times in a row, where the residual has moved by no more than this share otherwise than they said.

@@ -1,7 +1,8 @@
 //! The rows of a fit's columns, and their normal equations.
 //!
 //! The baseline's columns are sparse, a dozen of them in a row; those of the effects and the sensitivities are dense. Rows
-//! whose sparse columns are the same ones are summed up together, side by side, and are put in their places at the end.
+//! whose sparse columns are the same ones are summed up together, a few at a time and side by side, and are put in their places at the
+//! end.
 
 use std::ops::{Add, Sub};
 
@@ -17,6 +18,11 @@ use super::signals::Signals;
 const RIDGE: f64 = 1e-7;
 /// Products that are summed up side by side.
 const LANES: usize = 4;
+/// Rows that are added at a time: a sum is fetched and stored once for all of them.
+const TOGETHER: usize = 4;
+
+/// The values of some neighbouring columns, row by row.
+type Block = [[f64; LANES]; TOGETHER];
 
 /// Columns at one point of the parameters.
 pub(super) struct Design {
@@ -91,7 +97,8 @@ impl Columns<'_> {
         let count = ENTRIES + self.dense.len() + 1;
         let width = count.next_multiple_of(LANES);
         let mut sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; GROUPS * count * width]);
-        // In the widest registers that the processor has: the order of the sums, and so every bit, stays.
+        // In the widest registers that the processor has: the order of the sums and their one rounding a product, and so every bit, stay.
+        // Without instructions for that rounding, which processors have had for ten years, it takes far longer.
         Arch::new().dispatch(|| self.add_up(&mut sums, count, width, target, part));
         sums.map(|sums| self.in_place(&sums, count, width))
     }
@@ -106,20 +113,25 @@ impl Columns<'_> {
         target: impl Fn(usize) -> f64,
         part: impl Fn(usize) -> [bool; P],
     ) {
-        let mut values = vec![0.0; width];
+        let mut groups: [Vec<usize>; GROUPS] = std::array::from_fn(|_| Vec::new());
         for (row, entries) in self.rows.iter().enumerate() {
-            values[..ENTRIES].copy_from_slice(&entries.values);
-            for (value, column) in values[ENTRIES..].iter_mut().zip(&self.dense) {
-                *value = column[row];
-            }
-            values[count - 1] = target(row);
-            for (sums, _) in sums.iter_mut().zip(part(row)).filter(|(_, named)| *named) {
-                let sums = sums[entries.group * count * width..].chunks_exact_mut(width);
-                for (j, (sums, &value)) in sums.zip(&values[..count]).enumerate() {
-                    let side_by_side = sums.as_chunks_mut::<LANES>().0.iter_mut();
-                    for (sums, factors) in side_by_side.zip(values.as_chunks::<LANES>().0).take(j / LANES + 1)
-                    {
-                        sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += value * factor);
+            groups[entries.group].push(row);
+        }
+        let mut values: Vec<Block> = vec![[[0.0; LANES]; TOGETHER]; width / LANES];
+        for (group, rows) in groups.iter().enumerate() {
+            for alike in rows.chunk_by(|&one, &other| part(one) == part(other)) {
+                for rows in alike.chunks(TOGETHER) {
+                    values.fill([[0.0; LANES]; TOGETHER]);
+                    for (place, &row) in rows.iter().enumerate() {
+                        let of_row = self.rows[row].values.into_iter();
+                        let of_row = of_row.chain(self.dense.iter().map(|column| column[row]));
+                        for (column, value) in of_row.chain([target(row)]).enumerate() {
+                            values[column / LANES][place][column % LANES] = value;
+                        }
+                    }
+                    let all = rows.first().map_or([false; P], |&row| part(row));
+                    for (sums, _) in sums.iter_mut().zip(all).filter(|(_, named)| *named) {
+                        add_products(&mut sums[group * count * width..][..count * width], width, &values);
                     }
                 }
             }
@@ -141,6 +153,24 @@ impl Columns<'_> {
             }
         }
         normal
+    }
+}
+
+/// Adds the products of some rows' values, of the lower triangle at least, to sums that are so wide.
+#[inline(always)]
+fn add_products(sums: &mut [f64], width: usize, values: &[Block]) {
+    for (j, sums) in sums.chunks_exact_mut(width).enumerate() {
+        let factors: [f64; TOGETHER] = std::array::from_fn(|row| values[j / LANES][row][j % LANES]);
+        let side_by_side = sums.as_chunks_mut::<LANES>().0.iter_mut().take(j / LANES + 1);
+        for (sums, others) in side_by_side.zip(values) {
+            let mut sum = *sums;
+            for row in 0..TOGETHER {
+                for lane in 0..LANES {
+                    sum[lane] = factors[row].mul_add(others[row][lane], sum[lane]);
+                }
+            }
+            *sums = sum;
+        }
     }
 }
 

@@ -21,9 +21,9 @@ const SAME: f64 = 2.5e-3;
 const NEAR: f64 = 1.2;
 /// Of sets with more causes than this the best one alone.
 const NEAR_UP_TO: usize = 2;
-/// A start whose sum of squares is more than so many times the best one's is not fitted to the end: running free costs a
-/// set less than that. Of single causes all are, since a pair may begin with any.
-const BEHIND: f64 = 4.0;
+/// A start whose sum of squares is more than so many times the best one's is not fitted to the end, of two causes and of more: running
+/// free costs a set less than that. Of single causes all are, since a pair may begin with any.
+const BEHIND: [f64; 2] = [4.0, 2.0];
 /// Sets, beside the best one, that are tried with its nuisances.
 const BORROWERS: usize = 2;
 /// Delays that a pair begins from lie from the first to below the second. Unit: s.
@@ -100,8 +100,12 @@ impl Search<'_> {
         let best = running.first().map_or(0.0, |(_, descent)| descent.squares());
         sets.truncate(SETS);
         running.retain(|(causes, descent)| {
-            (causes.len() == 1 || descent.squares() <= BEHIND * best)
-                && sets.iter().any(|(set, _)| is_same(set, causes))
+            let times = match causes.len() {
+                1 => f64::INFINITY,
+                2 => BEHIND[0],
+                _ => BEHIND[1],
+            };
+            descent.squares() <= times * best && sets.iter().any(|(set, _)| is_same(set, causes))
         });
         let finished: Vec<(Vec<Cause>, Fit)> = running
             .into_par_iter()

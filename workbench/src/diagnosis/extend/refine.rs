@@ -68,7 +68,7 @@ struct Problem<'a> {
     /// What it costs to be uneven, for the operator and for what resists motion. Output unit.
     even: f64,
     alike: f64,
-    /// What derivatives are taken on; none where there is a mass: what rings turns within a few rows.
+    /// What derivatives are taken on, if not on all rows.
     thinned: Option<Thinned>,
     variables: DVector<f64>,
     residuals: OnceLock<Option<DVector<f64>>>,
@@ -134,7 +134,7 @@ impl<'a> Task<'a> {
         let is_alone = base.acting(self.columns) == ExtensionParameters::default();
         let start = variables.clone();
         let reached = self.reached * (self.scored.len() as f64).sqrt();
-        let thinned = base.extensions.inertia.is_none().then(|| Thinned::of(self));
+        let thinned = Thinned::of(self, &base.extensions);
         let problem = Problem {
             task: *self,
             units,

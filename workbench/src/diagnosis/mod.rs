@@ -301,7 +301,9 @@ fn diagnose_and<T>(
         Some(Overlooked { set, alternatives, evidence }) => (set, alternatives, Some(evidence)),
         None => (best, alternatives, evidence),
     };
-    let beyond = go_on(&best, valve.as_ref(), extender.as_ref());
+    // Where nothing is named, nothing of the muscle extends the model.
+    let named = if unexplained.is_some() { &search.baseline } else { &best };
+    let beyond = go_on(named, valve.as_ref(), extender.as_ref());
     let inseparable = inseparable(&examinable, &excitation);
     let mut diagnosis =
         conclude((columns, &search), best, &sizes, (unexplained, alternatives), valve, examinable)?;

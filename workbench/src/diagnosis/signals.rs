@@ -227,6 +227,16 @@ impl Signals {
         self.thinned_to(Thinning::to(&scored), self.rows.len().div_ceil(RANKED_ROWS).max(1))
     }
 
+    /// The same, of the scored rows only the first so many scored.
+    pub fn of_first(&self, count: usize) -> Self {
+        let first = |values: &Vec<f64>| values[..count.min(values.len())].to_vec();
+        Self {
+            rows: self.rows[..count.min(self.rows.len())].to_vec(),
+            slow: self.slow.iter().map(first).collect(),
+            ..self.clone()
+        }
+    }
+
     /// To these kept rows, every so many of the scored ones scored.
     fn thinned_to(&self, thinning: Thinning, every: usize) -> Self {
         let of = |values: &Vec<f64>| thinning.of(values);

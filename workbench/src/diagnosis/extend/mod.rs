@@ -6,6 +6,7 @@
 //! | `carry` | from the effects of the search to the nearest extensions of the model |
 //! | `start` | the operator to begin with, identified from what the operators see in the search |
 //! | `variables` | operator and extensions as numbers that a search can move |
+//! | `slow` | what stays near where the search has it |
 //! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
 //! | `roughness` | how unevenly an operator rises, and what resists motion, which costs where effects make its input |
@@ -21,8 +22,8 @@
 //! that its operator, which sees what was recorded, is free to rise as unevenly as that says.
 //!
 //! # Limits
-//! The causes, and where the fit begins, come from the whole recording; a gain that is free of that too takes another
-//! recording. A delay that was found between command and pressure has no place in the chain, and is left out.
+//! The causes, and where the fit begins, come from the whole recording, but for what stays near there (`slow`); a gain that is free
+//! of that too takes another recording. A delay that was found between command and pressure has no place in the chain, and is left out.
 
 mod carry;
 mod compensating;
@@ -32,6 +33,7 @@ pub mod physical;
 mod refine;
 mod roughness;
 mod side;
+mod slow;
 pub(super) mod start;
 mod thinned;
 mod variables;
@@ -54,6 +56,7 @@ use compensating::compensating;
 pub use given::Given;
 pub use heldout::HeldOutGain;
 use refine::Task;
+use slow::Slow;
 
 /// The share of the scored rows that the compared models are fitted to.
 const TAUGHT: f64 = 2.0 / 3.0;
@@ -127,7 +130,7 @@ struct Counted {
 }
 
 /// The rows that the compared models are fitted to, and those that they are compared on.
-fn split(scored: &[usize]) -> (&[usize], &[usize]) {
+fn split<T>(scored: &[T]) -> (&[T], &[T]) {
     scored.split_at((TAUGHT * scored.len() as f64) as usize)
 }
 
@@ -285,6 +288,10 @@ impl<'a> Extender<'a> {
         let Plain { taught: mut plain, whole: mut plain_of_all, mut termination } = self.plain.clone();
 
         let mut extensions = carry::extensions(columns, search, set);
+        let slow = Slow::of(&extensions);
+        if let Some(slow) = Slow::taught(columns, search, set, split(&search.signals.rows).0.len()) {
+            slow.put(&mut extensions);
+        }
         carry::add_valve(&mut extensions, valve);
         let mut extended = if set.causes.is_empty() {
             Extension { extensions, ..plain.clone() }
@@ -315,6 +322,7 @@ impl<'a> Extender<'a> {
         let counted = Counted { scored: scored.clone(), reached, plain, extended: extended.clone() };
         let mut model = Extension { extensions: extended.extensions.clone(), ..plain_of_all.clone() };
         if !set.causes.is_empty() {
+            slow.put(&mut extended.extensions);
             (model, termination) = whole.refined(extended)?;
         }
         let model = compensating(model);

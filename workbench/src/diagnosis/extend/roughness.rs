@@ -13,8 +13,9 @@ use crate::identification::{DEAD_ZONES, HostParameters};
 /// The least slope, so that there is a logarithm. Any unit.
 const LEAST: f64 = 1e-9;
 
-/// What the unevenness of a creep counts beside that of a profile: it is less sure to be even.
-const CREEP: f64 = 0.5;
+/// What the unevenness of a creep counts beside that of a profile: it is less sure to be even, and its slowest element stands for all
+/// that is slower still.
+const CREEP: f64 = 0.1;
 
 /// Of a cascade; nothing of the other models.
 pub fn roughness(parameters: &HostParameters) -> Vec<f64> {

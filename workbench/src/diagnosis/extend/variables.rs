@@ -29,6 +29,10 @@ pub struct Units {
 const DELAY_STEP_S: f64 = 0.01;
 /// A step of a share of the contraction, or of an amplitude as a share of the stroke.
 const SHARE_STEP: f64 = 0.02;
+/// Steps of what goes slowly, see [`super::slow`]: of an offset, as a share of its size, and of the logarithm of a travel. To move an
+/// offset by its size or a travel by a third costs as much as the first error of all rows.
+const SLOWLY: f64 = 0.025;
+const TRAVEL_STEP: f64 = 0.01;
 /// What rises does so by this share of the mean at least: in the board's numbers, which hold sums, less would be lost.
 const FLATTEST: f64 = 1e-3;
 /// The largest exponent of a rate.
@@ -170,14 +174,19 @@ fn visit_extensions(
     if let Some(delay) = &mut extensions.transport_delay {
         mirrored(&mut delay.delay_s, DELAY_STEP_S, change);
     }
-    for schedule in [&mut extensions.load, &mut extensions.temperature].into_iter().flatten() {
-        let step = largest(&schedule.offset.values);
-        schedule.offset.values.iter_mut().for_each(|value| scaled(value, step, change));
+    let offsets = [
+        extensions.load.as_mut().map(|load| (&mut load.offset, 1.0)),
+        extensions.temperature.as_mut().map(|temperature| (&mut temperature.offset, SLOWLY)),
+        extensions.warm_up.as_mut().map(|warm_up| (&mut warm_up.offset, SLOWLY)),
+    ];
+    for (offset, step) in offsets.into_iter().flatten() {
+        let step = step * largest(&offset.values);
+        offset.values.iter_mut().for_each(|value| scaled(value, step, change));
     }
     if let Some(warm_up) = &mut extensions.warm_up {
-        logarithm(&mut warm_up.travel, change);
-        let step = largest(&warm_up.offset.values);
-        warm_up.offset.values.iter_mut().for_each(|value| scaled(value, step, change));
+        let mut logarithm = warm_up.travel.ln();
+        scaled(&mut logarithm, TRAVEL_STEP, change);
+        warm_up.travel = logarithm.exp();
     }
     for profile in [&mut extensions.viscous_lag, &mut extensions.inertia].into_iter().flatten() {
         let step = largest(&profile.values);

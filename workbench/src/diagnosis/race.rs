@@ -24,6 +24,10 @@ const NEAR_UP_TO: usize = 2;
 /// A start whose sum of squares is more than so many times the best one's is not fitted to the end, of two causes and of more: running
 /// free costs a set less than that. Of single causes all are, since a pair may begin with any.
 const BEHIND: [f64; 2] = [4.0, 2.0];
+/// Of sets of three those are fitted to the end that have come to less than this share of the best pair's sum of squares: to be worth its
+/// place the third cause has to take away more. As many steps are made for the pair. Of pairs all go on: what a single cause is has
+/// often been found best by way of one.
+const LESS: f64 = 0.92;
 /// Sets, beside the best one, that are tried with its nuisances.
 const BORROWERS: usize = 2;
 /// Delays that a pair begins from lie from the first to below the second. Unit: s.
@@ -76,8 +80,19 @@ impl Search<'_> {
         Effect::starts(cause, self.signals).into_iter().filter(is_near).map(anew).collect()
     }
 
-    /// The sets of these starts, fitted and judged, the best first.
-    pub fn race(&self, runners: Vec<Runner>) -> Vec<Candidate> {
+    /// What sets with one more cause than this have to come below in the heats: a sum of squares.
+    pub fn bar(&self, set: &Candidate) -> f64 {
+        let [.., (steps, _)] = HEATS;
+        let squares = |mut descent: Descent<'_>| {
+            descent.advance(steps);
+            LESS * descent.squares()
+        };
+        let descent = || Descent::new(&self.thinned, &self.basis, set.fit.effects.clone());
+        (set.causes.len() > 1).then(descent).flatten().map_or(f64::INFINITY, squares)
+    }
+
+    /// The sets of these starts whose sums of squares come to less than `most` in the heats, fitted and judged, the best first.
+    pub fn race(&self, runners: Vec<Runner>, most: f64) -> Vec<Candidate> {
         let start =
             |Runner { causes, effects }| Some((causes, Descent::new(&self.thinned, &self.basis, effects)?));
         let mut running: Vec<(Vec<Cause>, Descent<'_>)> = runners.into_par_iter().filter_map(start).collect();
@@ -97,6 +112,7 @@ impl Search<'_> {
                 }
             });
         }
+        running.retain(|(causes, descent)| descent.squares() < most || is_viscous_width(causes));
         let best = running.first().map_or(0.0, |(_, descent)| descent.squares());
         sets.truncate(SETS);
         running.retain(|(causes, descent)| {
@@ -183,6 +199,11 @@ fn lend(from: &[Effect], to: &mut [Effect]) {
             *standing = nuisance.clone();
         }
     }
+}
+
+/// Whether these have a width and a viscous force, which may have taken the other's part, see [`Candidate::with_viscosity`].
+fn is_viscous_width(causes: &[Cause]) -> bool {
+    [Cause::RateDependentWidth, Cause::ViscousLag].iter().all(|cause| causes.contains(cause))
 }
 
 /// Whether two fits have the same effects, in whatever order.

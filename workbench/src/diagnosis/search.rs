@@ -351,7 +351,7 @@ impl<'a> Search<'a> {
             .filter_map(|&(without, rival)| {
                 let kept = if set.causes.len() > 1 { without } else { &self.baseline };
                 let starts = self.starts(kept, rival);
-                self.race(self.runners(kept, rival, starts)).into_iter().next()
+                self.race(self.runners(kept, rival, starts), f64::INFINITY).into_iter().next()
             })
             .min_by(|one, other| one.cost().total_cmp(&other.cost()))
             .filter(|other| other.cost() < set.cost() - 1e-3)
@@ -366,7 +366,7 @@ impl<'a> Search<'a> {
                 promising.flat_map(move |(cause, starts)| self.runners(set, cause, starts))
             })
             .collect();
-        self.race(runners)
+        self.race(runners, going.first().map_or(f64::INFINITY, |best| self.bar(best)))
     }
 }
 

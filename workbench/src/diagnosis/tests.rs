@@ -276,7 +276,7 @@ fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     let mut signals = Signals::new(&plant.recorded(&hysteresis(&late)));
     let search = Search::new(&mut signals, vec![Cause::TransportDelay]).expect("a baseline");
     let starts = Effect::starts(Cause::TransportDelay, search.signals);
-    let found = search.race(search.runners(&search.baseline, Cause::TransportDelay, starts));
+    let found = search.race(search.runners(&search.baseline, Cause::TransportDelay, starts), f64::INFINITY);
     let erring = |times: f64| {
         let mut other = search.baseline.clone();
         other.score.blocks.iter_mut().for_each(|block| *block *= times);

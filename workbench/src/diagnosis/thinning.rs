@@ -3,6 +3,8 @@
 //! Where others lie between, so many of them are kept that no step is longer than is asked for, or than from one scored row to the
 //! next.
 
+use std::ops::Range;
+
 use crate::numbers::median;
 
 /// Kept rows, in order.
@@ -22,14 +24,22 @@ impl Thinning {
 
     /// To every so many rows on the way to these scored ones, which are in order.
     pub fn by(step: usize, scored: &[usize]) -> Self {
+        Self::through(scored, |_| step)
+    }
+
+    /// To these scored rows, which are in order, and of the rows from each to the next, or from the first to the first scored one, every
+    /// so many as `step` says, which is 1 or more.
+    pub fn through(scored: &[usize], step: impl Fn(Range<usize>) -> usize) -> Self {
         let mut thinning =
             Self { rows: Vec::with_capacity(scored.len()), scored: Vec::with_capacity(scored.len()) };
-        let mut next = 0;
+        let mut before = None;
         for &row in scored {
-            thinning.rows.extend((next..row).step_by(step));
+            let way = before.unwrap_or(0)..row;
+            let between = way.clone().step_by(step(way)).skip(usize::from(before.is_some()));
+            thinning.rows.extend(between);
             thinning.scored.push(thinning.rows.len());
             thinning.rows.push(row);
-            next = row + step;
+            before = Some(row);
         }
         thinning
     }
@@ -59,6 +69,13 @@ mod tests {
         let thinning = Thinning::by(2, &[4, 8, 13]);
         assert_eq!(thinning.rows, [0, 2, 4, 6, 8, 10, 12, 13]);
         assert_eq!(thinning.scored, [2, 4, 7]);
+    }
+
+    #[test]
+    fn what_leads_to_a_scored_row_is_as_dense_as_is_said_of_it() {
+        let thinning = Thinning::through(&[2, 6, 12], |way| if way.contains(&4) { 1 } else { 4 });
+        assert_eq!(thinning.rows, [0, 2, 3, 4, 5, 6, 10, 12]);
+        assert_eq!(thinning.scored, [1, 5, 7]);
     }
 
     #[test]

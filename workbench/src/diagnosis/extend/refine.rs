@@ -68,8 +68,8 @@ struct Problem<'a> {
     /// What it costs to be uneven, for the operator and for what resists motion. Output unit.
     even: f64,
     alike: f64,
-    /// What derivatives are taken on, if not on all rows.
-    thinned: Option<Thinned>,
+    /// What derivatives are taken on.
+    thinned: Thinned,
     variables: DVector<f64>,
     residuals: OnceLock<Option<DVector<f64>>>,
     derivatives: Mutex<Option<Derivatives>>,
@@ -246,9 +246,9 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// Derivatives by differences, of the thinned recording where there is one.
+    /// Derivatives by differences, of the thinned recording.
     fn differences(&self) -> DMatrix<f64> {
-        let task = self.thinned.as_ref().map_or(self.task, |thinned| thinned.task(self.task));
+        let task = self.thinned.task(self.task);
         let moved = |variable: Option<usize>| {
             let mut moved = self.variables.clone();
             variable.into_iter().for_each(|variable| moved[variable] += STEP);

@@ -26,7 +26,7 @@ const ENVELOPES: [Option<usize>; 2] = [None, Some(12)];
 const PLAYS: usize = 10;
 const DEAD_ZONES: usize = 10;
 /// Starts of the search for each envelope.
-pub const STARTS: usize = 16;
+pub const STARTS: usize = 8;
 /// A step that gains less than this share of the sum of squares is their last.
 const TOLERANCE: f64 = 1e-4;
 /// Their seed.

@@ -1,5 +1,5 @@
 //! How long a diagnosis of 12,000 rows takes, extended model included, where nothing is hidden and where something is:
-//! strong fast effects take longest. Run with `cargo bench -p host-tests --bench diagnosis`,
+//! a strong mass beside another effect takes longest. Run with `cargo bench -p host-tests --bench diagnosis`,
 //! on quiet cores.
 
 use std::time::Duration;
@@ -11,12 +11,14 @@ use rig::plant::Kind;
 use workbench::diagnosis::{Columns, diagnose_and_extend};
 
 /// What is hidden in turn.
-const HIDDEN: [&[Effect]; 5] = [
+const HIDDEN: [&[Effect]; 7] = [
     &[],
     &[Effect::Creep],
     &[Effect::ViscousLag],
     &[Effect::Inertia],
     &[Effect::TransportDelay, Effect::ViscousLag],
+    &[Effect::Inertia, Effect::Creep],
+    &[Effect::Inertia, Effect::RateDependentWidth],
 ];
 /// Diagnoses of each, and the time that is expected to be enough for them.
 const SAMPLES: usize = 10;

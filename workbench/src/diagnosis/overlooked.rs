@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::cause::Cause;
-use super::extend::Extender;
+use super::extend::{Extender, Extension};
 use super::search::Search;
 
 /// A cause leaves at most this share of the operator model's error.
@@ -35,11 +35,13 @@ pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extende
     if fast.is_empty() {
         return None;
     }
-    let errors: Vec<f64> = fast.par_iter().map(|set| extender.with(set).unwrap_or(f64::INFINITY)).collect();
-    clear(extender.without, &errors)?;
-    // The plain model may have come to a worse end than the search's operators lead to, without any cause.
-    let without =
-        extender.with(&search.baseline).map_or(extender.without, |error| error.min(extender.without));
+    let models: Vec<Option<Extension>> = fast.par_iter().map(|set| extender.model(set)).collect();
+    let error = |model: &Option<Extension>| extender.error(model.as_ref()?);
+    let errors: Vec<f64> = models.iter().map(|model| error(model).unwrap_or(f64::INFINITY)).collect();
+    let (first, _) = clear(extender.without, &errors)?;
+    // The plain model may have come to a worse end than the search's operators or that of the cause lead to, without any cause.
+    let without = models[first].as_ref().map_or(extender.without, |model| extender.without_from(model));
+    let without = extender.with(&search.baseline).map_or(without, |error| error.min(without));
     let (best, others) = clear(without, &errors)?;
     Some(Overlooked {
         set: fast[best].clone(),

@@ -18,8 +18,8 @@
 //!
 //! # Contract
 //! What is fitted has seen nothing of the output but the scored rows before the split, when the models are compared behind
-//! it; then it goes on from there with all rows. The model without extensions is fitted in the same way, of the same size, but
-//! that its operator, which sees what was recorded, is free to rise as unevenly as that says.
+//! it; then it goes on from there with all rows. The model without extensions is fitted in the same way, of the same size, from the
+//! extended one's operator too, but that its operator, which sees what was recorded, is free to rise as unevenly as that says.
 //!
 //! # Limits
 //! The causes, and where the fit begins, come from the whole recording, but for what stays near there (`slow`); a gain that is free
@@ -235,9 +235,24 @@ impl<'a> Extender<'a> {
 
     /// The error of the model with the causes of a set over all scored rows; None where no such model runs through them. Output unit.
     pub fn with(&self, set: &Candidate) -> Option<f64> {
-        let task = self.task(set, &self.scored);
+        self.error(&self.model(set)?)
+    }
+
+    /// That model.
+    pub fn model(&self, set: &Candidate) -> Option<Extension> {
         let extensions = carry::extensions(self.columns, self.search, set);
-        task.rms(&self.found(&task, set, extensions, &self.plain.whole)?)
+        self.found(&self.task(set, &self.scored), set, extensions, &self.plain.whole)
+    }
+
+    /// The error of a model over all scored rows; None where it does not run through them. Output unit.
+    pub fn error(&self, model: &Extension) -> Option<f64> {
+        Task::alone(self.columns, &self.scored).rms(model)
+    }
+
+    /// The plain model's error over all scored rows where it may begin from the operator of another model too. Output unit.
+    pub fn without_from(&self, other: &Extension) -> f64 {
+        let plain = plainer(&Task::alone(self.columns, &self.scored), self.plain.whole.clone(), other);
+        self.error(&plain).unwrap_or(self.without)
     }
 
     fn task<'b>(&self, set: &Candidate, scored: &'b [usize]) -> Task<'b>
@@ -297,6 +312,7 @@ impl<'a> Extender<'a> {
             Extension { extensions, ..plain.clone() }
         } else {
             let found = self.found(&before, set, extensions, &plain)?;
+            plain = plainer(&Task::alone(columns, taught), plain, &found);
             progress(0.4);
             found
         };
@@ -324,6 +340,7 @@ impl<'a> Extender<'a> {
         if !set.causes.is_empty() {
             slow.put(&mut extended.extensions);
             (model, termination) = whole.refined(extended)?;
+            plain_of_all = plainer(&Task::alone(columns, scored), plain_of_all, &model);
         }
         let model = compensating(model);
         let (simulated, plain_simulated) = (model.answer(&seen)?, plain_of_all.answer(&seen)?);
@@ -362,6 +379,15 @@ fn nearer(
     let other =
         other.map(|(other, _)| other).filter(|other| task.rms(other).is_some_and(|rms| rms < reached));
     Some(other.unwrap_or(found))
+}
+
+/// The model without extensions, or, if it errs by less, what it comes to from the operator of another one: few starts lead to it, and
+/// what a cause gains is not to be what another beginning does.
+fn plainer(task: &Task<'_>, plain: Extension, other: &Extension) -> Extension {
+    let begin = Extension { extensions: ExtensionParameters::default(), ..other.clone() };
+    let errs_less = |from_other: &Extension| Some(task.rms(from_other)? < task.rms(&plain)?);
+    let from_other = task.refined(begin).map(|(from_other, _)| from_other);
+    from_other.filter(|from_other| errs_less(from_other).unwrap_or(false)).unwrap_or(plain)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use model_core::{ExtensionParameters, Kind};
 use super::given::judge;
 use super::heldout::gain;
 use super::refine::Task;
-use super::{Extension, Operator};
+use super::{Extension, Operator, plainer};
 use crate::diagnosis::Columns;
 use crate::identification::{CONVERGED, HostParameters, Loss, Options, Problem, Weights, identify};
 
@@ -121,6 +121,22 @@ fn a_slope_that_no_row_teaches_becomes_as_those_beside_it() {
     let (found, _) = task.refined(wild).expect("it runs");
     let ratio = rises(&found)[4] / rises(&found)[3];
     assert!((0.2..5.0).contains(&ratio), "{:?}", rises(&found));
+}
+
+#[test]
+fn a_plain_model_that_has_come_to_a_worse_end_begins_from_the_operator_beside_a_cause() {
+    let beside_a_cause = model();
+    let sound = Extension { extensions: ExtensionParameters::default(), ..beside_a_cause.clone() };
+    let columns = recorded(&sound);
+    let rows: Vec<usize> = (0..columns.time_s.len()).collect();
+    let task = Task::alone(&columns, &rows);
+    let mut worse = sound.clone();
+    let HostParameters::Cascade(cascade) = &mut worse.parameters else { panic!("a cascade") };
+    cascade.dead_zones.weights.iter_mut().for_each(|weight| *weight *= 1.5);
+    let plain = plainer(&task, worse.clone(), &beside_a_cause);
+    assert_eq!(plain.extensions, ExtensionParameters::default());
+    assert!(task.rms(&plain) < task.rms(&worse), "{:?} {:?}", task.rms(&plain), task.rms(&worse));
+    assert_eq!(plainer(&task, sound.clone(), &worse).parameters, sound.parameters);
 }
 
 #[test]

@@ -227,7 +227,7 @@ impl Signals {
         self.thinned_to(Thinning::to(&scored), self.rows.len().div_ceil(RANKED_ROWS).max(1))
     }
 
-    /// The same, of the scored rows only the first so many scored.
+    /// All kept rows, of the scored ones only the first so many scored.
     pub fn of_first(&self, count: usize) -> Self {
         let first = |values: &Vec<f64>| values[..count.min(values.len())].to_vec();
         Self {

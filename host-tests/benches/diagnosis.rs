@@ -1,5 +1,5 @@
 //! How long a diagnosis of 12,000 rows takes, extended model included, where nothing is hidden and where something is:
-//! a strong mass beside another effect takes longest. Run with `cargo bench -p host-tests --bench diagnosis`,
+//! a strong fast effect beside another one takes longest. Run with `cargo bench -p host-tests --bench diagnosis`,
 //! on quiet cores.
 
 use std::time::Duration;
@@ -11,7 +11,7 @@ use rig::plant::Kind;
 use workbench::diagnosis::{Columns, diagnose_and_extend};
 
 /// What is hidden in turn.
-const HIDDEN: [&[Effect]; 7] = [
+const HIDDEN: [&[Effect]; 8] = [
     &[],
     &[Effect::Creep],
     &[Effect::ViscousLag],
@@ -19,6 +19,7 @@ const HIDDEN: [&[Effect]; 7] = [
     &[Effect::TransportDelay, Effect::ViscousLag],
     &[Effect::Inertia, Effect::Creep],
     &[Effect::Inertia, Effect::RateDependentWidth],
+    &[Effect::ViscousLag, Effect::RateDependentWidth],
 ];
 /// Diagnoses of each, and the time that is expected to be enough for them.
 const SAMPLES: usize = 10;

@@ -27,9 +27,11 @@ const END: f64 = 0.05;
 /// A pure error above the first share of the held-out error is large: then the second share of its square has to have
 /// been removed by the causes; the more the larger it is, up to the other pair.
 const LARGE: [(f64, f64); 2] = [(0.45, 0.5), (0.65, 0.8)];
-/// And it has to be above so many times the noise: states are never quite the same. Sound muscles and slow valves come to 4.1, a weak
-/// warm-up of the rig, which is not quite of our form, to 5.5, the least weak outsider that is seen by it to 5.9.
-const SEEN: f64 = 5.7;
+/// And it has to be above so many times the least error that there could be: states are never quite the same. Sound muscles come to 1.9,
+/// a weak warm-up of the rig, which is not quite of our form, to 2.6, the least weak outsider to 2.8.
+const SEEN: f64 = 2.7;
+/// Where no cause is named, one above so many times that is not by chance, however small a share of the error it is.
+const UNMISTAKABLE: f64 = 1.5 * SEEN;
 /// A row is far off beyond so many times the noise, and so many such rows are too many.
 const FAR: f64 = 10.0;
 const MOVES: f64 = 4.0;
@@ -141,11 +143,62 @@ fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
 
 fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let (before, after) = (search.baseline.pure_error?, set.pure_error?);
-    let removed = if set.causes.is_empty() { 0.0 } else { 1.0 - (after / before).powi(2) };
-    let [(large, least), (larger, most)] = LARGE;
-    let size = (after / set.score.mean().max(1e-12) - large) / (larger - large);
-    let is_left = set.fades || size > 0.0 && removed < least + (most - least) * size.min(1.0);
-    let is_seen = after > SEEN * search.signals.noise;
+    let left = Left {
+        pure_error: after,
+        removed: (!set.causes.is_empty()).then(|| 1.0 - (after / before).powi(2)),
+        heldout: set.score.mean(),
+        least: search.signals.least_error,
+        fades: set.fades,
+    };
     let tones_hz = search.signals.tones(&set.residual, 3);
-    (is_seen && is_left).then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
+    left.is_too_much().then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
+}
+
+/// What a set of causes leaves. Errors in the output's unit.
+struct Left {
+    /// What visits to the same state differ by.
+    pure_error: f64,
+    /// The share of its square that the causes have removed; None where none is named.
+    removed: Option<f64>,
+    /// The error on blocks that no fit has seen.
+    heldout: f64,
+    /// The least error that there could be.
+    least: f64,
+    /// Whether strokes fade, see [`Candidate::fades`].
+    fades: bool,
+}
+
+impl Left {
+    fn is_too_much(&self) -> bool {
+        let times = self.pure_error / self.least.max(1e-12);
+        let is_unmistakable = self.removed.is_none() && times > UNMISTAKABLE;
+        let [(large, least), (larger, most)] = LARGE;
+        let size = (self.pure_error / self.heldout.max(1e-12) - large) / (larger - large);
+        let needed = least + (most - least) * size.min(1.0);
+        let is_large = size > 0.0 && self.removed.unwrap_or(0.0) < needed;
+        times > SEEN && (self.fades || is_unmistakable || is_large)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Left;
+
+    fn left(pure_error: f64, removed: Option<f64>) -> Left {
+        Left { pure_error, removed, heldout: 1.0, least: 0.07, fades: false }
+    }
+
+    #[test]
+    fn states_that_differ_by_far_more_than_noise_are_too_much_beside_any_misfit_of_shape() {
+        assert!(left(0.30, None).is_too_much());
+        assert!(!left(0.25, None).is_too_much());
+        assert!(!left(0.30, Some(0.9)).is_too_much());
+    }
+
+    #[test]
+    fn what_causes_leave_is_too_much_where_it_is_most_of_the_error_and_they_have_removed_little() {
+        assert!(left(0.7, Some(0.7)).is_too_much());
+        assert!(!left(0.7, Some(0.9)).is_too_much());
+        assert!(!Left { least: 0.3, ..left(0.7, Some(0.7)) }.is_too_much());
+    }
 }

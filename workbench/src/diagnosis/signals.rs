@@ -119,6 +119,9 @@ pub struct Signals {
     pub noise: f64,
     /// Noise of the input. Input unit.
     pub input_noise: f64,
+    /// What the true model would differ by from the output: the noise of both, as far as the loop's slope passes the input's on,
+    /// root mean square. Output unit.
+    pub least_error: f64,
 }
 
 impl Signals {
@@ -179,6 +182,7 @@ impl Signals {
             kept_step_s: step_s,
             noise_floor,
             noise,
+            least_error: noise,
         };
         let thinning = Thinning::by(stride, &whole.scored());
         whole.thinned_to(thinning, 1)
@@ -198,6 +202,9 @@ impl Signals {
             let stiffer = middle / there;
             if stiffer.is_finite() { stiffer.clamp(1.0 / STIFFEST, STIFFEST) } else { 1.0 }
         });
+        let passed_on = |row: &Row| middle * self.input_noise / self.stiffer(self.smooth[row.at]);
+        let passed_on = root_mean_square(&self.rows.iter().map(passed_on).collect::<Vec<f64>>());
+        self.least_error = self.noise.hypot(if passed_on.is_finite() { passed_on } else { 0.0 });
         self.moving_tents = self.smooth.iter().map(|&y| self.moving_tents_at(y)).collect();
     }
 

@@ -17,6 +17,8 @@ use super::verdict::Named;
 use super::words::experiment;
 use super::{Columns, Diagnosis, DiagnosisError, Verdict, diagnose};
 
+mod noisy;
+
 const STEP_S: f64 = 0.02;
 const ROWS: usize = 4000;
 

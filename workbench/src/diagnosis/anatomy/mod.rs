@@ -52,7 +52,7 @@ use self::noise::NoiseFloor;
 use self::spectrum::Spectrum;
 use self::stretches::Stretch;
 use self::whiteness::Whiteness;
-use crate::numbers::{median, root_mean_square};
+use crate::numbers::{median, quantiles, root_mean_square};
 
 /// The fewest rows that anything can be said of.
 pub const LEAST_ROWS: usize = 100;
@@ -130,9 +130,11 @@ impl Anatomy {
 
 /// The median of the steps of time, and the step above which there is a gap. Unit: s.
 pub(super) fn steps(time_s: &[f64]) -> (f64, f64) {
-    /// A step of time that many times the median is a gap: the muscle may have moved in it.
+    /// A step of time that many times as long as all but a few is a gap: the muscle may have moved in it.
     const GAP_STEPS: f64 = 5.0;
+    /// So few: where single rows are missing all over the recording, no step that leaves some out is a gap.
+    const FEW: f64 = 0.05;
     let mut all: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let step_s = median(&mut all);
-    (step_s, GAP_STEPS * step_s)
+    let (_, usual_s) = quantiles(&all, FEW);
+    (median(&mut all), GAP_STEPS * usual_s)
 }

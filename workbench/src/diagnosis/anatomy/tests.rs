@@ -172,3 +172,19 @@ fn nothing_breaks_on_a_still_recording_or_one_with_a_single_step_of_time() {
     gap.time_s[499] += 1e7;
     assert!(Anatomy::of(&gap.view(), 1).expect("long enough").rms.is_finite());
 }
+
+#[test]
+fn single_rows_that_are_missing_all_over_make_no_gaps_and_an_hour_does() {
+    let mut time_s = times(6000, 0.01);
+    let mut row = 0u32;
+    // Two of five, in runs of up to five.
+    time_s.retain(|_| {
+        row = row.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        row >> 16 > 26_000
+    });
+    let longest_s = time_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    assert!(longest_s > 0.055, "{longest_s}");
+    assert!(super::steps(&time_s).1 > longest_s);
+    time_s.extend(times(6000, 0.01).iter().map(|t| t + 3600.0));
+    assert!(super::steps(&time_s).1 < 0.3);
+}

@@ -42,13 +42,14 @@ enum Knob {
     Lag,
 }
 
-/// What of a fit is to be tuned: nothing without a mass.
+/// What of a fit is to be tuned: nothing without a mass or a lag.
 fn knobs(fit: &Fit) -> Vec<Knob> {
     let has = |is: fn(&Effect) -> bool| fit.effects.iter().any(is);
-    if !has(is_mass) {
-        return Vec::new();
-    }
-    let mut knobs = vec![Knob::Mass, Knob::Damping];
+    let mut knobs = match (has(is_mass), has(is_lag)) {
+        (true, _) => vec![Knob::Mass, Knob::Damping],
+        (false, true) => vec![Knob::Damping],
+        (false, false) => return Vec::new(),
+    };
     if has(is_delay) {
         knobs.push(Knob::Delay);
     }
@@ -61,6 +62,11 @@ fn knobs(fit: &Fit) -> Vec<Knob> {
 
 fn is_mass(effect: &Effect) -> bool {
     matches!(effect.form, Form::Inertia | Form::OutputInertia)
+}
+
+/// Whether it is one that goes by the measured rate alone.
+fn is_lag(effect: &Effect) -> bool {
+    matches!(effect.form, Form::OutputLag | Form::Driven(Driver::Rate))
 }
 
 /// Whether an effect is a delay that is a cause, not the small one of every recording.

@@ -74,7 +74,8 @@ pub fn before_operator(
 /// Adds what stands between command and pressure.
 pub fn add_valve(all: &mut ExtensionParameters<f64>, valve: Option<&ValveFit>) {
     let Some(ValveFit { valve, .. }) = valve else { return };
-    all.valve_lag = Some(ValveLagParameters::new(valve.lag_s));
+    // One lag for both: as late on a ramp, if not quite after a jump.
+    all.valve_lag = Some(ValveLagParameters::new(valve.lag_s + valve.own_lag_s.unwrap_or(0.0)));
     all.valve_deadband = valve.band.map(|(form, band)| match form {
         BandForm::Hold => ValveDeadbandParameters { band, form: DeadbandForm::Hold },
         BandForm::Backlash => ValveDeadbandParameters { band: 0.5 * band, form: DeadbandForm::Backlash },

@@ -1,0 +1,64 @@
+use super::*;
+
+/// Triangles of falling height and rising speed. Unit: bar.
+fn command(time_s: f64) -> f64 {
+    let turns = time_s * (0.05 + 0.002 * time_s);
+    let triangle = 1.0 - (2.0 * turns.fract() - 1.0).abs();
+    0.3 + (5.5 - 0.04 * time_s) * triangle
+}
+
+/// What is found of a valve that was given these commands.
+fn found(time_s: &[f64], commands: &[f64], valve: &Valve) -> ValveFit {
+    let pressure = valve.simulate(time_s, commands);
+    let columns = Columns {
+        scored: vec![true; time_s.len()],
+        output: pressure.clone(),
+        command: Some(commands.to_vec()),
+        input: pressure,
+        time_s: time_s.to_vec(),
+        ..Columns::default()
+    };
+    examine(&columns, 1e-4).expect("there is a command")
+}
+
+/// Jumps with holds. Unit: bar.
+fn jumps(time_s: &[f64]) -> Vec<f64> {
+    time_s.iter().map(|t| [1.0, 4.0, 2.0, 5.0][(0.7 * t) as usize % 4]).collect()
+}
+
+#[test]
+fn a_slow_valve_behind_an_ordinary_one_is_slow_and_not_late() {
+    let time_s: Vec<f64> = (0..4000).map(|row| 0.01 * f64::from(row)).collect();
+    for lag_s in [0.08, 0.22] {
+        let valve = Valve { own_lag_s: Some(0.04), ..Valve::slow(lag_s) };
+        let found = found(&time_s, &jumps(&time_s), &valve);
+        assert_eq!(found.causes.iter().map(|(cause, _)| *cause).collect::<Vec<_>>(), [Cause::ValveLag]);
+        assert!((found.valve.lag_s / lag_s - 1.0).abs() < 0.05, "{:?}", found.valve);
+    }
+    let ordinary = Valve { own_lag_s: Some(0.02), ..Valve::slow(0.02) };
+    assert_eq!(found(&time_s, &jumps(&time_s), &ordinary).causes, []);
+}
+
+#[test]
+fn a_late_valve_is_late_whether_it_has_one_lag_or_two() {
+    let time_s: Vec<f64> = (0..4000).map(|row| 0.01 * f64::from(row)).collect();
+    for own_lag_s in [None, Some(0.03)] {
+        let valve = Valve { own_lag_s, delay_s: Some(0.06), ..Valve::slow(0.05) };
+        let found = found(&time_s, &jumps(&time_s), &valve);
+        assert_eq!(found.causes.iter().map(|(cause, _)| *cause).collect::<Vec<_>>(), [Cause::TransportDelay]);
+        assert!(found.valve.delay_s.is_some_and(|s| (s / 0.06 - 1.0).abs() < 0.1), "{:?}", found.valve);
+    }
+}
+
+#[test]
+fn a_held_band_is_found_so_closely_that_the_same_commands_are_accepted() {
+    let time_s: Vec<f64> = (0..8000).map(|row| 0.01 * f64::from(row)).collect();
+    let commands: Vec<f64> = time_s.iter().map(|&time_s| command(time_s)).collect();
+    for band in (0..16).map(|i| 0.08 + 0.0213 * f64::from(i)) {
+        let valve = Valve { band: Some((BandForm::Hold, band)), ..Valve::slow(0.05) };
+        let found = found(&time_s, &commands, &valve);
+        let Some((BandForm::Hold, near)) = found.valve.band else { panic!("{:?}", found.valve) };
+        assert!((near / band - 1.0).abs() < 2e-3, "{near} instead of {band}");
+        assert!(found.rmse_bar < 2e-3, "{band}: {} bar", found.rmse_bar);
+    }
+}

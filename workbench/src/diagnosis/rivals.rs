@@ -79,12 +79,20 @@ fn running_free(
     (best, alike, larger): (&Candidate, &[&Candidate], Option<&Candidate>),
     extender: &Extender<'_>,
 ) -> Option<Settled> {
-    let alike: Vec<&Candidate> = [best].into_iter().chain(alike.iter().copied().take(MOST)).collect();
-    let sets: Vec<&Candidate> = alike.iter().copied().chain(larger).collect();
-    if sets.len() == 1 || best.causes.len() > 1 {
+    let mut alike: Vec<&Candidate> = [best].into_iter().chain(alike.iter().copied().take(MOST)).collect();
+    if best.causes.len() > 1 || alike.len() == 1 && larger.is_none() {
         return None;
     }
-    let errors: Vec<f64> = sets.par_iter().map(|set| extender.with(set).unwrap_or(f64::INFINITY)).collect();
+    let errors_of = |sets: &[&Candidate]| -> Vec<f64> {
+        sets.par_iter().map(|set| extender.with(set).unwrap_or(f64::INFINITY)).collect()
+    };
+    let mut errors = errors_of(&[best].into_iter().chain(larger).collect::<Vec<_>>());
+    // Where the larger one is far better than the best, those alike need not be asked.
+    match errors.get(1).is_some_and(|larger| *larger < LEAVES * errors[0]) {
+        true => alike.truncate(1),
+        false => drop(errors.splice(1..1, errors_of(&alike[1..]))),
+    }
+    let sets: Vec<&Candidate> = alike.iter().copied().chain(larger).collect();
     let costs: Vec<f64> = alike.iter().zip(&errors).map(|(set, error)| total(set.cost(), *error)).collect();
     let place = decided(&costs, &errors)?;
     let set = sets[place];

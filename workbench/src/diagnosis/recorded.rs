@@ -1,6 +1,6 @@
 //! All rows of a recording, for what is quicker than the kept ones show: delays of the input, tones, single rows far off.
 
-use super::anatomy::spectrum::{amplitude, tones};
+use super::anatomy::spectrum::{InputLines, amplitude, tones};
 use super::signals::Signals;
 
 /// Peaks of a residual that are looked at, and what each has to have in the scored rows of its amplitude in all.
@@ -16,6 +16,8 @@ pub struct Recorded {
     pub input: Vec<f64>,
     /// Size of its rate above the noise. Unit: input unit/s.
     pub input_speed: Vec<f64>,
+    /// The strong lines of the input.
+    pub input_lines: InputLines,
     /// Of all rows that may be scored. Unit: s.
     pub scored_s: Vec<f64>,
     /// Output unit.
@@ -26,17 +28,19 @@ impl Signals {
     /// Frequencies of the strongest tones of a residual of the scored rows, `most` of them at most. Unit: Hz.
     ///
     /// Of all that was recorded: in scored rows alone what is quicker than these are apart looks like something slower. But it
-    /// has to be in these too: between them the fit is straight, and what bends there is none of the residual.
+    /// has to be in these too: between them the fit is straight, and what bends there is none of the residual. And it may not be one that
+    /// a periodic input drives.
     pub fn tones(&self, residual: &[f64], most: usize) -> Vec<f64> {
         let scored_s: Vec<f64> = self.rows.iter().map(|row| self.time_s[row.at]).collect();
         let (all_s, all) = (&self.recorded.scored_s, self.residual_of_all(residual));
         let stands = |&hz: &f64| amplitude(&scored_s, residual, hz) >= STANDS * amplitude(all_s, &all, hz);
-        tones(all_s, &all, PEAKS).into_iter().filter(stands).take(most).collect()
+        let is_free = |hz: &f64| !self.recorded.input_lines.have(*hz);
+        tones(all_s, &all, PEAKS).into_iter().filter(is_free).filter(stands).take(most).collect()
     }
 
     /// A residual of the scored rows at all that may be: what was recorded less what was fitted, straight from one scored row
     /// to the next. Output unit.
-    fn residual_of_all(&self, residual: &[f64]) -> Vec<f64> {
+    pub(super) fn residual_of_all(&self, residual: &[f64]) -> Vec<f64> {
         let fitted = |place: usize| {
             let at = self.rows[place].at;
             (self.time_s[at], self.output[at] - residual[place])

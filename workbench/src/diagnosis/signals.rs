@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use super::Columns;
 use super::anatomy::noise::{self, NoiseFloor};
+use super::anatomy::spectrum::InputLines;
 use super::anatomy::steps;
 use super::effect::Rate;
 use super::output::low_pass;
@@ -143,6 +144,7 @@ impl Signals {
             time_s: time_s[..end].to_vec(),
             input: input[..end].to_vec(),
             input_speed: speeds[Rate::Input as usize][..end].to_vec(),
+            input_lines: InputLines::of(time_s, input),
             scored_s: columns.of_scored(time_s),
             scored: columns.of_scored(output),
         };

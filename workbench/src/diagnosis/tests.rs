@@ -17,7 +17,7 @@ use super::verdict::Named;
 use super::words::experiment;
 use super::{Columns, Diagnosis, DiagnosisError, Verdict, diagnose};
 
-mod noisy;
+mod sensors;
 
 const STEP_S: f64 = 0.02;
 const ROWS: usize = 4000;
@@ -337,7 +337,7 @@ fn a_tone_quicker_than_the_scored_rows_is_found_at_its_own_frequency() {
     let of_tone = |t: &f64| 0.3 * (std::f64::consts::TAU * 21.0 * t).sin();
     let output: Vec<f64> = time_s.iter().map(of_tone).collect();
     let columns =
-        Columns { input: output.clone(), output, scored: vec![true; rows], time_s, ..Columns::default() };
+        Columns { input: time_s.clone(), output, scored: vec![true; rows], time_s, ..Columns::default() };
     let signals = Signals::new(&columns);
     let residual: Vec<f64> = signals.rows.iter().map(|row| signals.output[row.at]).collect();
     let found = signals.tones(&residual, 1);

@@ -17,7 +17,7 @@ use rustfft::num_complex::Complex;
 use serde::Serialize;
 
 use super::steps;
-use crate::numbers::median;
+use crate::numbers::{median, range};
 
 /// Periods of a tone: what comes back less often is as well a drift, a warm-up or the order of an experiment.
 pub const LEAST_PERIODS: f64 = 5.0;
@@ -30,6 +30,11 @@ const BAND_LINES: usize = 24;
 const BAND_RATIO: f64 = 1.3;
 /// How often a peak may be chance, in a whole spectrum.
 const LEVEL: f64 = 0.01;
+/// A line of the input from this share of its span on is strong; it drives so many multiples of itself; and a tone within so many lines
+/// of the grid is not told from one, which is where the window has them.
+const STRONG: f64 = 0.05;
+const MULTIPLES: f64 = 5.0;
+const NEAR: f64 = 2.0;
 /// Points of the drawn density.
 const POINTS: f64 = 120.0;
 /// The most peaks.
@@ -83,6 +88,34 @@ pub fn tones(time_s: &[f64], residual: &[f64], most: usize) -> Vec<f64> {
     let peaks = grid.peaks(&grid.lines(residual), &[]);
     let is_seen = |frequency_hz: &f64| *frequency_hz >= LEAST_PERIODS * grid.line_hz;
     peaks.iter().map(|peak| peak.frequency_hz).filter(is_seen).take(most).collect()
+}
+
+/// The strong lines of a periodic input. What they drive has its tones there and at their multiples, whatever is wrong with it.
+#[derive(Clone, Debug, Default)]
+pub struct InputLines {
+    /// Unit: Hz.
+    frequencies_hz: Vec<f64>,
+    /// What is no farther from one is not told from it. Unit: Hz.
+    near_hz: f64,
+}
+
+impl InputLines {
+    /// Those of an input.
+    pub fn of(time_s: &[f64], input: &[f64]) -> Self {
+        let grid = Grid::of(time_s);
+        let (low, high) = range(input);
+        let is_strong = |peak: &Peak| peak.amplitude >= STRONG * (high - low);
+        let peaks = grid.peaks(&grid.lines(input), &[]).into_iter().filter(is_strong);
+        Self { frequencies_hz: peaks.map(|peak| peak.frequency_hz).collect(), near_hz: NEAR * grid.line_hz }
+    }
+
+    /// Whether a tone of this frequency may be the input's.
+    pub fn have(&self, frequency_hz: f64) -> bool {
+        self.frequencies_hz.iter().any(|line_hz| {
+            let multiple = (frequency_hz / line_hz).round().clamp(1.0, MULTIPLES);
+            (frequency_hz - multiple * line_hz).abs() <= self.near_hz
+        })
+    }
 }
 
 /// Amplitude of a tone of this frequency, which may be faster than the rows. Unit of the values.
@@ -293,6 +326,18 @@ mod tests {
         let spectrum = Spectrum::of(&time_s, &values, &input);
         assert!((spectrum.peaks[0].frequency_hz - 0.2).abs() < 1e-3);
         assert!(spectrum.peaks[0].in_input);
+    }
+
+    #[test]
+    fn a_periodic_input_may_drive_its_lines_and_their_multiples_and_no_others() {
+        let time_s = times(12_000, 0.01);
+        let falling = |&t: &f64| (1.0 - t / 150.0) * (TAU * t / 6.0).sin();
+        let lines = InputLines::of(&time_s, &time_s.iter().map(falling).collect::<Vec<f64>>());
+        assert!(lines.have(1.0 / 6.0) && lines.have(0.51) && !lines.have(0.25) && !lines.have(0.41));
+        // A swing now and then is none.
+        let seldom = |&t: &f64| if t < 6.0 { triangles(t, 2.0) } else { 0.0 };
+        let lines = InputLines::of(&time_s, &time_s.iter().map(seldom).collect::<Vec<f64>>());
+        assert!((1..200).all(|i| !lines.have(0.05 * f64::from(i))), "{lines:?}");
     }
 
     #[test]

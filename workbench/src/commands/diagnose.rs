@@ -81,8 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         None => Some(extended.heldout),
     });
     let gained = extended.as_ref().zip(gain.as_ref());
-    if let Some(model_file) = model_file {
-        let extended = extended.as_ref().ok_or_else(|| Error::NotExtended(file.clone()))?;
+    if let Some((model_file, extended)) = model_file.as_ref().zip(extended.as_ref()) {
         let gain = gain.as_ref().map(|gain| (gain, other.as_ref().map(|(_, other)| other)));
         outputs.stage(model_file, to_file(&recording, extended, gain)?.to_toml().as_bytes())?;
     }
@@ -101,7 +100,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     outputs.commit()?;
     print_summary(file, &diagnosis, gained, unit, seconds);
-    Ok(())
+    // Said last: what is wrong with the recording is known all the same.
+    if model_file.is_some() && extended.is_none() { Err(Error::NotExtended(file.clone())) } else { Ok(()) }
 }
 
 /// The extended model's file; its gain may be that on another recording.

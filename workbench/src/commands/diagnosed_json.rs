@@ -6,6 +6,7 @@ use crate::diagnosis::Diagnosis;
 use crate::diagnosis::cause::Cause;
 use crate::diagnosis::extend::{Extended, HeldOutGain};
 use crate::diagnosis::reject::Unexplained;
+use crate::diagnosis::stuck::Stuck;
 use crate::diagnosis::words::experiment;
 use crate::unit::Unit;
 
@@ -89,6 +90,9 @@ fn unexplained(seen: &Unexplained) -> Value {
         }
         Unexplained::Outliers { rows, largest } => {
             json!({"seen": "outliers", "rows": rows, "largest": largest})
+        }
+        Unexplained::Stuck(Stuck { rows, longest_s }) => {
+            json!({"seen": "stuck", "rows": rows, "longest_s": longest_s})
         }
         Unexplained::NoGain { before, after } => {
             json!({"seen": "no_gain", "before_rmse": before, "after_rmse": after})

@@ -20,6 +20,8 @@ const FADING: f64 = 0.3;
 /// What a set with a lag has to be better by where its small delay, which belongs to the baseline, is as long as it may be:
 /// it is then a lag and a delay.
 const LEANING: f64 = 0.1;
+/// What a viscous force beside a width that has one in it has to gain.
+const VISCOUS: f64 = 0.05;
 /// The share of a bound from which on a parameter counts as at it.
 const WHOLE: f64 = 0.98;
 
@@ -105,7 +107,7 @@ impl Candidate {
     }
 
     /// Where its width, the only fast cause, has a viscous force in it: the same set with such a force beside, if that was looked
-    /// at and errs less. Alone the width has taken most of the force for its own, and what is left of it is too little to be
+    /// at and is worth it. Alone the width has taken most of the force for its own, and what is left of it is too little to be
     /// worth a cause.
     pub fn with_viscosity(&self, looked_at: &[Vec<Self>]) -> Option<Self> {
         let is_alone = self.causes.iter().filter(|cause| cause.is_fast()).count() == 1;
@@ -117,7 +119,7 @@ impl Candidate {
             other.causes.len() == self.causes.len() + 1 && other.causes.iter().all(has)
         };
         let both = looked_at.iter().flatten().find(is_both)?;
-        (both.score.mean() < self.score.mean()).then(|| both.clone())
+        (self.score.gain(&both.score) >= VISCOUS).then(|| both.clone())
     }
 
     /// Whether its width grows as nearly as the speed as it may, and no viscous force stands beside.

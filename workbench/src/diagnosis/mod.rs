@@ -22,9 +22,10 @@
 //! | `rivals` | sets that the search hardly tells apart |
 //! | `overlooked` | a fast cause that the search does not see |
 //! | [`valve`] | the valve, told apart from the muscle |
-//! | [`reject`] | what is wrong but none of the causes |
+//! | [`reject`], [`stuck`] | what is wrong but none of the causes |
 //! | [`physical`] | the parameters in units that people measure in |
 //! | [`mod@extend`] | the operator model extended by the named causes, running free, and its gain |
+//! | `measured` | the named causes' parameters as that has them |
 //! | [`words`] | the verdict in a sentence, and the experiment that is left to be made |
 //!
 //! # Contract
@@ -49,6 +50,7 @@ mod follower;
 pub mod free_run;
 pub mod gain;
 mod history;
+mod measured;
 pub mod output;
 mod overlooked;
 pub mod physical;
@@ -63,6 +65,7 @@ pub mod screen;
 pub mod search;
 mod series;
 pub mod signals;
+pub mod stuck;
 mod swing;
 mod thinning;
 pub mod valve;
@@ -82,6 +85,7 @@ use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
 use cause::Cause;
 use extend::{Extended, Extender, Operator, Plain};
+use measured::measure;
 use overlooked::{Overlooked, overlooked};
 use reject::{Unexplained, no_gain, unexplained};
 use rivals::{Settled, settled};
@@ -126,8 +130,6 @@ impl Columns {
     }
 }
 
-/// The extended model measures its causes where it errs by less than so many times what the search does, which has more freedom.
-const MEASURES: f64 = 1.5;
 /// Seed of what the anatomy measures chance with.
 const ANATOMY_SEED: u64 = 1;
 
@@ -190,7 +192,7 @@ pub fn diagnose(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<Diagnosis, DiagnosisError> {
-    Ok(diagnose_and(columns, progress, |_, _, _| ())?.0)
+    Ok(diagnose_and(columns, progress, |_, _, _| Beyond { there: (), is_needless: false })?.0)
 }
 
 /// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
@@ -207,36 +209,19 @@ pub fn diagnose_and_extend(
     let (mut diagnosis, (extended, is_third_order)) =
         diagnose_and(columns, progress, |found, valve, extender| {
             let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
-            let extended = extender.and_then(|extender| extender.extend(found, valve, given, &progress));
-            (extended, found.is_third_order())
+            let extend = |set: &Candidate| extender?.extend(set, valve, given, &progress);
+            let extended = extend(found);
+            let is_needless = !found.causes.is_empty() && extended.as_ref().and_then(no_gain).is_some();
+            match extender.map(|extender| extender.search).filter(|_| is_needless) {
+                Some(search) if unexplained(search, &search.baseline).is_none() => {
+                    Beyond { there: (extend(&search.baseline), false), is_needless }
+                }
+                _ => Beyond { there: (extended, found.is_third_order()), is_needless: false },
+            }
         })?;
-    // A model that gains nothing, or is much farther from the muscle than the search has come, has nothing to say about them.
-    let gaining = extended.as_ref().filter(|extended| {
-        extended.extended_rmse < extended.baseline_rmse
-            && extended.extended_rmse < MEASURES * diagnosis.heldout.1
-    });
-    let measured = gaining.and_then(extend::physical::parameters).unwrap_or_default();
-    let is_simpler = |cause| is_third_order && matches!(cause, Cause::ViscousLag | Cause::Inertia);
-    for (cause, parameters) in measured.into_iter().filter(|(cause, _)| !is_simpler(*cause)) {
-        if let Some(named) = diagnosis.causes.iter_mut().find(|named| named.cause == cause) {
-            named.measure(parameters);
-        }
-    }
-    // A mass that rings faster than rows can show has gone out of the refined model.
-    let highest_hz = 0.5 / anatomy::steps(&columns.time_s).0;
-    let rings = |named: &Named| named.parameter("natural_frequency_hz").is_none_or(|hz| hz <= highest_hz);
-    diagnosis.causes.retain(rings);
-    if diagnosis.causes.is_empty() && diagnosis.verdict == Verdict::Explained {
-        diagnosis.verdict = Verdict::Adequate;
-    }
-    for named in diagnosis.causes.iter_mut().filter(|named| extended.is_some() && is_simpler(named.cause)) {
-        named.evidence.push(
-            "the lag comes before the mass; the extended model has one equation of second order for both"
-                .into(),
-        );
-    }
+    measure(&mut diagnosis, extended.as_ref(), is_third_order, anatomy::steps(&columns.time_s).0);
     if matches!(diagnosis.verdict, Verdict::Explained | Verdict::Confounded)
-        && let Some(no_gain) = extended.as_ref().filter(|extended| !extended.valve_is_named).and_then(no_gain)
+        && let Some(no_gain) = extended.as_ref().and_then(no_gain)
     {
         diagnosis.verdict = Verdict::Unexplained;
         diagnosis.unexplained = Some(no_gain);
@@ -252,11 +237,18 @@ pub fn diagnose_and_extend(
     Ok((diagnosis, extended))
 }
 
+/// What is gone on to from what was found.
+struct Beyond<T> {
+    there: T,
+    /// Whether the causes that were found are needless: they gain nothing, and nothing is left unexplained without them.
+    is_needless: bool,
+}
+
 /// Diagnoses a recording, and goes on from what was found, with what extends the operator model, if one runs through the recording.
 fn diagnose_and<T>(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
-    go_on: impl FnOnce(&Candidate, Option<&ValveFit>, Option<&Extender<'_>>) -> T,
+    go_on: impl FnOnce(&Candidate, Option<&ValveFit>, Option<&Extender<'_>>) -> Beyond<T>,
 ) -> Result<(Diagnosis, T), DiagnosisError> {
     check(columns)?;
     progress(0.0, "preparing");
@@ -303,7 +295,11 @@ fn diagnose_and<T>(
     };
     // Where nothing is named, nothing of the muscle extends the model.
     let named = if unexplained.is_some() { &search.baseline } else { &best };
-    let beyond = go_on(named, valve.as_ref(), extender.as_ref());
+    let Beyond { there, is_needless } = go_on(named, valve.as_ref(), extender.as_ref());
+    let (best, alternatives, evidence) = match is_needless {
+        true => (search.baseline.clone(), Vec::new(), None),
+        false => (best, alternatives, evidence),
+    };
     let inseparable = inseparable(&examinable, &excitation);
     let mut diagnosis =
         conclude((columns, &search), best, &sizes, (unexplained, alternatives), valve, examinable)?;
@@ -311,7 +307,7 @@ fn diagnose_and<T>(
         named.evidence.extend(evidence);
     }
     let past_unknown_until_s = columns.past_unknown_until_s;
-    Ok((Diagnosis { inseparable, past_unknown_until_s, ..diagnosis }, beyond))
+    Ok((Diagnosis { inseparable, past_unknown_until_s, ..diagnosis }, there))
 }
 
 fn conclude(

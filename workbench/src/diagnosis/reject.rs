@@ -6,6 +6,7 @@
 //!   has removed less than half of that. Beside a warm-up that takes strokes away all of it has to be gone: a muscle that
 //!   loses pressure, say, does so as well, but does not settle.
 //! - Single rows far off their neighbours.
+//! - A reading that hangs while the muscle goes on.
 //! - Causes that gain next to nothing where a model with them runs free.
 //!
 //! They do not take part in the search: a free curve also beats each single cause of a true pair.
@@ -19,6 +20,7 @@ use super::fit::fit;
 use super::screen::Screen;
 use super::search::{EVIDENCE, Search};
 use super::signals::Signals;
+use super::stuck::{Stuck, stuck};
 
 /// Times at which a step is looked for, and how near the ends of the record, as a share of it: a step at the beginning
 /// is one with the unknown memory of the muscle.
@@ -64,6 +66,8 @@ pub enum Unexplained {
         /// The largest distance. Output unit.
         largest: f64,
     },
+    /// One value is read while the muscle goes on.
+    Stuck(Stuck),
     /// The causes that fit best gain nothing where a model with them runs free. Root mean square errors, output unit.
     NoGain {
         /// Of the model without them, over the scored rows.
@@ -75,11 +79,17 @@ pub enum Unexplained {
 
 /// What a set of causes leaves unexplained, if that is too much.
 pub fn unexplained(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
-    outliers(search.signals).or_else(|| zero_step(search, set)).or_else(|| not_repeatable(search, set))
+    outliers(search.signals)
+        .or_else(|| stuck(search.signals, &search.baseline.fit.residual).map(Unexplained::Stuck))
+        .or_else(|| zero_step(search, set))
+        .or_else(|| not_repeatable(search, set))
 }
 
-/// That a model with the named causes runs no better than one without.
+/// That a model with the named causes runs no better than one without; those of a valve are judged where they act.
 pub fn no_gain(extended: &Extended) -> Option<Unexplained> {
+    if extended.valve_is_named {
+        return None;
+    }
     let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
     let HeldOutGain { before: held_before, after: held_after, .. } = &extended.heldout;
     let gains = |before: f64, after: f64| after < (1.0 - GAIN) * before;

@@ -1,6 +1,7 @@
 //! A diagnosis in words: the verdict in a sentence, and the experiment that is left to be made.
 
 use super::reject::Unexplained;
+use super::stuck::Stuck;
 use super::{Diagnosis, Verdict};
 use crate::unit::Unit;
 
@@ -22,6 +23,9 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
             }
             Some(Unexplained::Outliers { rows, largest }) => format!(
                 "None of the causes: {rows} single rows are off their neighbours, by up to {largest:.2} {unit}."
+            ),
+            Some(Unexplained::Stuck(Stuck { rows, longest_s })) => format!(
+                "None of the causes: in {rows} rows the same value is read again while the muscle goes on, for up to {longest_s:.2} s."
             ),
             Some(Unexplained::NoGain { before, after }) => format!(
                 "None of the causes: with those that fit best a model errs by {after:.3} {unit} where it runs free, \

@@ -216,7 +216,8 @@ impl Plain {
 /// Where the operator model of a recording is extended by sets of causes.
 pub struct Extender<'a> {
     columns: &'a Columns,
-    search: &'a Search<'a>,
+    /// What was searched.
+    pub search: &'a Search<'a>,
     scored: Vec<usize>,
     plain: Plain,
     /// The plain model's error over all scored rows, root mean square. Output unit.

@@ -1,0 +1,68 @@
+//! The parameters of the named causes as the extended model has them, which runs free.
+
+use super::Diagnosis;
+use super::cause::Cause;
+use super::extend::{self, Extended};
+use super::verdict::{Named, Verdict};
+
+/// The extended model measures its causes where it errs by less than so many times what the search does, which has more freedom.
+const MEASURES: f64 = 1.5;
+
+/// Measures the named causes anew, and drops those that no longer show in rows `step_s` apart. Of a lag before a mass (`is_third_order`)
+/// the search has more to say than the extended model, which has no more than the second order.
+pub fn measure(diagnosis: &mut Diagnosis, extended: Option<&Extended>, is_third_order: bool, step_s: f64) {
+    // A model that gains nothing, or is much farther from the muscle than the search has come, has nothing to say about them.
+    let gaining = extended.filter(|extended| {
+        extended.extended_rmse < extended.baseline_rmse
+            && extended.extended_rmse < MEASURES * diagnosis.heldout.1
+    });
+    let measured = gaining.and_then(extend::physical::parameters).unwrap_or_default();
+    let is_simpler = |cause| is_third_order && matches!(cause, Cause::ViscousLag | Cause::Inertia);
+    for (cause, parameters) in measured.into_iter().filter(|(cause, _)| !is_simpler(*cause)) {
+        if let Some(named) = diagnosis.causes.iter_mut().find(|named| named.cause == cause) {
+            named.measure(parameters);
+        }
+    }
+    diagnosis.causes.retain(|named| shows(named, step_s));
+    if diagnosis.causes.is_empty() && diagnosis.verdict == Verdict::Explained {
+        diagnosis.verdict = Verdict::Adequate;
+    }
+    for named in diagnosis.causes.iter_mut().filter(|named| extended.is_some() && is_simpler(named.cause)) {
+        named.evidence.push(
+            "the lag comes before the mass; the extended model has one equation of second order for both"
+                .into(),
+        );
+    }
+}
+
+/// Whether rows so far apart can show what is named: what is faster has gone out of the refined model.
+fn shows(named: &Named, step_s: f64) -> bool {
+    named.parameters.iter().all(|&(name, value)| match name {
+        "natural_frequency_hz" => value * step_s <= 0.5,
+        "delay_s" | "time_constant_s" => value >= 0.5 * step_s,
+        _ => true,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_faster_than_rows_is_not_named() {
+        let named = |cause, name, value| Named {
+            cause,
+            parameters: vec![(name, value)],
+            share: 0.1,
+            evidence: Vec::new(),
+            without: None,
+        };
+        let is_shown = |cause, name, value| shows(&named(cause, name, value), 0.01);
+        assert!(is_shown(Cause::TransportDelay, "delay_s", 0.006));
+        assert!(!is_shown(Cause::TransportDelay, "delay_s", 0.0));
+        assert!(!is_shown(Cause::ViscousLag, "time_constant_s", 0.004));
+        assert!(is_shown(Cause::Inertia, "natural_frequency_hz", 40.0));
+        assert!(!is_shown(Cause::Inertia, "natural_frequency_hz", 60.0));
+        assert!(is_shown(Cause::Drift, "mm_per_s", 0.001));
+    }
+}

@@ -150,7 +150,7 @@ pub fn fades(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
 /// Those of the valve's causes.
 pub fn of_valve(valve: &Valve, cause: Cause) -> Parameters {
     match cause {
-        Cause::ValveLag => vec![("time_constant_s", valve.lag_s)],
+        Cause::ValveLag => vec![("time_constant_s", valve.longer_lag_s())],
         Cause::TransportDelay => valve.delay_s.map(|delay_s| ("delay_s", delay_s)).into_iter().collect(),
         Cause::ValveDeadband => valve.band.map(|(_, band)| ("band_bar", band)).into_iter().collect(),
         Cause::SupplySaturation => valve.supply_bar.map(|bar| ("supply_bar", bar)).into_iter().collect(),

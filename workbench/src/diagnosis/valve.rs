@@ -16,7 +16,7 @@ use super::equivalent::delayed;
 use super::output::low_pass;
 use crate::numbers::range;
 
-/// A lag up to here is that of any proportional regulator, and not named. Unit: s.
+/// Lags up to here, together, are those of any proportional regulator, and not named. Unit: s.
 pub const ORDINARY_LAG_S: f64 = 0.07;
 /// Logarithm of the ratio of errors that an effect has to gain.
 const GAIN: f64 = 0.12;
@@ -162,7 +162,7 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
             causes.push((cause, gain));
         }
     }
-    if valve.lag_s > ORDINARY_LAG_S {
+    if valve.all_lags_s() > ORDINARY_LAG_S {
         let at_once = task.error(&Valve { lag_s: 1e-6, ..valve }.simulate(task.time_s, task.command));
         causes.push((Cause::ValveLag, (at_once / rmse_bar).ln()));
     }
@@ -183,6 +183,16 @@ impl Valve {
             all.push((Cause::SupplySaturation, Self { supply_bar: None, ..*self }));
         }
         all
+    }
+
+    /// Both lags together: how late the pressure is on a ramp. Unit: s.
+    pub fn all_lags_s(&self) -> f64 {
+        self.lag_s + self.own_lag_s.unwrap_or(0.0)
+    }
+
+    /// The longer lag. Unit: s.
+    pub fn longer_lag_s(&self) -> f64 {
+        self.own_lag_s.map_or(self.lag_s, |own| own.max(self.lag_s))
     }
 
     /// With a second lag, if it has none yet.

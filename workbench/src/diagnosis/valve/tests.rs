@@ -42,8 +42,8 @@ fn a_slow_valve_behind_an_ordinary_one_is_slow_and_not_late() {
 #[test]
 fn a_late_valve_is_late_whether_it_has_one_lag_or_two() {
     let time_s: Vec<f64> = (0..4000).map(|row| 0.01 * f64::from(row)).collect();
-    for own_lag_s in [None, Some(0.03)] {
-        let valve = Valve { own_lag_s, delay_s: Some(0.06), ..Valve::slow(0.05) };
+    for own_lag_s in [None, Some(0.02)] {
+        let valve = Valve { own_lag_s, delay_s: Some(0.06), ..Valve::slow(0.04) };
         let found = found(&time_s, &jumps(&time_s), &valve);
         assert_eq!(found.causes.iter().map(|(cause, _)| *cause).collect::<Vec<_>>(), [Cause::TransportDelay]);
         assert!(found.valve.delay_s.is_some_and(|s| (s / 0.06 - 1.0).abs() < 0.1), "{:?}", found.valve);

@@ -5,7 +5,7 @@
 
 use super::basis::{Basis, Seen};
 use super::signals::Signals;
-use crate::numbers::{median, root_mean_square};
+use crate::numbers::root_mean_square;
 
 /// Rows that are compared, at most.
 const ROWS: usize = 1500;
@@ -15,6 +15,9 @@ const APART: f64 = 0.04;
 const SAME: f64 = 0.12;
 /// Weight of the input against the stops in that.
 const INPUT_WEIGHT: f64 = 8.0;
+/// The shares of the pairs that differ by less than what is usual, and than what is rare.
+const USUAL: f64 = 0.9;
+const RARE: f64 = 0.98;
 /// Fewest pairs that say something, and their least share of the rows.
 const PAIRS: usize = 60;
 const MATCHED: f64 = 0.1;
@@ -29,6 +32,10 @@ pub struct PureError {
     pub square: f64,
     /// Share of the rows whose state is visited again.
     pub matched: f64,
+    /// What nine of ten pairs differ by less than. Output unit.
+    pub usual: f64,
+    /// What all but two of a hundred differ by less than. Output unit.
+    pub rare: f64,
 }
 
 impl PureError {
@@ -72,10 +79,12 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
     if differences.len() < PAIRS || matched < MATCHED {
         return None;
     }
+    differences.sort_by(f64::total_cmp);
+    let at = |share: f64| (0.5 * differences[(share * (differences.len() - 1) as f64) as usize]).sqrt();
     // A few pairs of a coarse match do not count for more than ten times the middle ones.
-    let most = 20.0 * median(&mut differences.clone());
+    let most = 20.0 * differences[differences.len() / 2];
     let mean = differences.iter().map(|&d| d.min(most)).sum::<f64>() / differences.len() as f64;
-    Some(PureError { square: mean / 2.0, matched })
+    Some(PureError { square: mean / 2.0, matched, usual: at(USUAL), rare: at(RARE) })
 }
 
 /// The largest difference; anything above `enough` where it is that.

@@ -34,6 +34,11 @@ const LARGE: [(f64, f64); 2] = [(0.45, 0.5), (0.65, 0.8)];
 const SEEN: f64 = 2.7;
 /// Where no cause is named, one above so many times that is not by chance, however small a share of the error it is.
 const UNMISTAKABLE: f64 = 1.5 * SEEN;
+/// Without noise states are as near as the baseline is to the muscle: at least this share of its error counts as the least.
+const NEAREST: f64 = 0.06;
+/// Where no cause is named, few visits that differ by so many times what most do are not by chance either: something acts now and then.
+/// Sound muscles come to 4.2, a sensor that hangs at times to 7 to 50.
+const NOW_AND_THEN: f64 = 6.0;
 /// A row is far off beyond so many times the noise, and so many such rows are too many.
 const FAR: f64 = 10.0;
 const MOVES: f64 = 4.0;
@@ -156,12 +161,14 @@ fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let left = Left {
         pure_error: after,
         removed: (!set.causes.is_empty()).then(|| 1.0 - (after / before).powi(2)),
+        rare: search.pure.map_or((0.0, 0.0), |pure| (pure.usual, pure.rare)),
         heldout: set.score.mean(),
         least: search.signals.least_error,
         fades: set.fades,
     };
     let tones_hz = search.signals.tones(&set.residual, 3);
-    left.is_too_much().then_some(Unexplained::NotRepeatable { pure_error: after, tones_hz })
+    let pure_error = if left.acts_now_and_then() { left.rare.1 } else { after };
+    left.is_too_much().then_some(Unexplained::NotRepeatable { pure_error, tones_hz })
 }
 
 /// What a set of causes leaves. Errors in the output's unit.
@@ -170,6 +177,8 @@ struct Left {
     pure_error: f64,
     /// The share of its square that the causes have removed; None where none is named.
     removed: Option<f64>,
+    /// What most visits differ by less than without causes, and what all but few do.
+    rare: (f64, f64),
     /// The error on blocks that no fit has seen.
     heldout: f64,
     /// The least error that there could be.
@@ -180,13 +189,24 @@ struct Left {
 
 impl Left {
     fn is_too_much(&self) -> bool {
-        let times = self.pure_error / self.least.max(1e-12);
+        let times = self.pure_error / self.least().max(1e-12);
         let is_unmistakable = self.removed.is_none() && times > UNMISTAKABLE;
         let [(large, least), (larger, most)] = LARGE;
         let size = (self.pure_error / self.heldout.max(1e-12) - large) / (larger - large);
         let needed = least + (most - least) * size.min(1.0);
         let is_large = size > 0.0 && self.removed.unwrap_or(0.0) < needed;
-        times > SEEN && (self.fades || is_unmistakable || is_large)
+        times > SEEN && (self.fades || is_unmistakable || is_large) || self.acts_now_and_then()
+    }
+
+    /// Whether few visits differ by far more than the others, no cause being named.
+    fn acts_now_and_then(&self) -> bool {
+        let (usual, rare) = self.rare;
+        self.removed.is_none() && rare > NOW_AND_THEN * usual.max(self.least())
+    }
+
+    /// What states differ by at least.
+    fn least(&self) -> f64 {
+        self.least.max(NEAREST * self.heldout)
     }
 }
 
@@ -195,7 +215,7 @@ mod tests {
     use super::Left;
 
     fn left(pure_error: f64, removed: Option<f64>) -> Left {
-        Left { pure_error, removed, heldout: 1.0, least: 0.07, fades: false }
+        Left { pure_error, removed, rare: (0.2, 0.5), heldout: 1.0, least: 0.07, fades: false }
     }
 
     #[test]
@@ -203,6 +223,20 @@ mod tests {
         assert!(left(0.30, None).is_too_much());
         assert!(!left(0.25, None).is_too_much());
         assert!(!left(0.30, Some(0.9)).is_too_much());
+    }
+
+    #[test]
+    fn few_visits_that_differ_by_far_more_than_the_others_are_too_much_where_no_cause_is_named() {
+        assert!(Left { rare: (0.2, 1.3), ..left(0.1, None) }.is_too_much());
+        assert!(!Left { rare: (0.2, 1.1), ..left(0.1, None) }.is_too_much());
+        assert!(!Left { rare: (0.2, 1.3), ..left(0.1, Some(0.9)) }.is_too_much());
+    }
+
+    #[test]
+    fn without_noise_states_may_differ_by_a_share_of_the_error() {
+        let noiseless = |pure_error, rare| Left { least: 1e-6, rare, ..left(pure_error, None) };
+        assert!(!noiseless(0.06, (1e-3, 0.4)).is_too_much());
+        assert!(noiseless(0.30, (0.1, 0.3)).is_too_much());
     }
 
     #[test]

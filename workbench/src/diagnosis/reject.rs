@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn without_noise_states_may_differ_by_a_share_of_the_error() {
         let noiseless = |pure_error, rare| Left { least: 1e-6, rare, ..left(pure_error, None) };
-        assert!(!noiseless(0.06, (1e-3, 0.4)).is_too_much());
+        assert!(!noiseless(0.06, (0.1, 0.4)).is_too_much());
         assert!(noiseless(0.30, (0.1, 0.3)).is_too_much());
     }
 

@@ -109,7 +109,7 @@ impl Cause {
 
     /// What it has to be better by than one that it contains: an inertia has a viscous lag in it.
     pub fn containment(self) -> f64 {
-        if self == Self::Inertia { 0.1 } else { 0.0 }
+        if self == Self::Inertia { 0.05 } else { 0.0 }
     }
 
     /// Whether it acts within fractions of a second.

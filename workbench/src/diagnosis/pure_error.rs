@@ -18,6 +18,8 @@ const INPUT_WEIGHT: f64 = 8.0;
 /// The shares of the pairs that differ by less than what is usual, and than what is rare.
 const USUAL: f64 = 0.9;
 const RARE: f64 = 0.98;
+/// What nine of ten differ by is at most so many times what half of them do: sound muscles come to 4 and less.
+const TIMES: f64 = 8.0;
 /// Fewest pairs that say something, and their least share of the rows.
 const PAIRS: usize = 60;
 const MATCHED: f64 = 0.1;
@@ -32,7 +34,7 @@ pub struct PureError {
     pub square: f64,
     /// Share of the rows whose state is visited again.
     pub matched: f64,
-    /// What nine of ten pairs differ by less than. Output unit.
+    /// What nine of ten pairs differ by less than, or eight times what half of them do if that is less. Output unit.
     pub usual: f64,
     /// What all but two of a hundred differ by less than. Output unit.
     pub rare: f64,
@@ -84,7 +86,7 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
     // A few pairs of a coarse match do not count for more than ten times the middle ones.
     let most = 20.0 * differences[differences.len() / 2];
     let mean = differences.iter().map(|&d| d.min(most)).sum::<f64>() / differences.len() as f64;
-    Some(PureError { square: mean / 2.0, matched, usual: at(USUAL), rare: at(RARE) })
+    Some(PureError { square: mean / 2.0, matched, usual: at(USUAL).min(TIMES * at(0.5)), rare: at(RARE) })
 }
 
 /// The largest difference; anything above `enough` where it is that.

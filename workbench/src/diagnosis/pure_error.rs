@@ -18,7 +18,7 @@ const INPUT_WEIGHT: f64 = 8.0;
 /// The shares of the pairs that differ by less than what is usual, and than what is rare.
 const USUAL: f64 = 0.9;
 const RARE: f64 = 0.98;
-/// What nine of ten differ by is at most so many times what half of them do: sound muscles come to 4 and less.
+/// What nine of ten differ by counts as at most so many times what half of them do: sound muscles come to 5, without any noise to 14.
 const TIMES: f64 = 8.0;
 /// Fewest pairs that say something, and their least share of the rows.
 const PAIRS: usize = 60;

@@ -1,7 +1,8 @@
 //! What an extension gains on rows that its fit has not seen, held against what it would gain by what was hidden.
 //!
 //! A plant's parameters are put into the extensions that were found, as far as these have them ([`super::hidden`]), the operator
-//! is fitted again beside them, and both gains are counted alike. An extension may come out above 1: a plant is not of the form
+//! is fitted again beside them, and both gains are counted alike. What is not among the hidden parameters, such as how a mass is
+//! shared out over the contraction, is as the rows before the split have taught it. An extension may come out above 1: a plant is not of the form
 //! of its model, and parameters that are fitted make up for a part of that.
 
 use anyhow::{Context, Result, ensure};
@@ -44,9 +45,11 @@ impl Case {
         let extended = extended.context("no model runs through the recording")?;
         let is_named = diagnosis.causes.iter().any(|named| named.cause.name() == *cause);
         ensure!(is_named, "{cause} is not named");
-        let hidden = with_hidden(&extended.model, self.kind, cause, parameters)
-            .with_context(|| format!("the extended model has no {cause}"))?;
-        let hidden = extended.gain_with(&columns, hidden).context("the hidden parameters do not run")?;
+        let hidden = extended
+            .gain_with(&columns, |taught| with_hidden(taught, self.kind, cause, parameters))
+            .with_context(|| {
+                format!("the extended model has no {cause}, or does not run with the hidden one")
+            })?;
         Ok(Gained { case: self.clone(), found: extended.heldout, hidden })
     }
 }
@@ -86,8 +89,8 @@ mod tests {
         let gain = |delay_s: f64| {
             let parameters = json!({ "delay_s": delay_s });
             let parameters = parameters.as_object().expect("a table");
-            let hidden = with_hidden(&extended.model, case.kind, "transport_delay", parameters);
-            let gain = extended.gain_with(&columns, hidden.expect("a delay")).expect("a gain");
+            let hidden = |taught: &_| with_hidden(taught, case.kind, "transport_delay", parameters);
+            let gain = extended.gain_with(&columns, hidden).expect("a gain");
             gain.before.rmse - gain.after.rmse
         };
         let found = extended.heldout.before.rmse - extended.heldout.after.rmse;

@@ -129,7 +129,7 @@ struct Counted {
     extended: Extension,
 }
 
-/// The rows that the compared models are fitted to, and those that they are compared on.
+/// The rows that the models are fitted to, and those that they are compared on.
 fn split<T>(scored: &[T]) -> (&[T], &[T]) {
     scored.split_at((TAUGHT * scored.len() as f64) as usize)
 }
@@ -149,10 +149,15 @@ impl Extension {
 }
 
 impl Extended {
-    /// What other extensions gain in the place of those that were found, the operator fitted anew beside them: counted as
-    /// [`Self::heldout`] is, on the recording that this was found in. None where no model runs through it.
-    pub fn gain_with(&self, columns: &Columns, extensions: ExtensionParameters<f64>) -> Option<HeldOutGain> {
+    /// What other extensions gain in the place of those that were found, the operator fitted anew beside them, counted as
+    /// [`Self::heldout`] is. `other` makes them from the model that the rows before the split have taught: [`Self::model`] has seen
+    /// those that the gain is counted on. None where there are none, or no model runs through the recording.
+    pub fn gain_with<F>(&self, columns: &Columns, other: F) -> Option<HeldOutGain>
+    where
+        F: FnOnce(&Extension) -> Option<ExtensionParameters<f64>>,
+    {
         let Counted { scored, reached, plain, extended } = &self.counted;
+        let extensions = other(extended)?;
         let (taught, untaught) = split(scored);
         let task = Task { columns, scored: taught, reached: *reached };
         let there = task.operator_refined(Extension { extensions, ..extended.clone() })?;

@@ -11,7 +11,7 @@ use super::search::Columns as Chosen;
 use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::heldout::on_another;
 use crate::diagnosis::extend::{Extended, Extension, HeldOutGain, Operator};
-use crate::diagnosis::words::{experiment, in_a_sentence, unknown_past};
+use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, unknown_past};
 use crate::diagnosis::{Columns, Diagnosis, diagnose_and_extend};
 use crate::identification::HostModel;
 use crate::model_file::{HeldOut, Identification, ModelFile};
@@ -229,6 +229,9 @@ fn print_summary(
     if !causes.is_empty() {
         let names: Vec<&str> = causes.iter().map(|cause| cause.name()).collect();
         say!("not told apart {}: {}", names.join(", "), why.join("; "));
+    }
+    if let Some(words) = unexamined(diagnosis) {
+        say!("not excluded  {words}");
     }
     if let Some(command) = experiment(diagnosis) {
         say!("to separate   {command}");

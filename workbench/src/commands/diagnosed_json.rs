@@ -62,6 +62,7 @@ pub fn to_json(
         "figures_of_misfit": diagnosis.anatomy,
         "examinable": diagnosis.examinable,
         "not_told_apart": names(&diagnosis.inseparable.causes),
+        "unexamined": names(&diagnosis.unexamined),
         "unexplained": diagnosis.unexplained.as_ref().map(unexplained),
         "suggested_experiment": experiment(diagnosis),
         "seconds": seconds,

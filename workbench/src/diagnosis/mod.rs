@@ -68,6 +68,7 @@ pub mod signals;
 pub mod stuck;
 mod swing;
 mod thinning;
+mod unexamined;
 pub mod valve;
 pub mod verdict;
 pub mod words;
@@ -92,6 +93,7 @@ use rivals::{Settled, settled};
 use scored::Scored;
 use search::Search;
 use signals::Signals;
+use unexamined::unexamined;
 use valve::{ValveFit, examine};
 pub use verdict::{Named, Tried, Verdict};
 
@@ -162,6 +164,9 @@ pub struct Diagnosis {
     pub examinable: Vec<Examinable>,
     /// Causes that it could show, and not tell apart.
     pub inseparable: Inseparable,
+    /// A set with causes that it cannot show, which does better than the named one, or leaves nothing unexplained. None where there is no
+    /// such.
+    pub unexamined: Vec<Cause>,
     /// Root mean square before and with the causes.
     pub rmse: (f64, f64),
     /// The same on blocks that the fit has not seen.
@@ -296,6 +301,8 @@ fn diagnose_and<T>(
     // Where nothing is named, nothing of the muscle extends the model.
     let named = if unexplained.is_some() { &search.baseline } else { &best };
     let Beyond { there, is_needless } = go_on(named, valve.as_ref(), extender.as_ref());
+    let beyond = || unexamined(&search, (&best, &sizes), unexplained.is_some(), &examinable);
+    let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();
     let (best, alternatives, evidence) = match is_needless {
         true => (search.baseline.clone(), Vec::new(), None),
         false => (best, alternatives, evidence),
@@ -307,7 +314,11 @@ fn diagnose_and<T>(
         named.evidence.extend(evidence);
     }
     let past_unknown_until_s = columns.past_unknown_until_s;
-    Ok((Diagnosis { inseparable, past_unknown_until_s, ..diagnosis }, there))
+    if diagnosis.verdict == Verdict::Explained && !unexamined.is_empty() {
+        diagnosis.verdict = Verdict::Confounded;
+        diagnosis.alternatives.push(unexamined.clone());
+    }
+    Ok((Diagnosis { inseparable, unexamined, past_unknown_until_s, ..diagnosis }, there))
 }
 
 fn conclude(
@@ -346,6 +357,7 @@ fn conclude(
         unexplained,
         examinable,
         inseparable: Inseparable::default(),
+        unexamined: Vec::new(),
         rmse: (root_mean_square(&baseline.residual), root_mean_square(&best.residual)),
         heldout: (baseline.score.mean(), best.score.mean()),
         pure_error: baseline.pure_error.zip(best.pure_error),

@@ -337,6 +337,10 @@ impl<'a> Search<'a> {
     }
 
     /// The best set with one cause exchanged for a close rival, if that is better.
+    pub fn exchanged(&self, set: &Candidate, sizes: &[Vec<Candidate>]) -> Option<Candidate> {
+        self.swapped(set, &self.without_each(set, sizes))
+    }
+
     fn swapped(&self, set: &Candidate, without: &[Option<Candidate>]) -> Option<Candidate> {
         let swaps: Vec<(&Candidate, Cause)> = set
             .causes

@@ -14,11 +14,11 @@ use super::search::Search;
 use super::signals::Signals;
 use super::valve::examine;
 use super::verdict::Named;
-use super::words::experiment;
+use super::words::{self, experiment};
 use super::{Columns, Diagnosis, DiagnosisError, Verdict, diagnose};
 
+mod excitation;
 mod sensors;
-
 const STEP_S: f64 = 0.02;
 const ROWS: usize = 4000;
 

@@ -1,5 +1,6 @@
 //! A diagnosis in words: the verdict in a sentence, and the experiment that is left to be made.
 
+use super::cause::Cause;
 use super::reject::Unexplained;
 use super::stuck::Stuck;
 use super::{Diagnosis, Verdict};
@@ -8,6 +9,10 @@ use crate::unit::Unit;
 /// The verdict in a sentence.
 pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
     let names: Vec<&str> = diagnosis.causes.iter().map(|named| named.cause.name()).collect();
+    let none = match diagnosis.unexamined.is_empty() {
+        true => "None of the causes",
+        false => "None of the causes that this recording can show",
+    };
     match diagnosis.verdict {
         Verdict::Adequate => "The operator model describes the recording; no cause is named.".to_owned(),
         Verdict::Explained => {
@@ -19,16 +24,16 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
         ),
         Verdict::Unexplained => match &diagnosis.unexplained {
             Some(Unexplained::ZeroStep { time_s, height }) => {
-                format!("None of the causes: the zero jumps by {height:.2} {unit} at {time_s:.0} s.")
+                format!("{none}: the zero jumps by {height:.2} {unit} at {time_s:.0} s.")
             }
-            Some(Unexplained::Outliers { rows, largest }) => format!(
-                "None of the causes: {rows} single rows are off their neighbours, by up to {largest:.2} {unit}."
-            ),
+            Some(Unexplained::Outliers { rows, largest }) => {
+                format!("{none}: {rows} single rows are off their neighbours, by up to {largest:.2} {unit}.")
+            }
             Some(Unexplained::Stuck(Stuck { rows, longest_s })) => format!(
-                "None of the causes: in {rows} rows the same value is read again while the muscle goes on, for up to {longest_s:.2} s."
+                "{none}: in {rows} rows the same value is read again while the muscle goes on, for up to {longest_s:.2} s."
             ),
             Some(Unexplained::NoGain { before, after }) => format!(
-                "None of the causes: with those that fit best a model errs by {after:.3} {unit} where it runs free, \
+                "{none}: with those that fit best a model errs by {after:.3} {unit} where it runs free, \
                  without them by {before:.3}."
             ),
             Some(Unexplained::NotRepeatable { pure_error, tones_hz }) => {
@@ -39,11 +44,11 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
                     format!("with peaks at {}", tones.join(", "))
                 };
                 format!(
-                    "None of the causes: visits to the same state differ by {pure_error:.2} {unit}, {tones}; \
+                    "{none}: visits to the same state differ by {pure_error:.2} {unit}, {tones}; \
                      something acts that no column shows."
                 )
             }
-            None => "None of the causes explains it.".to_owned(),
+            None => format!("{none} explains it."),
         },
     }
 }
@@ -58,10 +63,26 @@ pub fn unknown_past(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
+/// What causes would do that the recording cannot show; None where there are none.
+pub fn unexamined(diagnosis: &Diagnosis) -> Option<String> {
+    let Diagnosis { verdict, unexamined, examinable, .. } = diagnosis;
+    let is_unseen =
+        |cause: &&Cause| examinable.iter().any(|judged| judged.cause == **cause && !judged.examinable);
+    let unseen: Vec<&str> = unexamined.iter().filter(is_unseen).map(|cause| cause.name()).collect();
+    let all: Vec<&str> = unexamined.iter().map(|cause| cause.name()).collect();
+    let does = match verdict {
+        Verdict::Unexplained => "would leave nothing unexplained, perhaps others like it too",
+        _ => "would do better than what is named",
+    };
+    (!all.is_empty()).then(|| {
+        format!("{} {does}; but this recording cannot show {}", all.join(" and "), unseen.join(" and "))
+    })
+}
+
 /// The command that writes an excitation which separates what is confounded, or what is named from what the recording does not tell
 /// apart from it.
 pub fn experiment(diagnosis: &Diagnosis) -> Option<String> {
-    let Diagnosis { verdict, causes, alternatives, inseparable, .. } = diagnosis;
+    let Diagnosis { verdict, causes, alternatives, inseparable, unexamined, .. } = diagnosis;
     let mut names: Vec<&str> = Vec::new();
     if *verdict == Verdict::Confounded {
         names.extend(causes.iter().map(|named| named.cause.name()));
@@ -71,6 +92,7 @@ pub fn experiment(diagnosis: &Diagnosis) -> Option<String> {
     if is_named && causes.iter().any(|named| inseparable.causes.contains(&named.cause)) {
         names.extend(inseparable.causes.iter().map(|cause| cause.name()));
     }
+    names.extend(unexamined.iter().map(|cause| cause.name()));
     names.sort_unstable();
     names.dedup();
     (!names.is_empty()).then(|| format!("mgpi plan --causes {} -o plan.csv", names.join(",")))

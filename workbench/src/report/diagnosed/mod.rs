@@ -19,7 +19,7 @@ use super::bars::significant;
 use super::page::{explained, page};
 use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::{Extended, HeldOutGain};
-use crate::diagnosis::words::{experiment, in_a_sentence, unknown_past};
+use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, unknown_past};
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::recording::Recording;
 
@@ -136,6 +136,9 @@ fn confounded(diagnosis: &Diagnosis) -> Markup {
         }
         @if !causes.is_empty() {
             p { "This recording does not tell apart " (evidence::name(causes)) ": " (why.join("; ")) "." }
+        }
+        @if let Some(words) = unexamined(diagnosis) {
+            p { "Not excluded: " (words) "." }
         }
         @if let Some(command) = command {
             p { "This command writes an excitation whose recording separates them; play it, and diagnose its recording:" }

@@ -1,0 +1,62 @@
+//! What is said where a recording cannot show what acts.
+
+use super::*;
+
+/// The plant under another command. Unit: bar.
+fn under(command: impl Fn(f64) -> f64) -> Plant {
+    let time_s: Vec<f64> = (0..ROWS).map(|row| row as f64 * STEP_S).collect();
+    let pressure = time_s.iter().map(|&t| command(t)).collect();
+    Plant { time_s, pressure }
+}
+
+/// Triangles, each lower than the one before: no two are alike, and all are of one period. Unit: bar.
+fn falling(time_s: f64) -> f64 {
+    let triangle = 1.0 - (2.0 * (time_s / 8.0).fract() - 1.0).abs();
+    5.5 * (1.0 - 0.08 * (time_s / 8.0).floor()) * triangle
+}
+
+/// Swings of all heights without a hold. Unit: bar.
+fn swinging(time_s: f64) -> f64 {
+    let sine = |hz: f64| (std::f64::consts::TAU * hz * time_s).sin();
+    let swing = 2.5 + 1.1 * sine(0.05) + 0.8 * sine(0.19) + 0.5 * sine(0.43);
+    swing.clamp(0.0, 5.5) * (time_s / 3.0).min(1.0)
+}
+
+#[test]
+fn a_drift_that_a_recording_cannot_show_is_not_named_and_not_excluded() {
+    let plant = under(falling);
+    let drifting: Vec<f64> =
+        hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, t)| y + 0.04 * t).collect();
+    let columns = Columns { command: None, ..plant.recorded(&drifting) };
+    let diagnosis = diagnosed(&columns);
+    assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{:?}", names(&diagnosis));
+    assert_eq!(diagnosis.unexamined, [Cause::Drift]);
+    let words = words::unexamined(&diagnosis).expect("words");
+    assert!(words.starts_with("drift would leave nothing unexplained"), "{words}");
+    assert_eq!(experiment(&diagnosis).as_deref(), Some("mgpi plan --causes drift -o plan.csv"));
+}
+
+#[test]
+fn a_creep_without_a_hold_is_not_taken_for_its_rival() {
+    let plant = under(swinging);
+    let mut slow = [0.0; 3];
+    let creeping = |y: f64| -> f64 {
+        let late = slow.iter_mut().zip([1.0, 5.0, 20.0]).map(|(slow, tau_s)| {
+            *slow += (y - *slow) * STEP_S / tau_s;
+            0.06 * *slow
+        });
+        y + late.sum::<f64>()
+    };
+    let output: Vec<f64> = hysteresis(&plant.pressure).into_iter().map(creeping).collect();
+    let columns = Columns { command: None, ..plant.recorded(&output) };
+    let diagnosis = diagnosed(&columns);
+    let creep = diagnosis.examinable.iter().find(|judged| judged.cause == Cause::Creep);
+    assert!(creep.is_some_and(|creep| !creep.examinable));
+    assert_ne!(diagnosis.verdict, Verdict::Explained, "{:?}", names(&diagnosis));
+    assert!(
+        diagnosis.unexamined.contains(&Cause::Creep),
+        "{:?} {:?}",
+        names(&diagnosis),
+        diagnosis.unexamined
+    );
+}

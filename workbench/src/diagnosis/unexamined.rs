@@ -1,0 +1,60 @@
+//! What causes would do that the recording cannot show.
+//!
+//! A cause without an excitation of its own is never named: whatever the model lacks may look like it. But what is named in its
+//! place would be a guess. So where a cause that is not examinable does better than a close rival of it that is named, neither is
+//! told from the other; and where such a cause leaves nothing of what is unexplained, that is said.
+//!
+//! What goes with time or travel alone is no such rival: where nothing is repeated it can take the place of any slow cause that the
+//! recording does show. A creep without a hold cannot: it follows from the input.
+
+use super::anatomy::examinable::Examinable;
+use super::candidate::Candidate;
+use super::cause::Cause;
+use super::reject::unexplained;
+use super::search::Search;
+
+/// The set with causes that are not examinable which does better than the named ones, one exchanged for a rival, or, where these
+/// leave something unexplained, leaves nothing. None where there is none, or everything is examinable.
+pub fn unexamined(
+    search: &Search<'_>,
+    (set, sizes): (&Candidate, &[Vec<Candidate>]),
+    leaves_something: bool,
+    judged: &[Examinable],
+) -> Option<Vec<Cause>> {
+    let is_new = |cause: &Cause| !search.examinable.contains(cause);
+    let goes_alone = |cause: &Cause| matches!(cause, Cause::Drift | Cause::WarmUp);
+    let can_stand = |cause: &Cause| needs_no_column(*cause) && (leaves_something || !goes_alone(cause));
+    let all = judged.iter().map(|judged| judged.cause).filter(|cause| is_new(cause) && can_stand(cause));
+    let new: Vec<Cause> = all.collect();
+    if new.is_empty() || set.causes.is_empty() && !leaves_something {
+        return None;
+    }
+    let examinable = search.examinable.iter().chain(&new).copied().collect();
+    let wider = Search { examinable, ..search.clone() };
+    let found = if leaves_something {
+        Some(wider.run(&|_| ()).0).filter(|found| unexplained(&wider, found).is_none())
+    } else {
+        wider.exchanged(set, sizes)
+    };
+    found.map(|found| found.causes).filter(|causes| causes.iter().any(is_new))
+}
+
+/// Whether it can be fitted to any recording of input and output.
+fn needs_no_column(cause: Cause) -> bool {
+    match cause {
+        Cause::TransportDelay
+        | Cause::ViscousLag
+        | Cause::RateDependentWidth
+        | Cause::Inertia
+        | Cause::Creep
+        | Cause::Drift
+        | Cause::WarmUp => true,
+        Cause::ValveLag
+        | Cause::ValveDeadband
+        | Cause::SupplySaturation
+        | Cause::Load
+        | Cause::Temperature
+        | Cause::PeriodicDisturbance
+        | Cause::HysteresisShape => false,
+    }
+}

@@ -9,6 +9,7 @@
 //! | `slow` | what stays near where the search has it |
 //! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
+//! | `rests` | what the rows of a rest count where there is a mass |
 //! | `roughness` | how unevenly an operator rises, and what resists motion, which costs where effects make its input |
 //! | `compensating` | what the inverse goes by where thresholds follow the rate of the input |
 //! | `thinned` | the rows that derivatives are taken on |
@@ -31,6 +32,7 @@ pub mod given;
 pub mod heldout;
 pub mod physical;
 mod refine;
+mod rests;
 mod roughness;
 mod side;
 mod slow;

@@ -12,7 +12,8 @@ use model_core::{ExtendedModel, ExtensionParameters};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 use rayon::prelude::*;
 
-use super::roughness::{roughness, unevenness};
+use super::rests;
+use super::roughness::{ease, roughness, unevenness};
 use super::thinned::Thinned;
 use super::variables::{Units, of, with};
 use super::{Extension, rows};
@@ -68,6 +69,10 @@ struct Problem<'a> {
     /// What it costs to be uneven, for the operator and for what resists motion. Output unit.
     even: f64,
     alike: f64,
+    /// What the profile of a mass is even beside.
+    ease: Vec<f64>,
+    /// The square roots of what the rows count, if not all count alike.
+    weights: Option<Vec<f64>>,
     /// What derivatives are taken on.
     thinned: Thinned,
     variables: DVector<f64>,
@@ -135,6 +140,8 @@ impl<'a> Task<'a> {
         let start = variables.clone();
         let reached = self.reached * (self.scored.len() as f64).sqrt();
         let thinned = Thinned::of(self, &base.extensions);
+        let weights = rests::weights(self.columns, self.scored, &base.extensions);
+        let ease = ease(&base);
         let problem = Problem {
             task: *self,
             units,
@@ -143,6 +150,8 @@ impl<'a> Task<'a> {
             stay: STAY * first,
             even: if is_alone { 0.0 } else { EVEN * reached },
             alike: ALIKE * reached,
+            ease,
+            weights,
             thinned,
             variables,
             residuals: OnceLock::new(),
@@ -198,15 +207,19 @@ impl Problem<'_> {
     fn at(&self, task: &Task<'_>, variables: &DVector<f64>) -> Option<DVector<f64>> {
         let model = self.model(variables);
         let mut all: Vec<f64> = task.residuals(&model)?.data.into();
+        for (error, weight) in all.iter_mut().zip(self.weights.iter().flatten()) {
+            *error *= weight;
+        }
         all.extend(variables.iter().zip(&self.start).map(|(variable, start)| self.stay * (variable - start)));
         all.extend(roughness(&model.parameters).iter().map(|rough| self.even * rough));
-        all.extend(unevenness(&model.extensions).iter().map(|uneven| self.alike * uneven));
+        all.extend(unevenness(&model.extensions, &self.ease).iter().map(|uneven| self.alike * uneven));
         Some(DVector::from_vec(all))
     }
 
     /// How many these are.
     fn count(&self) -> usize {
-        let rough = roughness(&self.base.parameters).len() + unevenness(&self.base.extensions).len();
+        let rough =
+            roughness(&self.base.parameters).len() + unevenness(&self.base.extensions, &self.ease).len();
         self.task.scored.len() + self.start.len() + rough
     }
 }

@@ -7,8 +7,12 @@
 use model_core::ExtensionParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::EnvelopeParameters;
+use model_core::extension::{ProfileParameters, Site};
 
-use crate::identification::{DEAD_ZONES, HostParameters};
+use super::Extension;
+use super::carry::LEAST_SLOPE;
+use crate::diagnosis::physical::Loop;
+use crate::identification::{DEAD_ZONES, HostModel, HostParameters, simulate};
 
 /// The least slope, so that there is a logarithm. Any unit.
 const LEAST: f64 = 1e-9;
@@ -30,21 +34,51 @@ pub fn roughness(parameters: &HostParameters) -> Vec<f64> {
     all
 }
 
+/// What values of a mass and its damper before the hysteresis are even beside, at the knots of their profiles: the root of the slope of the
+/// loop over its mean. As a pressure a force is the larger the less the pressure pulls, and that is all of the slope where the stiffness is
+/// the same at every contraction, and none of it where the pull is: a muscle lies between. Empty without a mass.
+pub fn ease(model: &Extension) -> Vec<f64> {
+    let Extension { parameters, extensions: ExtensionParameters { inertia: Some(mass), .. }, .. } = model
+    else {
+        return Vec::new();
+    };
+    let Ok(operator) = HostModel::try_new(parameters) else { return Vec::new() };
+    let (low, high) = parameters.input();
+    let turn = Loop::new((low, high), |input| simulate(&operator, input));
+    let stroke = mass.knots.last().zip(mass.knots.first()).map_or(1.0, |(last, first)| last - first);
+    let mean = (stroke / (high - low)).max(LEAST);
+    mass.knots.iter().map(|&knot| (turn.slope(knot) / mean).max(LEAST_SLOPE).sqrt()).collect()
+}
+
 /// How unevenly what resists fast motion does so: differences of neighbouring values of the profiles of masses with their dampers and of
 /// widths, over their mean. A viscosity alone shows at any speed, and rows teach it well. And how unevenly a creep goes on over the
 /// decades: its elements are so near each other that rows hardly tell which of them a part belongs to.
-pub fn unevenness(extensions: &ExtensionParameters<f64>) -> Vec<f64> {
-    let ExtensionParameters { viscous_lag, inertia, rate_dependent_width, rate_dependent_thresholds, .. } =
-        extensions;
+pub fn unevenness(extensions: &ExtensionParameters<f64>, ease: &[f64]) -> Vec<f64> {
+    let ExtensionParameters {
+        viscous_lag,
+        inertia,
+        rate_dependent_width,
+        rate_dependent_thresholds,
+        sites,
+        ..
+    } = extensions;
     let width = rate_dependent_width.as_ref().map(|width| &width.width);
     // By the rate of the input they have no profile.
     let by_contraction = rate_dependent_thresholds.as_ref().filter(|all| all.pressure.is_none());
     let thresholds = by_contraction.map(|thresholds| &thresholds.gain);
     let damper = viscous_lag.as_ref().filter(|_| inertia.is_some());
-    let profiles = [damper, inertia.as_ref(), width, thresholds].into_iter().flatten();
+    let eased = |profile: &ProfileParameters<f64>, site: Site| -> Vec<f64> {
+        let eases = profile.values.iter().zip(ease).map(|(value, ease)| value * ease);
+        if site == Site::Pressure { eases.collect() } else { profile.values.to_vec() }
+    };
+    let [damper, mass] = [(damper, sites.viscous_lag), (inertia.as_ref(), sites.inertia)]
+        .map(|(profile, site)| profile.map(|profile| eased(profile, site)));
+    let [width, thresholds] =
+        [width, thresholds].map(|profile| profile.map(|profile| profile.values.to_vec()));
+    let profiles = [damper, mass, width, thresholds].into_iter().flatten();
     let of_creep = extensions.creep.iter().flat_map(|creep| differences(&creep.fractions));
     let of_creep = of_creep.map(|uneven| CREEP * uneven);
-    profiles.flat_map(|profile| differences(&profile.values)).chain(of_creep).collect()
+    profiles.flat_map(|values| differences(&values)).chain(of_creep).collect()
 }
 
 /// Of neighbouring values, over their mean.
@@ -106,10 +140,37 @@ mod tests {
             inertia: Some(profile([1.0, 2.0, 6.0])),
             ..ExtensionParameters::default()
         };
-        let uneven = unevenness(&both);
+        let uneven = unevenness(&both, &[1.0; 3]);
         let expected = [0.0, 0.0, 1.0 / 3.0, 4.0 / 3.0];
         assert_eq!(uneven.len(), expected.len());
         assert!(uneven.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12), "{uneven:?}");
+    }
+
+    #[test]
+    fn a_mass_before_the_hysteresis_is_even_beside_how_much_the_muscle_gives_way() {
+        let mut mass = ExtensionParameters {
+            inertia: Some(ProfileParameters {
+                knots: [0.0, 50.0, 100.0].into_iter().collect(),
+                values: [2.0, 1.0, 4.0].into_iter().collect(),
+            }),
+            ..ExtensionParameters::default()
+        };
+        let ease = [0.5, 1.0, 0.25];
+        assert_eq!(unevenness(&mass, &ease), [0.0; 2]);
+        mass.sites.inertia = Site::Contraction;
+        assert!(unevenness(&mass, &ease).iter().all(|uneven| uneven.abs() > 0.1));
+    }
+
+    #[test]
+    fn what_a_mass_is_even_beside_falls_as_the_loop_gets_flat() {
+        let knots = [0.0, 50.0, 100.0].into_iter().collect();
+        let mass = ProfileParameters { knots, values: [1e-3; 3].into_iter().collect() };
+        let mut model = model();
+        assert_eq!(ease(&model).len(), model.extensions.inertia.as_ref().map_or(0, |mass| mass.knots.len()));
+        model.extensions.inertia = Some(mass);
+        let ease = ease(&model);
+        assert_eq!(ease.len(), 3);
+        assert!(ease.is_sorted_by(|steep, flat| steep > flat), "{ease:?}");
     }
 
     #[test]
@@ -121,8 +182,8 @@ mod tests {
             }),
             ..ExtensionParameters::default()
         };
-        assert_eq!(unevenness(&creep([0.02; 4])), [0.0; 3]);
-        let alone = unevenness(&creep([0.0, 0.04, 0.0, 0.0]));
+        assert_eq!(unevenness(&creep([0.02; 4]), &[]), [0.0; 3]);
+        let alone = unevenness(&creep([0.0, 0.04, 0.0, 0.0]), &[]);
         assert_eq!(alone, [4.0 * CREEP, -4.0 * CREEP, 0.0]);
     }
 

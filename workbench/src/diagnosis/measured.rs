@@ -24,8 +24,9 @@ pub fn measure(diagnosis: &mut Diagnosis, extended: Option<&Extended>, is_third_
         }
     }
     diagnosis.causes.retain(|named| shows(named, step_s));
-    if diagnosis.causes.is_empty() && diagnosis.verdict == Verdict::Explained {
+    if diagnosis.causes.is_empty() && matches!(diagnosis.verdict, Verdict::Explained | Verdict::Confounded) {
         diagnosis.verdict = Verdict::Adequate;
+        diagnosis.alternatives.clear();
     }
     for named in diagnosis.causes.iter_mut().filter(|named| extended.is_some() && is_simpler(named.cause)) {
         named.evidence.push(

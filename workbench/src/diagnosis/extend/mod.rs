@@ -3,6 +3,7 @@
 //! # Design
 //! | file | what it does |
 //! |---|---|
+//! | `beginnings` | the better of what two beginnings come to |
 //! | `carry` | from the effects of the search to the nearest extensions of the model |
 //! | `start` | the operator to begin with, identified from what the operators see in the search |
 //! | `variables` | operator and extensions as numbers that a search can move |
@@ -26,6 +27,7 @@
 //! The causes, and where the fit begins, come from the whole recording, but for what stays near there (`slow`); a gain that is free
 //! of that too takes another recording. A delay that was found between command and pressure has no place in the chain, and is left out.
 
+mod beginnings;
 mod carry;
 mod compensating;
 pub mod given;
@@ -54,6 +56,7 @@ use crate::figures::Figures;
 use crate::identification::{Density, HostExtendedModel, HostParameters, Termination};
 use crate::numbers::root_mean_square;
 use crate::simulation::Rows;
+use beginnings::{nearer, plainer};
 use compensating::compensating;
 pub use given::Given;
 pub use heldout::HeldOutGain;
@@ -62,8 +65,6 @@ use slow::Slow;
 
 /// The share of the scored rows that the compared models are fitted to.
 const TAUGHT: f64 = 2.0 / 3.0;
-/// An extended model with more than this share of the plain one's error is tried from another start too.
-const LITTLE: f64 = 0.5;
 
 /// An operator.
 #[derive(Clone, Debug)]
@@ -154,14 +155,15 @@ impl Extended {
     /// What other extensions gain in the place of those that were found, the operator fitted anew beside them, counted as
     /// [`Self::heldout`] is. `other` makes them from the model that the rows before the split have taught: [`Self::model`] has seen
     /// those that the gain is counted on. None where there are none, or no model runs through the recording.
-    pub fn gain_with<F>(&self, columns: &Columns, other: F) -> Option<HeldOutGain>
-    where
-        F: FnOnce(&Extension) -> Option<ExtensionParameters<f64>>,
-    {
+    pub fn gain_with(
+        &self,
+        columns: &Columns,
+        other: impl FnOnce(&Extension) -> Option<ExtensionParameters<f64>>,
+    ) -> Option<HeldOutGain> {
         let Counted { scored, reached, plain, extended } = &self.counted;
         let extensions = other(extended)?;
         let (taught, untaught) = split(scored);
-        let task = Task { columns, scored: taught, reached: *reached };
+        let task = Task { columns, scored: taught, reached: *reached, rests_once: true };
         let there = task.operator_refined(Extension { extensions, ..extended.clone() })?;
         // It began where other extensions had led it.
         let fitted = task.operator_refined(there)?;
@@ -307,7 +309,8 @@ impl<'a> Extender<'a> {
     ) -> Option<Extended> {
         let Self { columns, search, scored, .. } = self;
         let (taught, untaught) = split(scored);
-        let (before, whole) = (self.task(set, taught), self.task(set, scored));
+        let [before, whole] =
+            [taught, &scored[..]].map(|scored| Task { rests_once: true, ..self.task(set, scored) });
         let Plain { taught: mut plain, whole: mut plain_of_all, mut termination } = self.plain.clone();
 
         let mut extensions = carry::extensions(columns, search, set);
@@ -369,33 +372,6 @@ impl<'a> Extender<'a> {
             counted,
         })
     }
-}
-
-/// A refined model with extensions, or, where it gains little over the plain one, whichever is better of it and the plain
-/// operator with the same extensions, refined: what the operators see in the search is not always a good beginning.
-fn nearer(
-    task: &Task<'_>,
-    found: Extension,
-    plain: &Extension,
-    extensions: ExtensionParameters<f64>,
-) -> Option<Extension> {
-    let reached = task.rms(&found)?;
-    if reached < LITTLE * task.rms(plain)? {
-        return Some(found);
-    }
-    let other = task.refined(Extension { extensions, ..plain.clone() });
-    let other =
-        other.map(|(other, _)| other).filter(|other| task.rms(other).is_some_and(|rms| rms < reached));
-    Some(other.unwrap_or(found))
-}
-
-/// The model without extensions, or, if it errs by less, what it comes to from the operator of another one: few starts lead to it, and
-/// what a cause gains is not to be what another beginning does.
-fn plainer(task: &Task<'_>, plain: Extension, other: &Extension) -> Extension {
-    let begin = Extension { extensions: ExtensionParameters::default(), ..other.clone() };
-    let errs_less = |from_other: &Extension| Some(task.rms(from_other)? < task.rms(&plain)?);
-    let from_other = task.refined(begin).map(|(from_other, _)| from_other);
-    from_other.filter(|from_other| errs_less(from_other).unwrap_or(false)).unwrap_or(plain)
 }
 
 #[cfg(test)]

@@ -56,6 +56,9 @@ pub struct Task<'a> {
     pub scored: &'a [usize],
     /// What the search errs by with the same effects, root mean square: by that it is measured what unevenness costs. Output unit.
     pub reached: f64,
+    /// Whether a rest after a swing counts once ([`rests`]): for the model that is kept, not where models are compared by the errors of
+    /// all rows.
+    pub rests_once: bool,
 }
 
 /// The problem at a point.
@@ -111,7 +114,7 @@ impl Derivatives {
 impl<'a> Task<'a> {
     /// Of a model without effects. An operator alone may be as uneven as it likes: no search is asked what that costs.
     pub fn alone(columns: &'a Columns, scored: &'a [usize]) -> Self {
-        Self { columns, scored, reached: 0.0 }
+        Self { columns, scored, reached: 0.0, rests_once: false }
     }
 
     /// The model refined from where it stands; None where it does not run through the rows.
@@ -140,7 +143,8 @@ impl<'a> Task<'a> {
         let start = variables.clone();
         let reached = self.reached * (self.scored.len() as f64).sqrt();
         let thinned = Thinned::of(self, &base.extensions);
-        let weights = rests::weights(self.columns, self.scored, &base.extensions);
+        let rests = || rests::weights(self.columns, self.scored, &base.extensions);
+        let weights = self.rests_once.then(rests).flatten();
         let ease = ease(&base);
         let problem = Problem {
             task: *self,

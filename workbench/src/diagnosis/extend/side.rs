@@ -77,7 +77,7 @@ mod tests {
         ] {
             let columns = recorded(&truth);
             let rows: Vec<usize> = (0..columns.time_s.len()).collect();
-            let task = Task { columns: &columns, scored: &rows, reached: 0.1 };
+            let task = Task { columns: &columns, scored: &rows, reached: 0.1, rests_once: true };
             let (found, _) = task.refined(wrong).expect("it runs");
             let near = nearer(&task, found).expect("it runs");
             assert_eq!(near.extensions.sites, truth.extensions.sites);

@@ -12,7 +12,7 @@ use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::heldout::on_another;
 use crate::diagnosis::extend::{Extended, Extension, HeldOutGain, Operator};
 use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, unknown_past};
-use crate::diagnosis::{Columns, Diagnosis, diagnose_and_extend};
+use crate::diagnosis::{Columns, Diagnosis, Verdict, diagnose_and_extend};
 use crate::identification::HostModel;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
@@ -234,7 +234,8 @@ fn print_summary(
         say!("not excluded  {words}");
     }
     if let Some(command) = experiment(diagnosis) {
-        say!("to separate   {command}");
+        let what = if diagnosis.verdict == Verdict::Unexplained { "to see it" } else { "to separate" };
+        say!("{what:<14}{command}");
     }
     for judged in diagnosis.examinable.iter().filter(|judged| !judged.examinable) {
         say!("not examined  {}: {}", judged.cause, judged.why);

@@ -141,7 +141,7 @@ fn confounded(diagnosis: &Diagnosis) -> Markup {
             p { "Not excluded: " (words) "." }
         }
         @if let Some(command) = command {
-            p { "This command writes an excitation whose recording separates them; play it, and diagnose its recording:" }
+            p { "This command writes an excitation whose recording tells more; play it, and diagnose its recording:" }
             p { code { (command) } }
         }
     }

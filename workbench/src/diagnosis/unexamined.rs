@@ -13,6 +13,9 @@ use super::cause::Cause;
 use super::reject::unexplained;
 use super::search::Search;
 
+/// Causes of the largest set that is looked for where something is unexplained.
+const LARGEST: usize = 2;
+
 /// The set with causes that are not examinable which does better than the named ones, one exchanged for a rival, or, where these
 /// leave something unexplained, leaves nothing. None where there is none, or everything is examinable.
 pub fn unexamined(
@@ -26,15 +29,15 @@ pub fn unexamined(
     let can_stand = |cause: &Cause| needs_no_column(*cause) && (leaves_something || !goes_alone(cause));
     let all = judged.iter().map(|judged| judged.cause).filter(|cause| is_new(cause) && can_stand(cause));
     let new: Vec<Cause> = all.collect();
-    if new.is_empty() || set.causes.is_empty() && !leaves_something {
-        return None;
-    }
-    let examinable = search.examinable.iter().chain(&new).copied().collect();
-    let wider = Search { examinable, ..search.clone() };
-    let found = if leaves_something {
+    let is_rival = |cause: &Cause| set.causes.iter().any(|named| named.rivals().contains(cause));
+    let found = if leaves_something && !new.is_empty() {
+        let examinable = search.examinable.iter().chain(&new).copied().collect();
+        let wider = Search { examinable, largest: LARGEST, ..search.clone() };
         Some(wider.run(&|_| ()).0).filter(|found| unexplained(&wider, found).is_none())
+    } else if new.iter().any(is_rival) {
+        Search { examinable: new, ..search.clone() }.exchanged(set, sizes)
     } else {
-        wider.exchanged(set, sizes)
+        None
     };
     found.map(|found| found.causes).filter(|causes| causes.iter().any(is_new))
 }

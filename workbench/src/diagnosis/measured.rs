@@ -27,6 +27,7 @@ pub fn measure(diagnosis: &mut Diagnosis, extended: Option<&Extended>, is_third_
     if diagnosis.causes.is_empty() && matches!(diagnosis.verdict, Verdict::Explained | Verdict::Confounded) {
         diagnosis.verdict = Verdict::Adequate;
         diagnosis.alternatives.clear();
+        diagnosis.unexamined.clear();
     }
     for named in diagnosis.causes.iter_mut().filter(|named| extended.is_some() && is_simpler(named.cause)) {
         named.evidence.push(

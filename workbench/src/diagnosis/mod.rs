@@ -301,12 +301,15 @@ fn diagnose_and<T>(
     // Where nothing is named, nothing of the muscle extends the model.
     let named = if unexplained.is_some() { &search.baseline } else { &best };
     let Beyond { there, is_needless } = go_on(named, valve.as_ref(), extender.as_ref());
-    let beyond = || unexamined(&search, (&best, &sizes), unexplained.is_some(), &examinable);
+    let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
     let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();
-    let (best, alternatives, evidence) = match is_needless {
+    let (best, mut alternatives, evidence) = match is_needless {
         true => (search.baseline.clone(), Vec::new(), None),
         false => (best, alternatives, evidence),
     };
+    if unexplained.is_none() && !unexamined.is_empty() {
+        alternatives.push(unexamined.clone());
+    }
     let inseparable = inseparable(&examinable, &excitation);
     let mut diagnosis =
         conclude((columns, &search), best, &sizes, (unexplained, alternatives), valve, examinable)?;
@@ -314,10 +317,6 @@ fn diagnose_and<T>(
         named.evidence.extend(evidence);
     }
     let past_unknown_until_s = columns.past_unknown_until_s;
-    if diagnosis.verdict == Verdict::Explained && !unexamined.is_empty() {
-        diagnosis.verdict = Verdict::Confounded;
-        diagnosis.alternatives.push(unexamined.clone());
-    }
     Ok((Diagnosis { inseparable, unexamined, past_unknown_until_s, ..diagnosis }, there))
 }
 

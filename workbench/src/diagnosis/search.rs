@@ -326,7 +326,7 @@ impl<'a> Search<'a> {
     }
 
     /// A set without each of its causes in turn.
-    fn without_each(&self, set: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Option<Candidate>> {
+    pub fn without_each(&self, set: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Option<Candidate>> {
         set.causes.par_iter().map(|&cause| self.without(set, cause, sizes)).collect()
     }
 
@@ -337,11 +337,7 @@ impl<'a> Search<'a> {
     }
 
     /// The best set with one cause exchanged for a close rival, if that is better.
-    pub fn exchanged(&self, set: &Candidate, sizes: &[Vec<Candidate>]) -> Option<Candidate> {
-        self.swapped(set, &self.without_each(set, sizes))
-    }
-
-    fn swapped(&self, set: &Candidate, without: &[Option<Candidate>]) -> Option<Candidate> {
+    pub fn swapped(&self, set: &Candidate, without: &[Option<Candidate>]) -> Option<Candidate> {
         let swaps: Vec<(&Candidate, Cause)> = set
             .causes
             .iter()

@@ -5,7 +5,6 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::anatomy::axis::Axis;
-use super::anatomy::examinable::Inseparable;
 use super::cause::Cause;
 use super::effect::{Effect, Form, Parameter};
 use super::equivalent::Arrived;
@@ -14,11 +13,11 @@ use super::search::Search;
 use super::signals::Signals;
 use super::valve::examine;
 use super::verdict::Named;
-use super::words::{self, experiment};
 use super::{Columns, Diagnosis, DiagnosisError, Verdict, diagnose};
 
 mod excitation;
 mod sensors;
+
 const STEP_S: f64 = 0.02;
 const ROWS: usize = 4000;
 
@@ -367,20 +366,6 @@ fn single_rows_far_off_are_seen_whether_they_are_kept_or_not() {
         "{:?}",
         diagnosis.unexplained
     );
-}
-
-#[test]
-fn what_is_named_and_not_told_apart_gets_the_experiment_that_would() {
-    let plant = Plant::new();
-    let mut diagnosis = diagnosed(&plant.recorded(&hysteresis(&plant.pressure)));
-    let both = vec![Cause::ViscousLag, Cause::Creep];
-    diagnosis.inseparable = Inseparable { causes: both, why: vec!["there is no hold"] };
-    assert_eq!(experiment(&diagnosis), None);
-    diagnosis.verdict = Verdict::Explained;
-    diagnosis.causes = vec![named(Cause::Load, Vec::new())];
-    assert_eq!(experiment(&diagnosis), None);
-    diagnosis.causes.push(named(Cause::Creep, Vec::new()));
-    assert_eq!(experiment(&diagnosis).as_deref(), Some("mgpi plan --causes creep,viscous_lag -o plan.csv"));
 }
 
 #[test]

@@ -10,20 +10,24 @@
 use super::anatomy::examinable::Examinable;
 use super::candidate::Candidate;
 use super::cause::Cause;
-use super::reject::unexplained;
+use super::reject::{Unexplained, unexplained};
 use super::search::Search;
 
 /// Causes of the largest set that is looked for where something is unexplained.
 const LARGEST: usize = 2;
 
-/// The set with causes that are not examinable which does better than the named ones, one exchanged for a rival, or, where these
-/// leave something unexplained, leaves nothing. None where there is none, or everything is examinable.
+/// The set with causes that are not examinable which does better than the named ones, one exchanged for a rival, or leaves nothing of
+/// what these leave. None where there is none, where everything is examinable, or what is left is the sensor's.
 pub fn unexamined(
     search: &Search<'_>,
     (set, sizes): (&Candidate, &[Vec<Candidate>]),
-    leaves_something: bool,
+    left: Option<&Unexplained>,
     judged: &[Examinable],
 ) -> Option<Vec<Cause>> {
+    if matches!(left, Some(Unexplained::Outliers { .. } | Unexplained::Stuck(_))) {
+        return None;
+    }
+    let leaves_something = left.is_some();
     let is_new = |cause: &Cause| !search.examinable.contains(cause);
     let goes_alone = |cause: &Cause| matches!(cause, Cause::Drift | Cause::WarmUp);
     let can_stand = |cause: &Cause| needs_no_column(*cause) && (leaves_something || !goes_alone(cause));
@@ -35,7 +39,8 @@ pub fn unexamined(
         let wider = Search { examinable, largest: LARGEST, ..search.clone() };
         Some(wider.run(&|_| ()).0).filter(|found| unexplained(&wider, found).is_none())
     } else if new.iter().any(is_rival) {
-        Search { examinable: new, ..search.clone() }.exchanged(set, sizes)
+        let others = Search { examinable: new, ..search.clone() };
+        others.swapped(set, &search.without_each(set, sizes))
     } else {
         None
     };

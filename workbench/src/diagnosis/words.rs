@@ -65,14 +65,14 @@ pub fn unknown_past(diagnosis: &Diagnosis) -> Option<String> {
 
 /// What causes would do that the recording cannot show; None where there are none.
 pub fn unexamined(diagnosis: &Diagnosis) -> Option<String> {
-    let Diagnosis { verdict, unexamined, examinable, .. } = diagnosis;
+    let Diagnosis { alternatives, unexamined, examinable, .. } = diagnosis;
     let is_unseen =
         |cause: &&Cause| examinable.iter().any(|judged| judged.cause == **cause && !judged.examinable);
     let unseen: Vec<&str> = unexamined.iter().filter(is_unseen).map(|cause| cause.name()).collect();
     let all: Vec<&str> = unexamined.iter().map(|cause| cause.name()).collect();
-    let does = match verdict {
-        Verdict::Unexplained => "would leave nothing unexplained, perhaps others like it too",
-        _ => "would do better than what is named",
+    let does = match alternatives.contains(unexamined) {
+        true => "would do better than what is named",
+        false => "would leave nothing unexplained, perhaps others like it too",
     };
     (!all.is_empty()).then(|| {
         format!("{} {does}; but this recording cannot show {}", all.join(" and "), unseen.join(" and "))

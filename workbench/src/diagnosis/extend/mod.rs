@@ -132,7 +132,7 @@ struct Counted {
     extended: Extension,
 }
 
-/// The rows that the models are fitted to, and those that they are compared on.
+/// The rows that the compared models are fitted to, and those that they are compared on.
 fn split<T>(scored: &[T]) -> (&[T], &[T]) {
     scored.split_at((TAUGHT * scored.len() as f64) as usize)
 }

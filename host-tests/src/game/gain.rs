@@ -2,8 +2,8 @@
 //!
 //! A plant's parameters are put into the extensions that were found, as far as these have them ([`super::hidden`]), the operator
 //! is fitted again beside them, and both gains are counted alike. What is not among the hidden parameters, such as how a mass is
-//! shared out over the contraction, is as the rows before the split have taught it. An extension may come out above 1: a plant is not of the form
-//! of its model, and parameters that are fitted make up for a part of that.
+//! shared out over the contraction, is as the rows before the split have taught it. An extension may come out above 1: a plant is
+//! not of the form of its model, and parameters that are fitted make up for a part of that.
 
 use anyhow::{Context, Result, ensure};
 use rig::recording::Row;

@@ -10,7 +10,6 @@ use rig::plant::Kind;
 use serde_json::{Map, Value};
 use workbench::diagnosis::extend::Extension;
 use workbench::diagnosis::physical::Loop;
-use workbench::identification::{HostModel, simulate};
 
 /// The least slope that is divided by. Unit: mm/bar.
 const LEAST_SLOPE: f64 = 1.0;
@@ -20,8 +19,7 @@ struct Turn(Loop);
 
 impl Turn {
     fn of(found: &Extension) -> Option<Self> {
-        let model = HostModel::try_new(&found.parameters).ok()?;
-        Some(Self(Loop::new(found.parameters.input(), |input| simulate(&model, input))))
+        Loop::of_operator(&found.parameters).map(Self)
     }
 
     /// Unit: mm/bar.

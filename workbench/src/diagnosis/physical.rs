@@ -12,6 +12,7 @@ use super::search::Search;
 use super::series;
 use super::signals::{Signals, TENTS, hats};
 use super::valve::Valve;
+use crate::identification::{HostModel, HostParameters, simulate};
 use crate::numbers::range;
 
 /// Points of the loop that slopes are taken from, each way.
@@ -31,6 +32,12 @@ impl Loop {
         Self::new(range(&search.signals.input), |input| {
             search.basis.simulate(input, bend(&fit.effects), &Weights::new(&fit.weights))
         })
+    }
+
+    /// Of an operator over its inputs; None where it is none.
+    pub fn of_operator(parameters: &HostParameters) -> Option<Self> {
+        let operator = HostModel::try_new(parameters).ok()?;
+        Some(Self::new(parameters.input(), |input| simulate(&operator, input)))
     }
 
     /// Of a rate-independent model between two inputs; `simulate` answers with an output for each input.

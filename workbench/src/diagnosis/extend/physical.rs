@@ -10,14 +10,11 @@ use super::Extended;
 use crate::diagnosis::cause::Cause;
 use crate::diagnosis::effect::{Driver, Rate};
 use crate::diagnosis::physical::{self, Loop, Parameters};
-use crate::identification::{HostModel, simulate};
 
 /// The parameters of the muscle's effects: a model that runs free is not misled by the noise of measured rates, and its operator
 /// takes up less of what the effects do. None where there is no loop to take them from.
 pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
-    let parameters = &extended.model.parameters;
-    let model = HostModel::try_new(parameters).ok()?;
-    let turn = Loop::new(parameters.input(), |input| simulate(&model, input));
+    let turn = Loop::of_operator(&extended.model.parameters)?;
     let ExtensionParameters {
         transport_delay,
         load,

@@ -12,7 +12,7 @@ use model_core::extension::{ProfileParameters, Site};
 use super::Extension;
 use super::carry::LEAST_SLOPE;
 use crate::diagnosis::physical::Loop;
-use crate::identification::{DEAD_ZONES, HostModel, HostParameters, simulate};
+use crate::identification::{DEAD_ZONES, HostParameters};
 
 /// The least slope, so that there is a logarithm. Any unit.
 const LEAST: f64 = 1e-9;
@@ -42,9 +42,8 @@ pub fn ease(model: &Extension) -> Vec<f64> {
     else {
         return Vec::new();
     };
-    let Ok(operator) = HostModel::try_new(parameters) else { return Vec::new() };
+    let Some(turn) = Loop::of_operator(parameters) else { return Vec::new() };
     let (low, high) = parameters.input();
-    let turn = Loop::new((low, high), |input| simulate(&operator, input));
     let stroke = mass.knots.last().zip(mass.knots.first()).map_or(1.0, |(last, first)| last - first);
     let mean = (stroke / (high - low)).max(LEAST);
     mass.knots.iter().map(|&knot| (turn.slope(knot) / mean).max(LEAST_SLOPE).sqrt()).collect()

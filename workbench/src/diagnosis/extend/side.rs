@@ -10,7 +10,6 @@ use super::Extension;
 use super::carry::LEAST_SLOPE;
 use super::refine::Task;
 use crate::diagnosis::physical::Loop;
-use crate::identification::{HostModel, simulate};
 
 /// The model, refined, with its viscous lag on the nearer side; that of a mass is on the mass's. `found` where it has none, or does
 /// not run with it on the other one.
@@ -29,9 +28,8 @@ fn on_the_other_side(found: &Extension) -> Option<Extension> {
     }
     let mut other = found.clone();
     let viscosity = other.extensions.viscous_lag.as_mut()?;
-    let model = HostModel::try_new(&found.parameters).ok()?;
+    let turn = Loop::of_operator(&found.parameters)?;
     let (low, high) = found.parameters.input();
-    let turn = Loop::new((low, high), |input| simulate(&model, input));
     let mean = (viscosity.knots.last()? - viscosity.knots.first()?) / (high - low);
     let site = &mut other.extensions.sites.viscous_lag;
     for (&knot, value) in viscosity.knots.iter().zip(&mut viscosity.values) {
@@ -77,7 +75,7 @@ mod tests {
         ] {
             let columns = recorded(&truth);
             let rows: Vec<usize> = (0..columns.time_s.len()).collect();
-            let task = Task { columns: &columns, scored: &rows, reached: 0.1, rests_once: true };
+            let task = Task { reached: 0.1, ..Task::alone(&columns, &rows) };
             let (found, _) = task.refined(wrong).expect("it runs");
             let near = nearer(&task, found).expect("it runs");
             assert_eq!(near.extensions.sites, truth.extensions.sites);

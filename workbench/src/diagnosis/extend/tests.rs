@@ -85,7 +85,7 @@ fn refining_finds_the_effects_again() {
     let truth = model();
     let columns = recorded(&truth);
     let rows: Vec<usize> = (0..columns.time_s.len()).collect();
-    let task = Task { columns: &columns, scored: &rows, reached: 0.1, rests_once: true };
+    let task = Task { reached: 0.1, ..Task::alone(&columns, &rows) };
     let mut start = truth.clone();
     start.extensions.transport_delay = Some(TransportDelayParameters { delay_s: 0.03 });
     start.extensions.viscous_lag = Some(ProfileParameters::constant(0.002));
@@ -105,7 +105,7 @@ fn a_slope_that_no_row_teaches_becomes_as_those_beside_it() {
     columns.input.iter_mut().for_each(|input| *input = input.min(4.5));
     columns.output = truth.answer(&columns).expect("it runs");
     let rows: Vec<usize> = (0..columns.time_s.len()).collect();
-    let task = Task { columns: &columns, scored: &rows, reached: 0.1, rests_once: true };
+    let task = Task { reached: 0.1, ..Task::alone(&columns, &rows) };
     let rises = |model: &Extension| -> Vec<f64> {
         let HostParameters::Cascade(cascade) = &model.parameters else { panic!("a cascade") };
         let EnvelopeParameters::PiecewiseLinear(envelope) = &cascade.envelope else { panic!("knots") };
@@ -144,7 +144,7 @@ fn a_given_operator_whose_thresholds_cannot_change_is_extended_before_itself() {
     let truth = model();
     let columns = recorded(&truth);
     let rows: Vec<usize> = (0..columns.time_s.len()).collect();
-    let task = Task { columns: &columns, scored: &rows, reached: 0.1, rests_once: true };
+    let task = Task { reached: 0.1, ..Task::alone(&columns, &rows) };
     let plain = Extension { extensions: ExtensionParameters::default(), ..truth.clone() };
     let before = |all: &ExtensionParameters<f64>| ExtensionParameters {
         rate_dependent_thresholds: None,

@@ -18,6 +18,7 @@ pub mod child;
 pub mod commands;
 pub mod comparison;
 pub mod diagnosis;
+pub mod direction;
 pub mod emulator;
 pub mod error;
 pub mod figures;
@@ -35,6 +36,7 @@ pub mod simulation;
 pub mod table;
 pub mod turning;
 pub mod unit;
+pub mod worth;
 
 pub use error::Error;
 

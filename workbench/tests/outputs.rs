@@ -62,6 +62,7 @@ fn the_figures_have_the_agreed_keys() {
         "termination",
         "training",
         "validity",
+        "worth",
     ];
     assert_eq!(keys(&json), all);
     assert_eq!(keys(&json["training"]), ["mae_mm", "max_error_mm", "rmse_mm"]);
@@ -214,11 +215,20 @@ fn a_model_that_does_not_describe_the_recording_is_called_that() {
         })
         .collect();
     bench.write("falling.csv", falling);
-    let output = bench.mgpi("identify falling.csv -o model.toml --starts 2");
+    let output = bench.mgpi("identify falling.csv -o model.toml --report report.html --starts 2");
     let message = String::from_utf8(output.stderr).expect("UTF-8");
     assert!(
         message.contains("warning: falling.csv: this model does not describe the recording"),
         "{message}"
     );
     assert!(message.contains("the output falls as the input rises"), "{message}");
+    let page = bench.read("report.html");
+    assert!(
+        page.contains("This model does not describe the recording: poor"),
+        "the page carries the warning"
+    );
+    assert!(!page.contains("strictly increasing"), "the page does not praise it");
+    // A later command says so too: the reason goes with the model.
+    assert!(bench.read("model.toml").contains("limited_by = \"output_falls\""));
+    assert!(bench.succeeds("simulate model.toml --input rec.csv -o out.csv").contains("rows simulated"));
 }

@@ -125,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     say!("{}", comparison.heldout_in_words());
     say!("\n{}", comparison.to_text().trim_end());
     if let Some((_, best)) = comparison.best() {
-        warn_of_poor_fit(&recording, &best.training);
+        warn_of_poor_fit(&recording, &best.worth(&recording));
     }
     Ok(())
 }

@@ -20,6 +20,7 @@ use crate::recording::{Choice, Recording};
 use crate::report::diagnosed;
 use crate::table::Table;
 use crate::unit::Unit;
+use crate::worth::Limit;
 use crate::{Error, TOOL};
 
 /// Shows what a simulation gets wrong about a recording, and names the cause.
@@ -116,6 +117,7 @@ fn to_file(
         from_s: other.is_none().then_some(gain.from_s),
         figures: gain.after,
     });
+    let training = recording.figures(&extended.simulated);
     Ok(ModelFile {
         input: recording.drive.input.channel.clone(),
         output: recording.output.channel.clone(),
@@ -128,7 +130,8 @@ fn to_file(
             recording: recording.source(),
             scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
             stroke: recording.stroke(),
-            training: recording.figures(&extended.simulated),
+            limit: Limit::of(recording, &training, heldout.as_ref().map(|heldout| &heldout.figures)),
+            training,
             heldout,
             starts: extended.starts,
             termination: extended.termination.to_string(),

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 use crate::identification::Fit;
 use crate::identification::named::{Dimension, slope_dimension};
 use crate::model_file::{Identification, ModelFile};
+use crate::worth::Worth;
 
 /// Figures and parameters of an identification; the keys carry the units of the model's columns.
 pub fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, seconds: f64) -> Value {
@@ -33,6 +34,7 @@ pub fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, se
         "training": identification.training.to_json(unit),
         "heldout": identification.heldout.as_ref().map(|heldout| heldout.figures.to_json(unit)),
         "heldout_from_s": identification.heldout.as_ref().and_then(|heldout| heldout.from_s),
+        "worth": Worth::of(identification).to_json(),
         "parameters": parameters.collect::<Vec<_>>(),
         // In the order of the parameters; serialisation makes null of what is not a number.
         "correlation": correlation.collect::<Vec<_>>(),

@@ -17,6 +17,7 @@ use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
 use crate::recording::{Recording, Timing};
 use crate::report::identified::Identified;
+use crate::worth::{Limit, Worth};
 use crate::{Error, TOOL};
 
 /// Identifies a model from a recording.
@@ -210,7 +211,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     outputs.commit()?;
     print_summary(&recording, &identification, &model.names(), &fit, seconds);
-    warn_of_poor_fit(&recording, &identification.training);
+    warn_of_poor_fit(&recording, &Worth::of(&identification));
     Ok(())
 }
 
@@ -274,12 +275,14 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>)
     let errors = fit.uncertainty.estimates.iter();
     let errors =
         errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
+    let training = recording.figures(&fit.simulated);
     Identification {
         tool: TOOL.to_owned(),
         recording: recording.source(),
         scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
         stroke: recording.stroke(),
-        training: recording.figures(&fit.simulated),
+        limit: Limit::of(recording, &training, heldout.as_ref().map(|heldout| &heldout.figures)),
+        training,
         heldout,
         starts: fit.starts,
         termination: fit.termination.to_string(),
@@ -311,6 +314,7 @@ fn print_summary(
         }
         None => say!("held out      nothing: no second half of cycles, and no other recording (--validate)"),
     }
+    say!("worth         {}", Worth::of(identification));
     if let [first, ..] = fit.outliers[..] {
         let (count, first_s) = (fit.outliers.len(), drive.time_s[first]);
         say!(

@@ -6,9 +6,9 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::Error;
-use crate::figures::Figures;
 use crate::identification::IdentificationError;
 use crate::recording::{Choice, Recording};
+use crate::worth::{Grade, Worth};
 
 /// Which columns of a recording are used.
 #[derive(Args, Debug)]
@@ -105,35 +105,10 @@ pub fn unidentified(recording: &Recording, source: IdentificationError) -> Error
     }
 }
 
-/// Share of the stroke that an error has to reach for the fit to be called poor: ten times what a muscle leaves.
-const POOR_FIT: f64 = 0.1;
-
-/// A plain word where the model does not describe the recording.
-pub fn warn_of_poor_fit(recording: &Recording, training: &Figures) {
-    let share = training.rmse / recording.stroke();
-    if share < POOR_FIT {
-        return;
+/// A plain word where a model does not describe the recording.
+pub fn warn_of_poor_fit(recording: &Recording, worth: &Worth) {
+    if worth.grade() == Grade::Poor {
+        let file = recording.drive.file.display();
+        eprintln!("warning: {file}: this model does not describe the recording: {worth}");
     }
-    let Recording { drive, output } = recording;
-    let (input, output, scored) = (&drive.input.values, &output.values, &drive.scored);
-    let reason = if covariance(input, output, scored) < 0.0 {
-        "the output falls as the input rises, and these models rise: give one of the columns the other sign"
-    } else {
-        "the output is not a rising hysteresis curve of the input alone: another column, speed or time acts as well"
-    };
-    eprintln!(
-        "warning: {}: this model does not describe the recording, its error is {:.0} % of the stroke; {reason}",
-        drive.file.display(),
-        100.0 * share
-    );
-}
-
-/// Covariance of two columns over the scored rows, in the product of their units.
-fn covariance(a: &[f64], b: &[f64], scored: &[bool]) -> f64 {
-    let rows: Vec<(f64, f64)> =
-        a.iter().zip(b).zip(scored).filter(|(_, scored)| **scored).map(|((a, b), _)| (*a, *b)).collect();
-    let count = rows.len() as f64;
-    let (mean_a, mean_b) =
-        rows.iter().fold((0.0, 0.0), |(sum_a, sum_b), (a, b)| (sum_a + a / count, sum_b + b / count));
-    rows.iter().map(|(a, b)| (a - mean_a) * (b - mean_b)).sum::<f64>() / count
 }

@@ -15,6 +15,7 @@ use crate::figures::Figures;
 use crate::holdout::later_cycles;
 use crate::identification::{self, Fit, IdentificationError, Options, Weights};
 use crate::recording::Recording;
+use crate::worth::{Limit, Worth};
 
 /// Models on a recording; at least one could be made.
 pub struct Comparison<'a> {
@@ -170,6 +171,15 @@ impl Row {
 }
 
 impl Outcome {
+    /// What the model is worth that was identified from a recording.
+    pub fn worth(&self, recording: &Recording) -> Worth {
+        Worth {
+            share: self.judged().rmse / recording.stroke(),
+            is_heldout: self.heldout.is_some(),
+            limit: Limit::of(recording, &self.training, self.heldout.as_ref()),
+        }
+    }
+
     /// The figures that models are chosen by.
     fn judged(&self) -> &Figures {
         self.heldout.as_ref().unwrap_or(&self.training)

@@ -32,6 +32,7 @@ use thiserror::Error;
 use crate::figures::Figures;
 use crate::identification::{Density, HostExtendedModel, HostModel, HostParameters};
 use crate::unit::Channel;
+use crate::worth::Limit;
 use names::Names;
 use section::KeyError;
 
@@ -41,6 +42,8 @@ pub const FORMAT: usize = 1;
 const FROM: &str = "from_s";
 /// The words of an input that comes after the valve.
 const PRESSURE: &str = "pressure";
+/// What limits a model.
+const LIMITED_BY: &str = "limited_by";
 /// Whether the muscle has been through its whole range before it comes from rest.
 const PRECONDITIONED: &str = "preconditioned";
 
@@ -78,6 +81,8 @@ pub struct Identification {
     pub training: Figures,
     /// How well a model does on what it was not identified from.
     pub heldout: Option<HeldOut>,
+    /// What limits the model; None where that is not known.
+    pub limit: Option<Limit>,
     /// Number of starts.
     pub starts: usize,
     /// How the best start ended.

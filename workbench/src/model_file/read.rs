@@ -5,12 +5,14 @@ use model_core::{Invertible, Kind, ParameterError};
 use super::names::Names;
 use super::section::{KeyError, Section};
 use super::{
-    FORMAT, FROM, HeldOut, Identification, ModelFile, PRECONDITIONED, Problem, Source, extensions, parameters,
+    FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, Problem, Source,
+    extensions, parameters,
 };
 use crate::figures::Figures;
 use crate::identification::named::{Named, named};
 use crate::identification::{HostExtendedModel, HostModel};
 use crate::unit::{Channel, Unit};
+use crate::worth::Limit;
 
 /// Reads and checks the contents of a model file.
 pub fn parse(text: &str) -> Result<ModelFile, Problem> {
@@ -107,6 +109,7 @@ fn identification(
         stroke: section.number(&format!("stroke_{}", names.output.suffix()))?,
         training: figures(&mut training, names)?,
         heldout,
+        limit: limit(&mut section)?,
         starts: section.count("starts")?,
         termination: section.text("termination")?,
         standard_errors: standard_errors(section.section("standard_errors")?, names, parameters)?,
@@ -114,6 +117,17 @@ fn identification(
     training.finish()?;
     section.finish()?;
     Ok(identification)
+}
+
+/// What limits the model: files of earlier versions do not say it.
+fn limit(section: &mut Section) -> Result<Option<Limit>, KeyError> {
+    if !section.has(LIMITED_BY) {
+        return Ok(None);
+    }
+    let key = section.text(LIMITED_BY)?;
+    let unknown =
+        || section.error(LIMITED_BY, &format!("\"{key}\" is not known; known are {}", Limit::keys()));
+    Limit::of_key(&key).map(Some).ok_or_else(unknown)
 }
 
 fn source(section: &mut Section) -> Result<Source, KeyError> {

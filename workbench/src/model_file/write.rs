@@ -3,7 +3,8 @@
 use toml::{Table, Value};
 
 use super::{
-    FORMAT, FROM, HeldOut, Identification, ModelFile, PRECONDITIONED, Source, extensions, parameters,
+    FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, Source, extensions,
+    parameters,
 };
 use crate::figures::Figures;
 use crate::identification::named::named;
@@ -38,6 +39,7 @@ fn identified(file: &ModelFile, identification: &Identification) -> Value {
     section.insert("tool".into(), identification.tool.as_str().into());
     section.insert("scored_rows".into(), count(identification.scored_rows));
     section.insert(format!("stroke_{}", unit.suffix()), identification.stroke.into());
+    section.extend(identification.limit.map(|limit| (LIMITED_BY.to_owned(), limit.key().into())));
     section.insert("starts".into(), count(identification.starts));
     section.insert("termination".into(), identification.termination.as_str().into());
     section.insert("training".into(), Value::Table(figures(&identification.training, unit)));

@@ -10,6 +10,7 @@ use super::parts::parts;
 use crate::identification::Uncertainty;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::recording::Recording;
+use crate::worth::{Grade, Worth};
 
 /// What an identification reports on.
 pub struct Identified<'a> {
@@ -71,7 +72,7 @@ impl Identified<'_> {
     fn figures(&self) -> Markup {
         let Identification { training, heldout, stroke, termination, starts, scored_rows, .. } =
             self.identification;
-        let unit = self.model.output.unit;
+        let (unit, worth) = (self.model.output.unit, Worth::of(self.identification));
         html! {
             p { "On the " (scored_rows) " scored rows the model's figures are: " (training.in_words(*stroke, unit)) "." }
             @if let Some(HeldOut { recording, from_s, figures }) = heldout {
@@ -85,8 +86,16 @@ impl Identified<'_> {
                     (figures.in_words(*stroke, unit)) "."
                 }
             }
+            @match worth.grade() {
+                Grade::Poor => {
+                    p.verdict { "This model does not describe the recording: " (worth) "." }
+                }
+                _ => { p { "The model is " (worth) "." } }
+            }
             p { "The stroke is " (format!("{stroke:.2}")) " " (unit) ". The best of " (starts) " starts "
-                (termination) ". The model is strictly increasing, and so invertible." }
+                (termination) "."
+                @if worth.may_deploy() { " The model is strictly increasing, and so invertible." }
+            }
             @if self.recording.drive.scored.contains(&false) {
                 p { "Rows that are not valid are history of the input only: they are not scored, and leave gaps "
                     "in the loops and in the error." }

@@ -7,7 +7,6 @@
 //! | `simplify` | fewer points for the same picture |
 //! | `page`, `zoom.js` | the page around the plots, and its script |
 //! | `model_run` | a model beside a recording, as plots |
-//! | `direction` | which way an input goes |
 //! | `parameters` | the parameters and what is known about them, as a table |
 //! | `parts` | the parts of a model, as plots |
 //! | [`identified`] | report of `mgpi identify` |
@@ -22,7 +21,6 @@ mod axis;
 mod bars;
 pub mod comparison;
 pub mod diagnosed;
-mod direction;
 pub mod identified;
 mod model_run;
 pub mod page;

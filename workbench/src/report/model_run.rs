@@ -1,7 +1,7 @@
 //! A model beside a recording, as plots.
 
-use super::direction::rising;
 use super::plot::{Line, Plot, Style};
+use crate::direction::rising;
 use crate::recording::Recording;
 
 /// A recording and the model's output for its input. Rows that are not scored leave gaps.

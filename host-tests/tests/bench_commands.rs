@@ -1,76 +1,9 @@
 //! The commands of the bench against the board's own code on a serial line: deploy, capture, track, status. Time passes
 //! faster here than on a bench.
 
-use std::path::PathBuf;
-use std::process::{Command, Output};
-
-use host_tests::desk::{Desk, Way};
+use host_tests::desk::Way;
+use host_tests::desk_commands::DeskBench as Bench;
 use serde_json::Value;
-use tempfile::TempDir;
-
-/// How much faster.
-const PACE: f64 = 5.0;
-
-/// A desk with a directory for `mgpi`, which stands beside the tests' programs.
-struct Bench {
-    desk: Desk,
-    directory: TempDir,
-}
-
-impl Bench {
-    fn new() -> Self {
-        Self::disturbed(|_, bytes| bytes)
-    }
-
-    fn disturbed(disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static) -> Self {
-        let directory = tempfile::tempdir().expect("a temporary directory");
-        let model = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/paper-tables-1-2.toml");
-        std::fs::copy(model, directory.path().join("paper.toml")).expect("the paper's model");
-        Self { desk: Desk::new(PACE, disturb), directory }
-    }
-
-    /// A command with the port behind it.
-    fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(mgpi());
-        command.args(arguments.split_whitespace()).arg("--port").arg(self.desk.port());
-        command.current_dir(self.directory.path());
-        command
-    }
-
-    fn run(&self, arguments: &str) -> Output {
-        self.command(arguments).output().expect("mgpi runs")
-    }
-
-    fn succeeds(&self, arguments: &str) -> String {
-        let output = self.run(arguments);
-        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).expect("UTF-8")
-    }
-
-    fn refuses(&self, arguments: &str) -> String {
-        let output = self.run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments}: {}", String::from_utf8_lossy(&output.stdout));
-        String::from_utf8(output.stderr).expect("UTF-8")
-    }
-
-    fn status(&self) -> Value {
-        serde_json::from_str(&self.succeeds("status --json")).expect("JSON")
-    }
-
-    fn read(&self, file: &str) -> String {
-        std::fs::read_to_string(self.directory.path().join(file)).expect(file)
-    }
-
-    fn write(&self, file: &str, content: &str) {
-        std::fs::write(self.directory.path().join(file), content).expect(file);
-    }
-}
-
-/// The program, two directories above the test's.
-fn mgpi() -> PathBuf {
-    let test = std::env::current_exe().expect("this program");
-    test.parent().and_then(|deps| deps.parent()).expect("its directory").join("mgpi")
-}
 
 /// Times, and a column by its name.
 fn column(csv: &str, name: &str) -> Vec<f64> {
@@ -93,10 +26,10 @@ fn a_deployed_model_is_verified_and_the_board_is_ready() {
 #[test]
 fn a_model_that_is_none_of_a_valve_board_is_refused() {
     let bench = Bench::new();
-    let model = bench.read("paper.toml").replace("_bar", "_kpa");
-    bench.write("kpa.toml", &model);
-    let message = bench.refuses("deploy kpa.toml");
-    assert!(message.contains("kpa"), "{message}");
+    let model = bench.read("paper.toml").replace("_bar", "_v");
+    bench.write("volts.toml", &model);
+    let message = bench.refuses("deploy volts.toml");
+    assert!(message.contains("volts.toml: its input is in V"), "{message}");
     let message = bench.refuses("deploy none.toml");
     assert!(message.contains("none.toml"), "{message}");
     assert_eq!(bench.status()["state"], "Off");
@@ -127,7 +60,7 @@ fn what_is_captured_is_a_recording_of_the_excitation_that_was_played() {
     let stroke_mm = column(&recording, "contraction_mm").into_iter().fold(0.0, f64::max);
     assert!(stroke_mm > 50.0, "{stroke_mm}");
     assert_eq!(bench.status()["state"], "Off", "vented at the end");
-    assert!(!bench.directory.path().join("rec.csv.part").exists());
+    assert!(!bench.path("rec.csv.part").exists());
 }
 
 #[test]
@@ -140,12 +73,12 @@ fn what_the_board_cannot_be_asked_for_is_refused_before_it_moves() {
     let message = bench.refuses("capture --excitation none.csv -o rec.csv");
     assert!(message.contains("no column command_bar"), "{message}");
     assert!(bench.refuses("capture -o rec.csv --resume").contains("no part of a recording to go on with"));
-    assert!(!bench.directory.path().join("rec.csv.part").exists());
+    assert!(!bench.path("rec.csv.part").exists());
     bench.succeeds("deploy paper.toml");
     bench.write("far.csv", "time_s,reference_mm\n0,0\n1,500\n");
     let message = bench.refuses("track --reference far.csv -o log.csv");
     assert!(message.contains("the board takes -20 to 200 mm"), "{message}");
-    assert!(!bench.directory.path().join("log.csv").exists());
+    assert!(!bench.path("log.csv").exists());
     assert_eq!(bench.status()["state"], "Ready");
 }
 
@@ -156,7 +89,7 @@ fn an_interrupted_capture_vents_and_goes_on_from_its_last_rest() {
     let mut capture =
         bench.command("capture --excitation exc.csv -o rec.csv --every 10").spawn().expect("runs");
     // Somewhere in the second triangle.
-    let part = bench.directory.path().join("rec.csv.part");
+    let part = bench.path("rec.csv.part");
     let has_come_far = || {
         let text = std::fs::read_to_string(&part).unwrap_or_default();
         text.lines()

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use model_core::ParameterError;
 use thiserror::Error;
 
+use crate::backup::BackupFileError;
 use crate::bus::BoardError;
 use crate::diagnosis::DiagnosisError;
 use crate::emulator::EmulatorError;
@@ -41,6 +42,9 @@ pub enum Error {
     /// A run of the firmware does not come to its end.
     #[error(transparent)]
     Pil(#[from] PilError),
+    /// The file of a backup is not what it should be.
+    #[error(transparent)]
+    BackupFile(#[from] BackupFileError),
     /// A board on the bus does not do what it is asked for.
     #[error(transparent)]
     Board(#[from] BoardError),

@@ -13,6 +13,7 @@ macro_rules! say {
     }};
 }
 
+pub mod backup;
 pub mod bus;
 pub mod child;
 pub mod commands;

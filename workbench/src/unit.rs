@@ -91,9 +91,9 @@ const KNOWN: [Unit; 43] = [
     unit("mv", "mV", &[], Voltage, 1e-3),
     unit("a", "A", &["ampere"], Current, 1.0),
     unit("ma", "mA", &[], Current, 1e-3),
-    unit("c", "°C", &["degC", "Celsius", "celsius", "℃"], Temperature, 1.0).from_zero(273.15),
+    unit("c", "°C", &["degC", "Celsius", "celsius", "℃"], Temperature, 1.0).with_zero(273.15),
     unit("k", "K", &["kelvin", "Kelvin"], Temperature, 1.0),
-    unit("f", "°F", &["degF", "Fahrenheit"], Temperature, 5.0 / 9.0).from_zero(273.15 - 32.0 * 5.0 / 9.0),
+    unit("f", "°F", &["degF", "Fahrenheit"], Temperature, 5.0 / 9.0).with_zero(273.15 - 32.0 * 5.0 / 9.0),
     unit("percent", "%", &["pct"], Ratio, 1e-2),
     unit("ratio", "1", &[], Ratio, 1.0),
     unit("mrad", "mrad", &[], Angle, 1e-3),
@@ -188,7 +188,7 @@ impl Unit {
         KNOWN.map(|unit| format!("_{}", unit.suffix)).join(", ")
     }
 
-    const fn from_zero(self, zero: f64) -> Self {
+    const fn with_zero(self, zero: f64) -> Self {
         Self { zero, ..self }
     }
 }

@@ -15,11 +15,14 @@ const PIL: &str =
     "pil --model model.toml --reference ref.csv -o log.csv --json figures.json --plant-command cat";
 
 #[test]
-fn a_model_in_another_unit_than_the_boards_is_refused() {
+fn a_model_from_another_quantity_than_the_boards_is_refused() {
     let bench = bench();
-    bench.write("model.toml", PAPER.replace("_bar", "_kpa"));
+    bench.write("model.toml", PAPER.replace("_bar", "_v"));
     let message = bench.refuses(PIL);
-    assert!(message.contains("model.toml: its input is in kPa; the valve board needs bar"), "{message}");
+    assert!(
+        message.contains("model.toml: its input is in V; the valve board needs bar or another pressure"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -17,7 +17,7 @@
 //! Whoever sends while the board answers is not heard. A moment is a number of ticks: without ticks, as in an emulator that
 //! nobody drives, a broken-off frame waits.
 
-mod fields;
+pub mod fields;
 pub mod player;
 mod read;
 mod receiver;

@@ -28,9 +28,14 @@ impl Block {
         place.and_then(|place| self.words.get(usize::from(place)..)).unwrap_or_default()
     }
 
-    /// The value of a register; 0 if it is not in the block.
+    /// The value of a register; none if it is not in the block.
+    pub fn value(&self, id: Id) -> Option<Value> {
+        Value::of_words(id.register().kind, self.words(id))
+    }
+
+    /// The number of a register; 0 if it is not in the block.
     pub fn number(&self, id: Id) -> f64 {
-        Value::of_words(id.register().kind, self.words(id)).map_or(0.0, Value::number)
+        self.value(id).map_or(0.0, Value::number)
     }
 
     /// The value of a register of whole numbers.

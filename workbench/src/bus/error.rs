@@ -39,6 +39,10 @@ pub enum BoardError {
     Point { time_s: f64, value: f32, unit: &'static str, min: f64, max: f64 },
     #[error("the board has run out of set points, this program or its bus was too slow; the valve is vented")]
     Underrun,
+    #[error("{name} is to be {value}; the board takes {min} to {max}")]
+    Setting { name: &'static str, value: f32, min: f64, max: f64 },
+    #[error("the lowest command, {lowest_bar} bar, must be below the highest, {highest_bar} bar")]
+    Limits { lowest_bar: f32, highest_bar: f32 },
     #[error("the configuration of {bytes} bytes does not fit into the board's {capacity}")]
     TooLarge { bytes: usize, capacity: usize },
     #[error(
@@ -49,6 +53,12 @@ pub enum BoardError {
     Refused { result: UploadResult, message: String },
     #[error("the board has another configuration installed than the one that was sent: deploy it again")]
     NotInstalled,
+    #[error(
+        "the backup is of a board without a model; one that has a model keeps it: nothing has been changed"
+    )]
+    NoModelToRestore,
+    #[error("{0}; the limits of the plant (protection) may already be those of the backup: restore it again")]
+    HalfRestored(Box<Self>),
     #[error("the board holds no configuration that this program can read: deploy a model first")]
     NoConfiguration,
     #[error("{}: {problem}", file.display())]

@@ -6,6 +6,7 @@
 //! | [`client`] | registers read and written, lost answers asked for again |
 //! | [`board`] | a board that is the right one, its state and orders |
 //! | [`status`] | all that it says of itself |
+//! | [`settings`] | gains and limits of a new configuration: which stay, which change |
 //! | [`upload`] | a configuration to the board, and back |
 //! | [`play`] | set points streamed ahead, ticks recorded, to the end or a stop |
 //! | [`recording`] | a recording that grows, and goes on after an interruption |
@@ -21,6 +22,7 @@ pub mod excitation;
 pub mod play;
 pub mod port;
 pub mod recording;
+pub mod settings;
 pub mod status;
 pub mod upload;
 

@@ -1,7 +1,8 @@
-//! A configuration to the board and back: in blocks, read back before it is committed, verified after.
+//! A configuration to the board and back: in blocks, read back before it is committed, verified
+//! after.
 //!
-//! Broken off anywhere, the old configuration stays: the board takes a new one only at the commit, and only if length and
-//! checksum fit what has arrived. A repeat begins anew.
+//! Broken off anywhere, the old configuration stays: the board takes a new one only at the commit,
+//! and only if length and checksum fit what has arrived. A repeat begins anew.
 
 use wire::Configuration;
 use wire::registers::{
@@ -29,7 +30,8 @@ fn encode(configuration: &Configuration, capacity: usize) -> Result<Vec<u8>, Boa
     Ok(postcard::to_slice(configuration, &mut buffer).map_err(too_large)?.to_vec())
 }
 
-/// Uploads, reads back, commits and verifies. `moved` is told how many bytes of how many are done, of both ways.
+/// Uploads, reads back, commits and verifies. `moved` is told how many bytes of how many are done,
+/// of both ways.
 ///
 /// # Errors
 /// Versions differ, the board refuses or does not answer. The old configuration is still installed, but for
@@ -39,6 +41,21 @@ pub fn deploy(
     configuration: &Configuration,
     moved: &dyn Fn(usize, usize),
 ) -> Result<usize, BoardError> {
+    let bytes = stage(board, configuration, moved)?;
+    commit(board, &bytes)?;
+    Ok(bytes.len())
+}
+
+/// Uploads and reads back; answers the bytes that stand in the board's buffer, and do nothing yet.
+/// `moved` is told how many bytes of how many are done, of both ways.
+///
+/// # Errors
+/// Versions differ, the board refuses or does not answer.
+pub fn stage(
+    board: &mut Board,
+    configuration: &Configuration,
+    moved: &dyn Fn(usize, usize),
+) -> Result<Vec<u8>, BoardError> {
     let version = board.identity().wire_version;
     if version != wire::VERSION {
         return Err(BoardError::WireVersion { board: version });
@@ -52,15 +69,19 @@ pub fn deploy(
         moved(block * BLOCK, all);
     }
     let arrived = download(board, bytes.len(), &|done| moved(bytes.len() + done, all))?;
-    if arrived != bytes {
-        return Err(BoardError::ReadBack);
-    }
-    let sum = Value::U32(checksum(&bytes));
+    if arrived == bytes { Ok(bytes) } else { Err(BoardError::ReadBack) }
+}
+
+/// Commits what was staged, and verifies.
+///
+/// # Errors
+/// The board refuses or does not answer. The old configuration is still installed, but for [`BoardError::NotInstalled`].
+pub fn commit(board: &mut Board, bytes: &[u8]) -> Result<(), BoardError> {
+    let sum = Value::U32(checksum(bytes));
     let head: Vec<u16> = std::iter::once(bytes.len() as u16).chain(sum.words()).collect();
     board.write(Id::UploadLength, &head)?;
-    commit(board)?;
-    let installed = fetch_bytes(board)?;
-    if installed != bytes { Err(BoardError::NotInstalled) } else { Ok(bytes.len()) }
+    order_commit(board)?;
+    if fetch_bytes(board)? == bytes { Ok(()) } else { Err(BoardError::NotInstalled) }
 }
 
 /// What is installed.
@@ -72,7 +93,7 @@ pub fn fetch(board: &mut Board) -> Result<Configuration, BoardError> {
     postcard::from_bytes(&bytes).map_err(|_| BoardError::NoConfiguration)
 }
 
-fn commit(board: &mut Board) -> Result<(), BoardError> {
+fn order_commit(board: &mut Board) -> Result<(), BoardError> {
     let order = [UploadOrder::Commit.number()];
     match board.write_once(Id::UploadOrder, &order, COMMIT_PATIENCE) {
         // Whether it was heard is seen by what is installed.

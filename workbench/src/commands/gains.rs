@@ -1,30 +1,54 @@
-//! The gains of the feedback, for the commands that configure a board.
+//! Gains of the feedback and limits of the command, for the commands that configure a board.
 
 use clap::Args;
-use model_core::pid::PidParameters;
+use wire::registers::Id;
 
-/// The gains of the feedback.
+/// What of a controller's settings options say.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(
+    next_help_heading = "Controller (what is not given stays as the board has it; a new board has the defaults)"
+)]
 pub struct Gains {
-    /// Proportional gain in bar/mm
-    #[arg(long, default_value_t = PidParameters::<f32>::paper().kp, value_name = "GAIN")]
-    kp: f32,
-    /// Integral gain in bar/(mm s)
-    #[arg(long, default_value_t = INTEGRAL_GAIN, value_name = "GAIN")]
-    ki: f32,
-    /// Derivative gain in bar s/mm
-    #[arg(long, default_value_t = PidParameters::<f32>::paper().kd, value_name = "GAIN")]
-    kd: f32,
+    /// Proportional gain in bar/mm [default: 0.05]
+    #[arg(long, value_name = "GAIN")]
+    kp: Option<f32>,
+    /// Integral gain in bar/(mm s) [default: 0.1]
+    #[arg(long, value_name = "GAIN")]
+    ki: Option<f32>,
+    /// Derivative gain in bar s/mm [default: 0]
+    #[arg(long, value_name = "GAIN")]
+    kd: Option<f32>,
+    /// Time constant of the derivative's filter in s [default: 0.02]
+    #[arg(long, alias = "filter", value_name = "S")]
+    filter_s: Option<f32>,
+    /// Time constant of the anti-windup in s [default: 1]
+    #[arg(long, alias = "anti-windup", value_name = "S")]
+    anti_windup_s: Option<f32>,
+    /// Lowest command in bar [default: the lower end of the model's range, at least 0]
+    #[arg(long, value_name = "BAR")]
+    min_bar: Option<f32>,
+    /// Highest command in bar [default: the upper end of the model's range, which it never exceeds]
+    #[arg(long, value_name = "BAR")]
+    max_bar: Option<f32>,
+    /// Largest rate of change of the command in bar/s [default: 50]
+    #[arg(long, alias = "slew", value_name = "BAR/S")]
+    slew_bar_per_s: Option<f32>,
 }
 
-/// The integral gain by default. The paper's 0.01 takes tens of seconds to mend an offset; ten times that settles in
-/// seconds and still lies far below what a regulator's lag allows beside the paper's proportional gain. Unit:
-/// bar/(mm s).
-const INTEGRAL_GAIN: f32 = 0.1;
-
 impl Gains {
-    /// The feedback with these gains.
-    pub fn pid(self) -> PidParameters<f32> {
-        PidParameters { kp: self.kp, ki: self.ki, kd: self.kd, ..PidParameters::paper() }
+    /// What is given, by its register.
+    pub fn asked(&self) -> Vec<(Id, f32)> {
+        let Self { kp, ki, kd, filter_s, anti_windup_s, min_bar, max_bar, slew_bar_per_s } = *self;
+        let given = [
+            (Id::Kp, kp),
+            (Id::Ki, ki),
+            (Id::Kd, kd),
+            (Id::DerivativeFilter, filter_s),
+            (Id::TrackingTime, anti_windup_s),
+            (Id::CommandMin, min_bar),
+            (Id::CommandMax, max_bar),
+            (Id::CommandSlew, slew_bar_per_s),
+        ];
+        given.into_iter().filter_map(|(id, value)| Some((id, value?))).collect()
     }
 }

@@ -1,5 +1,7 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
+pub mod backup;
+mod board_model;
 pub mod capture;
 pub mod compare;
 pub mod completions;
@@ -16,6 +18,7 @@ pub mod plan;
 mod plant;
 mod port;
 pub mod report;
+pub mod restore;
 mod search;
 mod show;
 pub mod simulate;
@@ -47,6 +50,8 @@ enum Command {
     Emulate(emulate::Arguments),
     Capture(capture::Arguments),
     Deploy(deploy::Arguments),
+    Backup(backup::Arguments),
+    Restore(restore::Arguments),
     Track(track::Arguments),
     Status(status::Arguments),
     Watch(watch::Arguments),
@@ -71,6 +76,8 @@ impl CommandLine {
             Command::Emulate(arguments) => emulate::run(&arguments),
             Command::Capture(arguments) => capture::run(&arguments),
             Command::Deploy(arguments) => deploy::run(&arguments),
+            Command::Backup(arguments) => backup::run(&arguments),
+            Command::Restore(arguments) => restore::run(&arguments),
             Command::Track(arguments) => track::run(&arguments),
             Command::Status(arguments) => status::run(&arguments),
             Command::Watch(arguments) => watch::run(&arguments),

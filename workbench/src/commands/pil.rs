@@ -8,14 +8,17 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use model_core::Mode;
 
+use super::board_model;
 use super::gains::Gains;
 use super::plant::{PlantArguments, positive};
 use crate::Error;
+use crate::bus::settings::settle;
 use crate::child::Stop;
 use crate::emulator::image;
 use crate::identification::simulate;
 use crate::model_file::ModelFile;
 use crate::output::Outputs;
+use crate::pil::followed;
 use crate::pil::reference::Reference;
 use crate::pil::results::{figures, json, log};
 use crate::pil::{Bench, Finished, configuration};
@@ -82,8 +85,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let logs = [main_log, feedforward_log, feedback_log];
     let files = logs.into_iter().flatten().chain(json_file).chain(&arguments.report);
     let mut outputs = Outputs::claim(files, &[&arguments.model, &arguments.reference], arguments.force)?;
-    let model = ModelFile::read(&arguments.model)?;
-    let configuration = configuration(&arguments.model, &model, arguments.gains.pid(), *rate_hz)?;
+    let model = board_model::read(&arguments.model)?;
+    let mut configuration = configuration(&arguments.model, &model, *rate_hz)?;
+    settle(&mut configuration.tracking, None, &arguments.gains.asked())?;
     let reference = Reference::read(&arguments.reference, *rate_hz)?;
     let firmware = image::find(arguments.firmware.as_deref())?;
     let plant = arguments.plant.program();
@@ -108,8 +112,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         }
     }
     let named = || RUNS.iter().map(|(name, _)| *name).zip(finished.iter().map(|finished| &finished.run));
+    let mut results = json(named(), model.output.unit);
+    let limits = (configuration.tracking.command_min, configuration.tracking.command_max);
+    named().for_each(|(name, run)| followed::tell(name, run, limits, &mut results));
     if let Some(file) = json_file {
-        outputs.stage(file, format!("{:#}\n", json(named(), model.output.unit)).as_bytes())?;
+        outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }
     let stroke_mm = stroke_mm(&model);
     if let Some(file) = &arguments.report {

@@ -33,6 +33,11 @@ pub struct PortArguments {
 }
 
 impl PortArguments {
+    /// The board's number on the bus.
+    pub fn number(&self) -> u8 {
+        self.unit
+    }
+
     /// Opens the port and asks who is there.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use model_core::{Mode, Surroundings};
 
+use super::board_model;
 use super::capture::{bar, in_words};
 use super::port::PortArguments;
 use super::show::{Show, show_rows};
@@ -16,7 +17,7 @@ use crate::child::Stop;
 use crate::output::Outputs;
 use crate::pil::lock_step::{Measurement, Run, Sample};
 use crate::pil::reference::Reference;
-use crate::pil::{preview_s, results};
+use crate::pil::{followed, preview_s, results};
 use crate::unit::Unit;
 
 /// Columns of the live view's track.
@@ -30,6 +31,9 @@ pub struct Arguments {
     /// What to track: time_s, reference_mm
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
+    /// The model that the board has: says what it is worth, and that the board has it
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
     /// What drives the valve
     #[arg(long, default_value = "both")]
     mode: ModeName,
@@ -77,11 +81,14 @@ impl ModeName {
 /// # Errors
 /// The reference is none, the board does not track, an output cannot be written, or the user interrupts.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { port, reference: file, mode, log, json, every, http, force } = arguments;
+    let Arguments { port, reference: file, model, mode, log, json, every, http, force } = arguments;
     let mut outputs = Outputs::claim(log.iter().chain(json), &[file], *force)?;
     let reference = Reference::read(file, POINTS_PER_S)?;
+    let model = model.as_deref().map(board_model::read).transpose()?;
     let mut board = port.open()?;
-    let ahead_s = preview_s(&upload::fetch(&mut board)?);
+    let installed = upload::fetch(&mut board)?;
+    board_model::say_installed(&installed, model.as_ref());
+    let ahead_s = preview_s(&installed);
     let (mode, name) = mode.mode();
     let points = reference.points(ahead_s).map(|mm| mm as f32).collect();
     let piece = Piece { drive: Drive::Controller(mode), points, every: *every };
@@ -108,8 +115,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         outputs.stage(file, results::log(&run).as_bytes())?;
     }
     let unit = Unit::MM;
+    let mut results = results::json([(name, &run)], unit);
+    let limits = (installed.tracking.command_min, installed.tracking.command_max);
+    followed::tell(name, &run, limits, &mut results);
     if let Some(file) = json {
-        outputs.stage(file, format!("{:#}\n", results::json([(name, &run)], unit)).as_bytes())?;
+        outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }
     outputs.commit()?;
     say!("{name:<17} {}", results::figures(&run).in_words(highest - lowest, unit));

@@ -12,15 +12,19 @@
 //! | [`names`] | names and units of the parameters |
 //! | `section` | takes keys out of a TOML table, strictly |
 //! | `parameters` | the stages of each model, both directions |
-//! | `extensions` | what the muscle does beside hysteresis, both directions |
+//! | `extensions` | what the muscle does beside hysteresis, both directions, and in other units |
+//! | `listed` | a board's model in its backup, both directions |
+//! | `convert` | a model in the units of a board |
 //! | `read`, `write` | the format in either direction |
 
+mod convert;
 mod extensions;
+pub mod listed;
 pub mod names;
 mod parameters;
 mod read;
-mod section;
-mod write;
+pub(crate) mod section;
+pub(crate) mod write;
 
 use std::fs;
 use std::io;
@@ -122,7 +126,7 @@ pub struct ModelFileError {
 
 /// Each message follows the file's name.
 #[derive(Debug, Error)]
-enum Problem {
+pub(crate) enum Problem {
     #[error(": cannot be read: {0}")]
     Unreadable(#[from] io::Error),
     #[error(", line {line}: not a TOML file, or cut off: {message}")]
@@ -167,6 +171,11 @@ impl ModelFile {
         let extensions =
             if from_pressure { self.extensions.without_valve() } else { self.extensions.clone() };
         HostExtendedModel::try_new(&self.parameters, &extensions)
+    }
+
+    /// The causes that the model is extended by, by their names in the file.
+    pub fn causes(&self) -> Vec<String> {
+        extensions::causes_of(&self.extensions, &self.names())
     }
 
     /// Names and units of the parameters.

@@ -4,7 +4,7 @@ use crate::identification::named::Dimension;
 use crate::unit::Unit;
 
 /// Units of a model's parameters.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Names {
     /// Unit of the input.
     pub input: Unit,
@@ -13,6 +13,9 @@ pub struct Names {
 }
 
 impl Names {
+    /// Those of a board's model.
+    pub const BOARD: Self = Self { input: Unit::BAR, output: Unit::MM };
+
     /// The key with the unit: `c1_per_bar`, `w0_mm`, `gain_mm_per_bar`, `q`.
     pub fn key(&self, name: &str, dimension: Dimension) -> String {
         let (input, output) = (self.input.suffix(), self.output.suffix());

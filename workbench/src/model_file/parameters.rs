@@ -19,10 +19,10 @@ use model_core::memoryless::{DEGREE, MemorylessParameters};
 use model_core::play::PlayParameters;
 use toml::{Table, Value};
 
+use super::Problem;
 use super::names::Names;
 use super::section::{KeyError, Section};
 use super::write::{count, list, table};
-use super::{ModelFile, Problem};
 use crate::identification::named::Dimension;
 use crate::identification::{DEAD_ZONES, Density, HostParameters, PLAYS};
 
@@ -30,6 +30,8 @@ const TANH: &str = "tanh";
 const PIECEWISE_LINEAR: &str = "piecewise_linear";
 const EXPONENTIAL: &str = "exponential";
 const FREE: &str = "free";
+/// Thresholds and weights themselves: all that a board knows.
+const LISTED: &str = "listed";
 
 /// The dimensions of the inner coordinate: those of the input, where there is no envelope.
 struct Inner {
@@ -43,13 +45,13 @@ const WITH_ENVELOPE: Inner =
 const WITHOUT_ENVELOPE: Inner =
     Inner { threshold: Dimension::Input, reciprocal: Dimension::PerInput, weight: Dimension::OutputPerInput };
 
-/// Takes the stages of a model out of the file's top level.
+/// Takes the stages of a model out of the file's top level; a board's plays come from no density.
 pub fn read(
     kind: Kind,
     top: &mut Section,
     names: &Names,
     input: (f64, f64),
-) -> Result<(HostParameters, Density), Problem> {
+) -> Result<(HostParameters, Option<Density>), Problem> {
     let mut reader = Reader { top, names };
     Ok(match kind {
         Kind::Cpi | Kind::Mpi => {
@@ -98,7 +100,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn agpi(&mut self, input: (f64, f64)) -> Result<(AgpiParameters<f64, PLAYS>, Density), Problem> {
+    fn agpi(&mut self, input: (f64, f64)) -> Result<(AgpiParameters<f64, PLAYS>, Option<Density>), Problem> {
         let mut both = self.top.section("envelope")?;
         let (rising, falling) = (both.section("rising")?, both.section("falling")?);
         both.finish()?;
@@ -146,7 +148,7 @@ impl Reader<'_> {
         Ok(envelope)
     }
 
-    fn plays(&mut self, inner: &Inner) -> Result<(PlayParameters<f64, PLAYS>, Density), Problem> {
+    fn plays(&mut self, inner: &Inner) -> Result<(PlayParameters<f64, PLAYS>, Option<Density>), Problem> {
         let mut section = self.top.section("plays")?;
         let kind = section.text("density")?;
         let q = section.number("q")?;
@@ -157,14 +159,21 @@ impl Reader<'_> {
                 let tau = section.number(&self.names.key("tau", inner.reciprocal))?;
                 let alpha = section.number(&self.names.key("alpha", inner.threshold))?;
                 let plays = PlayParameters::exponential(count, q, rho, tau, alpha);
-                (plays.map_err(|error| self.names.problem(&error))?, Density::Exponential { rho, tau, alpha })
+                let density = Density::Exponential { rho, tau, alpha };
+                (plays.map_err(|error| self.names.problem(&error))?, Some(density))
             }
             FREE => {
                 let alpha = section.number(&self.names.key("alpha", inner.threshold))?;
                 let weights = numbers(&mut section, "weights", PLAYS)?;
                 let thresholds = (1..=weights.len()).map(|i| alpha * i as f64).collect();
                 let plays = PlayParameters { q, thresholds, weights: weights.into_iter().collect() };
-                (plays, Density::Free { alpha })
+                (plays, Some(Density::Free { alpha }))
+            }
+            LISTED => {
+                let key = self.names.key("thresholds", inner.threshold);
+                let thresholds = numbers(&mut section, &key, PLAYS)?.into_iter().collect();
+                let weights = numbers(&mut section, "weights", PLAYS)?.into_iter().collect();
+                (PlayParameters { q, thresholds, weights }, None)
             }
             _ => {
                 let known = format!("\"{kind}\" is not known, must be \"{EXPONENTIAL}\" or \"{FREE}\"");
@@ -226,13 +235,12 @@ pub fn numbers(section: &mut Section, key: &str, most: usize) -> Result<Vec<f64>
     Ok(numbers)
 }
 
-/// Puts the stages of a model into the file's top level.
-pub fn write(file: &ModelFile, top: &mut Table) {
-    let names = file.names();
+/// Puts the stages of a model into the file's top level; the plays as they are, where they come from no density.
+pub fn write(parameters: &HostParameters, density: Option<&Density>, names: &Names, top: &mut Table) {
     let stage = |cascade: &CascadeParameters<f64, PLAYS, DEAD_ZONES>, inner: &Inner| {
         let CascadeParameters { dead_zones, .. } = cascade;
         match dead_zones.weights.as_slice() {
-            [gain] => ("line", line(&names, inner, *gain, dead_zones.offset)),
+            [gain] => ("line", line(names, inner, *gain, dead_zones.offset)),
             weights => {
                 let stage = table([
                     (&names.key("thresholds", inner.threshold), list(&dead_zones.thresholds)),
@@ -246,32 +254,35 @@ pub fn write(file: &ModelFile, top: &mut Table) {
     let mut insert = |(key, value): (&str, Value)| {
         top.insert(key.to_owned(), value);
     };
-    match &file.parameters {
+    match parameters {
         HostParameters::Cascade(cascade) if cascade.envelope == EnvelopeParameters::Identity => {
-            insert(("plays", plays(file, &cascade.plays, &WITHOUT_ENVELOPE)));
+            insert(("plays", plays(names, density, &cascade.plays, &WITHOUT_ENVELOPE)));
             insert(stage(cascade, &WITHOUT_ENVELOPE));
         }
         HostParameters::Cascade(cascade) => {
-            insert(("envelope", envelope(&names, &cascade.envelope)));
-            insert(("plays", plays(file, &cascade.plays, &WITH_ENVELOPE)));
+            insert(("envelope", envelope(names, &cascade.envelope)));
+            insert(("plays", plays(names, density, &cascade.plays, &WITH_ENVELOPE)));
             insert(stage(cascade, &WITH_ENVELOPE));
         }
-        HostParameters::Agpi(agpi) => two_envelopes(file, agpi).into_iter().for_each(insert),
+        HostParameters::Agpi(agpi) => two_envelopes(names, density, agpi).into_iter().for_each(insert),
         HostParameters::Egpi(egpi) => {
-            two_envelopes(file, &egpi.agpi).into_iter().for_each(&mut insert);
+            two_envelopes(names, density, &egpi.agpi).into_iter().for_each(&mut insert);
             let rises = list(&egpi.memoryless.rises);
             insert(("memoryless", table([(&names.key("rises", Dimension::Output), rises)])));
         }
     }
 }
 
-fn two_envelopes(file: &ModelFile, agpi: &AgpiParameters<f64, PLAYS>) -> [(&'static str, Value); 3] {
-    let names = file.names();
-    let both = [("rising", envelope(&names, &agpi.rising)), ("falling", envelope(&names, &agpi.falling))];
+fn two_envelopes(
+    names: &Names,
+    density: Option<&Density>,
+    agpi: &AgpiParameters<f64, PLAYS>,
+) -> [(&'static str, Value); 3] {
+    let both = [("rising", envelope(names, &agpi.rising)), ("falling", envelope(names, &agpi.falling))];
     [
         ("envelope", table(both)),
-        ("plays", plays(file, &agpi.plays, &WITH_ENVELOPE)),
-        ("line", line(&names, &WITH_ENVELOPE, agpi.gain, agpi.offset)),
+        ("plays", plays(names, density, &agpi.plays, &WITH_ENVELOPE)),
+        ("line", line(names, &WITH_ENVELOPE, agpi.gain, agpi.offset)),
     ]
 }
 
@@ -293,11 +304,15 @@ fn envelope(names: &Names, envelope: &EnvelopeParameters<f64>) -> Value {
     }
 }
 
-fn plays(file: &ModelFile, plays: &PlayParameters<f64, PLAYS>, inner: &Inner) -> Value {
-    let names = file.names();
+fn plays(
+    names: &Names,
+    density: Option<&Density>,
+    plays: &PlayParameters<f64, PLAYS>,
+    inner: &Inner,
+) -> Value {
     let alpha_key = names.key("alpha", inner.threshold);
-    match file.density {
-        Density::Exponential { rho, tau, alpha } => table([
+    match density.copied() {
+        Some(Density::Exponential { rho, tau, alpha }) => table([
             ("density", EXPONENTIAL.into()),
             ("count", count(plays.thresholds.len())),
             ("q", plays.q.into()),
@@ -305,10 +320,16 @@ fn plays(file: &ModelFile, plays: &PlayParameters<f64, PLAYS>, inner: &Inner) ->
             (&names.key("tau", inner.reciprocal), tau.into()),
             (&alpha_key, alpha.into()),
         ]),
-        Density::Free { alpha } => table([
+        Some(Density::Free { alpha }) => table([
             ("density", FREE.into()),
             ("q", plays.q.into()),
             (&alpha_key, alpha.into()),
+            ("weights", list(&plays.weights)),
+        ]),
+        None => table([
+            ("density", LISTED.into()),
+            ("q", plays.q.into()),
+            (&names.key("thresholds", inner.threshold), list(&plays.thresholds)),
             ("weights", list(&plays.weights)),
         ]),
     }

@@ -32,6 +32,8 @@ pub fn parse(text: &str) -> Result<ModelFile, Problem> {
     let names = Names { input: input.unit, output: output.unit };
     let (limits, preconditioned) = validity(top.section("validity")?, input.unit)?;
     let (parameters, density) = parameters::read(kind, &mut top, &names, limits)?;
+    let density = density
+        .ok_or_else(|| top.error("plays", "density \"listed\" is for a board's own model, in its backup"))?;
     let parameters = parameters.with_preconditioned(preconditioned);
     let extensions = extensions::read(&mut top, &names)?;
     let identification = match top.optional_section("identification")? {
@@ -45,7 +47,7 @@ pub fn parse(text: &str) -> Result<ModelFile, Problem> {
     Ok(ModelFile { input, output, density, parameters, extensions, model, identification })
 }
 
-fn kind(top: &mut Section) -> Result<Kind, KeyError> {
+pub(super) fn kind(top: &mut Section) -> Result<Kind, KeyError> {
     let name = top.text("kind")?;
     Kind::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
         let known = Kind::ALL.map(Kind::name).join(", ");
@@ -72,7 +74,7 @@ fn channel(mut section: Section) -> Result<Channel, KeyError> {
     Ok(known)
 }
 
-fn validity(mut section: Section, unit: Unit) -> Result<((f64, f64), bool), KeyError> {
+pub(super) fn validity(mut section: Section, unit: Unit) -> Result<((f64, f64), bool), KeyError> {
     let limits = (
         section.number(&format!("input_min_{}", unit.suffix()))?,
         section.number(&format!("input_max_{}", unit.suffix()))?,

@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use toml::de::DeTable;
 use toml::{Table, Value};
 
 /// A table whose keys are being taken out.
@@ -47,6 +48,20 @@ impl fmt::Display for KeyError {
 
 impl std::error::Error for KeyError {}
 
+impl KeyError {
+    /// The line of the key in the file's text, from 1 on; of a missing one that of its table, or 1.
+    pub fn line(&self, text: &str) -> usize {
+        let Ok(top) = DeTable::parse(text) else { return 1 };
+        let (mut table, mut place) = (Some(top.get_ref()), 0);
+        for part in self.section.split('.').filter(|part| !part.is_empty()).chain([self.key.as_str()]) {
+            let found = table.and_then(|table| table.iter().find(|(name, _)| name.get_ref() == part));
+            let Some((name, value)) = found else { break };
+            (table, place) = (value.get_ref().as_table(), name.span().start);
+        }
+        1 + text.bytes().take(place).filter(|byte| *byte == b'\n').count()
+    }
+}
+
 impl Section {
     /// The top level of a file.
     pub fn top(table: Table) -> Self {
@@ -77,6 +92,14 @@ impl Section {
     pub fn number(&mut self, key: &str) -> Result<f64, KeyError> {
         let value = self.take(key)?;
         self.finite(key, &value)
+    }
+
+    /// A number that may be infinite, which switches a limit off.
+    pub fn limit(&mut self, key: &str) -> Result<f64, KeyError> {
+        match self.take(key)? {
+            Value::Float(limit) if limit.is_infinite() => Ok(limit),
+            value => self.finite(key, &value),
+        }
     }
 
     /// A list of finite numbers.

@@ -2,35 +2,42 @@
 
 use toml::{Table, Value};
 
+use super::names::Names;
 use super::{
     FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, Source, extensions,
     parameters,
 };
 use crate::figures::Figures;
+use crate::identification::HostParameters;
 use crate::identification::named::named;
 use crate::unit::Unit;
 
 /// The text of a model file.
 pub fn to_toml(file: &ModelFile) -> String {
     let names = file.names();
-    let input = names.input.suffix();
-    let (lowest, highest) = file.parameters.input();
     let mut top = Table::new();
     top.insert("format".into(), count(FORMAT));
     top.insert("kind".into(), file.parameters.kind().name().into());
     top.insert("input".into(), table([("column", file.input.name.as_str().into())]));
     top.insert("output".into(), table([("column", file.output.name.as_str().into())]));
-    let mut validity = Table::new();
-    validity.insert(format!("input_min_{input}"), lowest.into());
-    validity.insert(format!("input_max_{input}"), highest.into());
-    validity.insert(PRECONDITIONED.into(), file.parameters.is_preconditioned().into());
-    top.insert("validity".into(), Value::Table(validity));
-    parameters::write(file, &mut top);
+    top.insert("validity".into(), validity(&file.parameters, &names));
+    parameters::write(&file.parameters, Some(&file.density), &names, &mut top);
     extensions::write(&file.extensions, &names, &mut top);
     if let Some(identification) = &file.identification {
         top.insert("identification".into(), identified(file, identification));
     }
     top.to_string()
+}
+
+/// The inputs that a model is valid for, and whether its muscle has been through them.
+pub(super) fn validity(parameters: &HostParameters, names: &Names) -> Value {
+    let input = names.input.suffix();
+    let (lowest, highest) = parameters.input();
+    table([
+        (&format!("input_min_{input}"), lowest.into()),
+        (&format!("input_max_{input}"), highest.into()),
+        (PRECONDITIONED, parameters.is_preconditioned().into()),
+    ])
 }
 
 fn identified(file: &ModelFile, identification: &Identification) -> Value {

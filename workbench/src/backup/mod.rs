@@ -1,0 +1,44 @@
+//! The whole configuration of a board: model with extensions, gains, limits, protection; read, kept
+//! in a file, restored.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `file` | the file's text, in both directions |
+//! | `differences` | between two boards, key by key |
+//! | `section` | the registers of a group as a table of the file, in both directions |
+//! | `transfer` | from a board, and to it |
+//!
+//! # Contract
+//! A file that is damaged, of another version, or with a key that is unknown or missing is refused before a board is asked
+//! for anything. A backup reads back as the same numbers. A board that has been restored was compared with the file; one that
+//! refuses has what it had before.
+
+mod differences;
+mod file;
+mod section;
+mod transfer;
+
+use wire::{Configuration, Protection};
+
+use crate::bus::board::Identity;
+
+pub use file::{BackupFile, BackupFileError};
+pub use transfer::{read, restore};
+
+/// What a board has been told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Backup {
+    /// Model, gains and limits of the controller; none on a board without a model.
+    pub configuration: Option<Configuration>,
+    /// Limits of the plant.
+    pub protection: Protection,
+}
+
+/// The board that a backup is of; nothing of it is restored.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Origin {
+    /// Its number on the bus.
+    pub number: u8,
+    /// Versions, tick and scaling.
+    pub identity: Identity,
+}

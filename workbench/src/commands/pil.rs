@@ -115,6 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let mut results = json(named(), model.output.unit);
     let limits = (configuration.tracking.command_min, configuration.tracking.command_max);
     named().for_each(|(name, run)| followed::tell(name, run, limits, &mut results));
+    results["model"] = board_model::worth_json(Some(&model));
     if let Some(file) = json_file {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }

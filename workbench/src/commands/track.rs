@@ -118,6 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let mut results = results::json([(name, &run)], unit);
     let limits = (installed.tracking.command_min, installed.tracking.command_max);
     followed::tell(name, &run, limits, &mut results);
+    results["model"] = board_model::worth_json(model.as_ref());
     if let Some(file) = json {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }

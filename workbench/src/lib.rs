@@ -5,12 +5,9 @@
 //! Each command is a file in [`commands`]; it reads (strictly), works, and writes all of its outputs at the
 //! end and at once, or none. Whatever goes wrong is an [`Error`] whose message names the place.
 
-/// Prints a line for people. That nobody reads on (a closed pipe) is no reason to fail.
+/// Says a line for people ([`output::say`]).
 macro_rules! say {
-    ($($words:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($words)*);
-    }};
+    ($($words:tt)*) => { crate::output::say(format_args!($($words)*)) };
 }
 
 pub mod backup;
@@ -25,6 +22,7 @@ pub mod error;
 pub mod figures;
 pub mod holdout;
 pub mod identification;
+pub mod input;
 pub mod live;
 pub mod model_file;
 pub mod numbers;

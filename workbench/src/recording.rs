@@ -2,26 +2,37 @@
 //!
 //! | column | meaning |
 //! |---|---|
-//! | `time_s` | strictly increasing; gaps and jitter are allowed and measured ([`Timing`]) |
+//! | `time_s` | increasing; gaps and jitter are allowed and measured ([`Timing`]) |
 //! | `pressure_bar`, `command_bar` | the input, the first of them that there is, or the column that is named |
 //! | `contraction_mm` | the output, positive when the muscle shortens, or the column that is named |
 //! | `length_mm` | instead of the contraction, with the muscle's length at rest |
 //! | `valid` | 0: history of the input only, never scored; without the column every row is scored |
 //!
-//! Further columns (`load_n`, `temperature_c`, `supply_bar`, …) are read with the same strictness and not used
-//! here.
+//! Pressure, command and contraction may have another unit of the same quantity, which the model takes over; a column
+//! that a model or another recording asks for is converted to the unit that is asked for. Further columns (`load_n`,
+//! `temperature_c`, …) are looked at when they are asked for ([`Drive::beside`]).
+//!
+//! # Holes
+//! A row without a time or an input is left out: between the rows around it there is a gap. A row without an output is
+//! history of the input, and not scored.
 //!
 //! # Limits
 //! An input in bar below -1.1 or above 100 is refused: no muscle sees such a pressure, and a recording in
-//! kPa does.
+//! kPa does. So are rows that are 1 to 1000 s apart, which are milliseconds under another name, until it is said.
+
+mod selection;
 
 use std::path::{Path, PathBuf};
 
 use crate::figures::{Figures, stroke};
 use crate::identification::Problem;
-use crate::model_file::{ModelFile, Source};
+use crate::model_file::Source;
+use crate::table::clock::increasing;
+use crate::table::naming::Naming;
+use crate::table::rows::{Rows, fill, holes};
 use crate::table::{DataError, DataProblem, Place, Table, VALID};
-use crate::unit::Channel;
+use crate::unit::{Channel, Unit};
+use selection::Times;
 
 /// The column of times.
 pub const TIME: &str = "time_s";
@@ -45,17 +56,29 @@ pub struct Choice {
     pub rest_length_mm: Option<f64>,
     /// The valve's range, checked if given. Unit: that of the input.
     pub input_range: Option<(f64, f64)>,
+    /// What is said of the file's columns.
+    pub naming: Naming,
+    /// Whether what would have to be mended is refused.
+    pub is_strict: bool,
+    /// Whether rows may be far apart: points of a reference, with straight lines between them.
+    pub may_be_sparse: bool,
 }
 
 impl Choice {
-    /// The columns that a model was identified with.
-    pub fn of_model(model: &ModelFile, rest_length_mm: Option<f64>) -> Self {
-        Self {
-            input: Some(model.input.name.clone()),
-            output: Some(model.output.name.clone()),
-            rest_length_mm,
-            input_range: None,
-        }
+    /// The columns of a model or another recording, whatever else is chosen.
+    pub fn like(self, input: &Channel, output: &Channel) -> Self {
+        let naming = Naming { known: vec![input.clone(), output.clone()], ..self.naming };
+        Self { input: Some(input.name.clone()), output: Some(output.name.clone()), naming, ..self }
+    }
+
+    /// Reads a table, and names its columns; `-` is standard input.
+    ///
+    /// # Errors
+    /// The file is no table, or lacks a column that is named.
+    pub fn table(&self, file: &Path) -> Result<Table, DataError> {
+        let mut table = Table::read(file)?;
+        table.name(&self.naming)?;
+        Ok(table)
     }
 }
 
@@ -96,6 +119,10 @@ pub struct Drive {
     pub input: Series,
     /// Which rows are scored; at least one is.
     pub scored: Vec<bool>,
+    /// What was done to read it, a sentence each.
+    pub notes: Vec<String>,
+    /// The table's rows that it is made of.
+    pub rows: Rows,
 }
 
 /// A recording to learn from or to compare with.
@@ -108,12 +135,12 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Reads a recording with its output.
+    /// Reads a recording with its output; `-` is standard input.
     ///
     /// # Errors
     /// The file is no table ([`Table::read`]), lacks a column, or breaks the module's contract.
     pub fn read(path: &Path, choice: &Choice) -> Result<Self, DataError> {
-        Self::of(&Table::read(path)?, choice)
+        Self::of(&choice.table(path)?, choice)
     }
 
     /// Takes a recording from a table.
@@ -121,7 +148,9 @@ impl Recording {
     /// # Errors
     /// The table lacks a column, or breaks the module's contract.
     pub fn of(table: &Table, choice: &Choice) -> Result<Self, DataError> {
-        Ok(Self { drive: Drive::of(table, choice)?, output: output(table, choice)? })
+        let mut drive = Drive::of(table, choice)?;
+        let output = drive.measured(table, choice)?;
+        Ok(Self { drive, output })
     }
 
     /// What is to be identified.
@@ -155,24 +184,132 @@ impl Drive {
     /// Takes times, input and validity from a table.
     ///
     /// # Errors
-    /// A column is missing; time does not increase; an input is outside its range; a `valid` is neither 0
-    /// nor 1, or none is 1.
+    /// A column is missing; time goes back; an input is outside its range; a `valid` is neither 0 nor 1, or none is 1.
     pub fn of(table: &Table, choice: &Choice) -> Result<Self, DataError> {
-        let (_, time_s) = table.first_column(&[TIME])?;
-        check_times(table, time_s)?;
-        let input = match &choice.input {
-            Some(name) => series(table, &[name])?,
-            None => series(table, &INPUTS)?,
+        let times = Times::of(table)?;
+        let chosen = selection::input(table, choice)?;
+        let values = table.numbers(chosen.index)?.numbers;
+        let rows = Rows::whole(&[&times.seconds, values]);
+        let mut notes = table.notes().to_vec();
+        notes.extend(times.note.clone());
+        notes.extend(chosen.note());
+        notes.extend(selection::left_out(table, &[(&times.seconds, times.column), (values, &chosen.column)]));
+        let stamps_s = rows.take(&times.seconds);
+        if stamps_s.is_empty() {
+            let problem = DataProblem::NoWholeRow(chosen.column.clone());
+            return Err(Place::file(table.file()).error(problem));
+        }
+        let at_time = |row: usize| table.place(rows.source(row), times.column);
+        let goes_back = |row: usize| {
+            let before = rows.source(row - 1);
+            let (previous, value) = (times.seconds[before], times.seconds[rows.source(row)]);
+            at_time(row).error(DataProblem::TimeGoesBack { value, previous })
         };
-        check_input(table, &input, choice)?;
-        Ok(Self {
+        let first_s = stamps_s[0];
+        let count = stamps_s.len();
+        let found = increasing(stamps_s).map_err(goes_back)?;
+        if found.time_s.len() == 1 && count > 1 {
+            return Err(at_time(0).error(DataProblem::TimeStands(first_s)));
+        }
+        notes.extend(found.note);
+        let timing = Timing::of(&found.time_s);
+        if !choice.may_be_sparse {
+            times.check_step(table, &timing)?;
+        }
+        let rows = rows.brought_together(found.begins);
+        let input = chosen.series(rows.take(values));
+        check_input(table, &input, choice, &rows)?;
+        let scored = scored(table, &rows, found.time_s.len())?;
+        notes.extend(selection::not_used(table, times.index));
+        let drive = Self {
             file: table.file().to_owned(),
             sha256: table.sha256().to_owned(),
-            timing: Timing::of(time_s),
-            time_s: time_s.to_vec(),
+            timing,
+            time_s: found.time_s,
             input,
-            scored: scored(table, time_s.len())?,
-        })
+            scored,
+            notes,
+            rows,
+        };
+        drive.check_strictly(table, choice)?;
+        Ok(drive)
+    }
+
+    /// Takes the measured output from the same table; rows without one are no longer scored.
+    ///
+    /// # Errors
+    /// There is no such column; `length_mm` alone, without a rest length; no row that is scored has a value.
+    pub fn measured(&mut self, table: &Table, choice: &Choice) -> Result<Series, DataError> {
+        let (chosen, rest_length_mm) = selection::output(table, choice)?;
+        let mut series = chosen.series(self.rows.take(table.numbers(chosen.index)?.numbers));
+        self.notes.extend(chosen.note());
+        let missing = holes(&series.values);
+        let count: usize = missing.iter().map(ExactSizeIterator::len).sum();
+        missing.into_iter().flatten().for_each(|row| self.scored[row] = false);
+        if !self.scored.contains(&true) {
+            return Err(table.heading_place(chosen.index).error(DataProblem::NoValue));
+        }
+        if count > 0 {
+            self.notes.push(format!(
+                "{count} rows without a value of {} are history of the input only, and are not scored",
+                chosen.column
+            ));
+            fill(&self.time_s, &mut series.values);
+        }
+        if let Some(rest_length_mm) = rest_length_mm {
+            series.channel.name = CONTRACTION.to_owned();
+            series.values.iter_mut().for_each(|length_mm| *length_mm = rest_length_mm - *length_mm);
+        }
+        self.check_strictly(table, choice)?;
+        Ok(series)
+    }
+
+    /// A column beside input and output, in this unit, and what was done to it; `None` if there is no such column.
+    ///
+    /// # Errors
+    /// A field is no number; values are missing, but not as in a column that is sampled more slowly.
+    pub fn beside(
+        &self,
+        table: &Table,
+        name: &str,
+        unit: Unit,
+    ) -> Result<Option<(Vec<f64>, Option<String>)>, DataError> {
+        let found = table.find(name).ok().flatten();
+        let Some(found) = found.filter(|found| found.unit.quantity() == unit.quantity()) else {
+            return Ok(None);
+        };
+        let source = table.numbers(found.index)?.numbers;
+        let convert = |value: f64| found.unit.convert(value, unit).unwrap_or(value);
+        let mut values: Vec<f64> = self.rows.take(source).into_iter().map(convert).collect();
+        let missing = holes(&values);
+        if missing.is_empty() {
+            return Ok(Some((values, None)));
+        }
+        if !selection::is_sampled_slowly(&values) {
+            let row = source.iter().position(|value| value.is_nan()).unwrap_or(0);
+            return Err(table.place(row, &found.name).error(DataProblem::Hole));
+        }
+        fill(&self.time_s, &mut values);
+        let note =
+            format!("{} is sampled more slowly: straight lines were put between its values", found.name);
+        Ok(Some((values, Some(note))))
+    }
+
+    /// Tells the user what was done to read it.
+    pub fn announce(&self) {
+        for note in &self.notes {
+            eprintln!("note: {}: {note}", crate::input::name(&self.file));
+        }
+    }
+
+    fn check_strictly(&self, table: &Table, choice: &Choice) -> Result<(), DataError> {
+        if !choice.is_strict {
+            return Ok(());
+        }
+        match self.notes.first() {
+            Some(note) => Err(Place::file(&self.file).error(DataProblem::Mended(note.clone()))),
+            None => table.strictly(),
+        }
     }
 }
 
@@ -187,49 +324,8 @@ impl Timing {
     }
 }
 
-/// The measured output of a table.
-///
-/// # Errors
-/// There is no such column; `length_mm` alone, without a rest length.
-pub fn output(table: &Table, choice: &Choice) -> Result<Series, DataError> {
-    let name = choice.output.as_deref().unwrap_or(CONTRACTION);
-    let rest_length_mm = match choice.rest_length_mm {
-        Some(rest_length_mm) if name == CONTRACTION => rest_length_mm,
-        None if name == CONTRACTION && table.column(name).is_none() && table.column(LENGTH).is_some() => {
-            let place = Place { column: Some(LENGTH.to_owned()), ..Place::file(table.file()) };
-            return Err(place.error(DataProblem::NoRestLength));
-        }
-        _ => return series(table, &[name]),
-    };
-    let length = series(table, &[LENGTH])?;
-    Ok(Series {
-        channel: Channel { name: CONTRACTION.to_owned(), ..length.channel },
-        values: length.values.iter().map(|length_mm| rest_length_mm - length_mm).collect(),
-    })
-}
-
-fn series(table: &Table, names: &[&str]) -> Result<Series, DataError> {
-    let (name, values) = table.first_column(names)?;
-    // Only `valid` has no unit: the header was checked.
-    let channel = Channel::of_column(name).ok_or_else(|| {
-        let column = Some(name.to_owned());
-        Place { column, ..Place::file(table.file()) }.error(DataProblem::UnknownUnit)
-    })?;
-    Ok(Series { channel, values: values.to_vec() })
-}
-
-fn check_times(table: &Table, time_s: &[f64]) -> Result<(), DataError> {
-    match time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
-        None => Ok(()),
-        Some(row) => {
-            let (previous, value) = (time_s[row], time_s[row + 1]);
-            Err(table.place(row + 1, TIME).error(DataProblem::TimeNotIncreasing { value, previous }))
-        }
-    }
-}
-
-fn check_input(table: &Table, input: &Series, choice: &Choice) -> Result<(), DataError> {
-    let plausible = (input.channel.unit.suffix() == "bar").then_some(PLAUSIBLE_BAR);
+fn check_input(table: &Table, input: &Series, choice: &Choice, rows: &Rows) -> Result<(), DataError> {
+    let plausible = (input.channel.unit == Unit::BAR).then_some(PLAUSIBLE_BAR);
     let ranges = [
         (choice.input_range, "the range of --input-range"),
         (plausible, "the pressures of a muscle: is the column in kPa?"),
@@ -239,20 +335,25 @@ fn check_input(table: &Table, input: &Series, choice: &Choice) -> Result<(), Dat
         if let Some(row) = input.values.iter().position(|value| !(min..=max).contains(value)) {
             let (value, unit) = (input.values[row], input.channel.unit);
             let problem = DataProblem::OutOfRange { value, min, max, unit, why };
-            return Err(table.place(row, &input.channel.name).error(problem));
+            return Err(table.place(rows.source(row), &input.channel.name).error(problem));
         }
     }
     Ok(())
 }
 
-fn scored(table: &Table, rows: usize) -> Result<Vec<bool>, DataError> {
-    let Some(flags) = table.column(VALID) else { return Ok(vec![true; rows]) };
+/// Which of the recording's rows are scored: those whose table's rows are all valid.
+fn scored(table: &Table, rows: &Rows, count: usize) -> Result<Vec<bool>, DataError> {
+    let Some(index) = table.flags()? else { return Ok(vec![true; count]) };
+    let flags = table.numbers(index)?.numbers;
     if let Some(row) = flags.iter().position(|flag| ![0.0, 1.0].contains(flag)) {
-        return Err(table.place(row, VALID).error(DataProblem::NotAFlag { value: flags[row] }));
+        let value = flags[row];
+        let problem = if value.is_nan() { DataProblem::Hole } else { DataProblem::NotAFlag { value } };
+        return Err(table.place(row, VALID).error(problem));
     }
-    if !flags.contains(&1.0) {
+    let scored: Vec<bool> = rows.take(flags).into_iter().map(|flag| flag >= 1.0).collect();
+    if !scored.contains(&true) {
         let place = Place { column: Some(VALID.to_owned()), ..Place::file(table.file()) };
         return Err(place.error(DataProblem::NoValidRow));
     }
-    Ok(flags.iter().map(|&flag| flag == 1.0).collect())
+    Ok(scored)
 }

@@ -15,20 +15,25 @@ use crate::Error;
 use crate::model_file::ModelFile;
 use crate::recording::{Drive, TIME};
 use crate::table::{DataProblem, Table};
+use crate::unit::Unit;
 
 /// The model's output for every row.
 ///
 /// # Errors
 /// A column that an extension needs is missing; rows too near each other for a delay.
 pub fn simulate(model: &ModelFile, table: &Table, drive: &Drive) -> Result<Vec<f64>, Error> {
-    let column = |needed: bool, name| match needed {
-        true => table.first_column(&[name]).map(|(_, values)| Some(values)),
+    let column = |needed: bool, name, unit| match needed {
+        true => {
+            let found = drive.beside(table, name, unit)?;
+            found.map(|(values, _)| Some(values)).ok_or_else(|| table.missing(name, String::new()))
+        }
         false => Ok(None),
     };
-    let load = column(model.extensions.load.is_some(), "load_n")?;
-    let temperature = column(model.extensions.temperature.is_some(), "temperature_c")?;
+    let load = column(model.extensions.load.is_some(), "load_n", Unit::N)?;
+    let temperature = column(model.extensions.temperature.is_some(), "temperature_c", Unit::CELSIUS)?;
+    let (load, temperature) = (load.as_deref(), temperature.as_deref());
     let rows = Rows { time_s: &drive.time_s, input: &drive.input.values, load, temperature };
-    let refuse = |(row, error)| table.place(row, TIME).error(DataProblem::Refused(error));
+    let refuse = |(row, error)| table.place(drive.rows.source(row), TIME).error(DataProblem::Refused(error));
     Ok(rows.answer(&model.extended()?).map_err(refuse)?)
 }
 

@@ -41,21 +41,31 @@ fn a_doubled_column_is_refused() {
 
 #[test]
 fn an_unknown_unit_is_refused_with_the_known_ones() {
-    let message = refusal("# psi\ntime_s,pressure_psi,contraction_mm\n0,1,2\n", "--input pressure_psi");
-    let start = "rec.csv, line 2, column pressure_psi: the name does not end in a known unit; known are _s,";
+    let message = refusal("# x\ntime_s,pressure_x,contraction_mm\n0,1,2\n", "--input pressure_x");
+    let start = "rec.csv, line 2, column pressure_x: the name does not end in a known unit; say it by --units pressure_x=UNIT; \
+                 known are _s,";
     assert!(message.starts_with(start) && message.contains("_bar"), "{message}");
 }
 
 #[test]
-fn a_name_in_upper_case_is_refused() {
-    let message = refusal("Time_s,pressure_bar,contraction_mm\n0,1,2\n", "");
-    assert_eq!(message, "rec.csv, line 1, column Time_s: the name is not in lower case");
+fn strictly_a_name_in_upper_case_is_refused() {
+    let message = refusal("Time_s,pressure_bar,contraction_mm\n0,1,2\n", "--strict");
+    assert_eq!(
+        message,
+        "rec.csv, line 1, column Time_s: --strict refuses what would have to be mended: \
+         Time_s is not a name in small letters with its unit"
+    );
 }
 
 #[test]
-fn another_separator_is_named() {
-    let message = refusal("time_s;pressure_bar;contraction_mm\n0;1;2\n", "");
-    assert_eq!(message, "rec.csv, line 1: the header is separated by `;`; fields are separated by commas");
+fn commas_that_separate_fields_and_decimals_are_refused() {
+    let message = refusal("time_s,pressure_bar,contraction_mm\n0,0,-0,0004,0,0612\n", "");
+    assert!(
+        message.starts_with(
+            "rec.csv, line 2: 6 fields where the header has 3: decimal commas split the numbers; export"
+        ),
+        "{message}"
+    );
 }
 
 #[test]
@@ -63,27 +73,35 @@ fn a_field_that_is_no_number_is_shown_with_its_line() {
     let message = refusal(format!("{HEADER}0,1,2\n# comment\n\n1,two,3\n"), "");
     assert_eq!(message, "rec.csv, line 5, column pressure_bar: `two` is not a number");
     let message = refusal(format!("{HEADER}0,1,\n"), "");
-    assert_eq!(message, "rec.csv, line 2, column contraction_mm: `` is not a number");
+    assert_eq!(
+        message,
+        "rec.csv, line 1, column contraction_mm: the column has no value in the rows that are scored"
+    );
 }
 
 #[test]
-fn nan_and_infinity_are_refused() {
-    for value in ["NaN", "inf", "-Infinity", "1e999"] {
+fn infinity_is_refused_and_strictly_what_is_missing() {
+    let message = refusal(format!("{HEADER}0,1,2\n1,1,NaN\n"), "--strict");
+    assert!(message.contains("--strict refuses") && message.contains("1 rows without a value"), "{message}");
+    for value in ["inf", "-Infinity", "1e999"] {
         let message = refusal(format!("{HEADER}0,1,2\n1,1,{value}\n"), "");
         assert_eq!(message, format!("rec.csv, line 3, column contraction_mm: `{value}` is not finite"));
     }
 }
 
 #[test]
-fn time_that_does_not_increase_is_refused() {
-    let message = refusal(format!("{HEADER}0,1,2\n0.5,1,2\n0.5,1,2\n"), "");
-    assert_eq!(message, "rec.csv, line 4, column time_s: time does not increase: 0.5 s follows 0.5 s");
+fn time_that_goes_back_is_refused() {
+    let message = refusal(format!("{HEADER}0,1,2\n0.5,1,2\n0.25,1,2\n"), "");
+    assert!(
+        message.starts_with("rec.csv, line 4, column time_s: time goes back: 0.25 s follows 0.5 s"),
+        "{message}"
+    );
 }
 
 #[test]
 fn a_ragged_row_is_refused() {
-    let message = refusal(format!("{HEADER}0,1,2\n1,1\n"), "");
-    assert_eq!(message, "rec.csv, line 3: 2 fields where the header has 3");
+    let message = refusal(format!("{HEADER}0,1,2\n1,1\n2,1,2\n"), "");
+    assert_eq!(message, "rec.csv, line 3, column contraction_mm: 2 fields where the header has 3");
 }
 
 #[test]
@@ -95,7 +113,7 @@ fn fewer_rows_than_parameters_are_refused() {
 
 #[test]
 fn a_constant_input_is_refused() {
-    let constant: String = (0..50).map(|i| format!("{i},2.5,{i}\n")).collect();
+    let constant: String = (0..50).map(|i| format!("{},2.5,{i}\n", 0.1 * f64::from(i))).collect();
     let message = refusal(format!("{HEADER}{constant}"), "");
     assert!(
         message.starts_with("rec.csv, pressure_bar to contraction_mm: the input is constant (2.5)"),
@@ -132,7 +150,7 @@ fn files_without_a_row_are_refused() {
 #[test]
 fn binary_files_are_refused_at_their_first_foreign_byte() {
     assert_eq!(refusal(b"time_s\0", ""), "rec.csv: not a text file: byte 6 is a NUL");
-    assert_eq!(refusal(b"\x89PNG", ""), "rec.csv: not a text file: byte 0 is not UTF-8");
+    assert_eq!(refusal(b"\x89PNG\r\n\x1a\n", ""), "rec.csv: not a text file: byte 0 is not UTF-8");
 }
 
 #[test]

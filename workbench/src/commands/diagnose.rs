@@ -18,7 +18,6 @@ use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
 use crate::recording::{Choice, Recording};
 use crate::report::diagnosed;
-use crate::table::Table;
 use crate::unit::Unit;
 use crate::worth::Limit;
 use crate::{Error, TOOL};
@@ -61,11 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let mut outputs = Outputs::claim(model_file.iter().chain(report).chain(json), &inputs, arguments.force)?;
     let given = model.as_ref().map(|model| ModelFile::read(model)).transpose()?;
     let choice = match &given {
-        Some(given) => Choice {
-            input: Some(given.input.name.clone()),
-            output: Some(given.output.name.clone()),
-            ..arguments.columns.choice()
-        },
+        Some(given) => arguments.columns.choice().like(&given.input, &given.output),
         None => arguments.columns.choice(),
     };
     let (columns, recording) = read(file, &choice)?;
@@ -146,15 +141,26 @@ fn to_file(
 /// # Errors
 /// The recording is not what it should be.
 pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error> {
-    let table = Table::read(file)?;
+    let table = choice.table(file)?;
     let mut recording = Recording::of(&table, choice)?;
+    let mut notes = Vec::new();
+    let mut column = |name: &str, unit: Unit| match recording.drive.beside(&table, name, unit) {
+        Ok(found) => found.map(|(values, note)| {
+            notes.extend(note);
+            values
+        }),
+        Err(why) => {
+            notes.push(format!("{name} is not used: {why}"));
+            None
+        }
+    };
+    let (load_n, temperature_c) = (column("load_n", Unit::N), column("temperature_c", Unit::CELSIUS));
     let Recording { drive, output } = &recording;
-    let column = |name: &str| table.column(name).map(<[f64]>::to_vec);
     let input_is_command = drive.input.channel.name.starts_with("command");
     let columns = Columns {
-        command: if input_is_command { None } else { column("command_bar") },
-        load_n: column("load_n"),
-        temperature_c: column("temperature_c"),
+        command: if input_is_command { None } else { column("command_bar", drive.input.channel.unit) },
+        load_n,
+        temperature_c,
         time_s: drive.time_s.clone(),
         input: drive.input.values.clone(),
         input_is_command,
@@ -164,6 +170,8 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
     }
     .with_known_past();
     recording.drive.scored.clone_from(&columns.scored);
+    recording.drive.notes.extend(notes);
+    recording.drive.announce();
     Ok((columns, recording))
 }
 

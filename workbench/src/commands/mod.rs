@@ -17,6 +17,7 @@ pub mod pil;
 pub mod plan;
 mod plant;
 mod port;
+mod reading;
 pub mod report;
 pub mod restore;
 mod search;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::reading::Reading;
 use crate::Error;
 use crate::identification;
 use crate::model_file::ModelFile;
@@ -31,6 +32,8 @@ pub struct Arguments {
     /// The muscle's length at rest in mm, if the recording has length_mm
     #[arg(long, value_name = "MM")]
     rest_length: Option<f64>,
+    #[command(flatten)]
+    reading: Reading,
     /// Overwrite an existing report
     #[arg(long)]
     force: bool,
@@ -47,7 +50,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         arguments.force,
     )?;
     let model = ModelFile::read(&arguments.model)?;
-    let recording = Recording::read(&arguments.recording, &Choice::of_model(&model, arguments.rest_length))?;
+    let choice = Choice { rest_length_mm: arguments.rest_length, ..arguments.reading.choice() };
+    let recording = Recording::read(&arguments.recording, &choice.like(&model.input, &model.output))?;
+    recording.drive.announce();
     let log = Table::read(&arguments.log)?;
     let tracking = Tracking::of_log(&log)?;
     let simulated = identification::simulate(&model.model, &recording.drive.input.values);

@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::reading::Reading;
 use crate::Error;
 use crate::identification::IdentificationError;
 use crate::recording::{Choice, Recording};
@@ -25,6 +26,8 @@ pub struct Columns {
     /// Range of the input (of the valve, say), in its unit; a value outside is refused
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     input_range: Option<(f64, f64)>,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 /// How much is searched.
@@ -49,16 +52,13 @@ impl Columns {
             output: self.output.clone(),
             rest_length_mm: self.rest_length,
             input_range: self.input_range,
+            ..self.reading.choice()
         }
     }
 
     /// The same columns as those of a recording, also where the choice was left open and another file offers others.
     pub fn choice_of(&self, recording: &Recording) -> Choice {
-        Choice {
-            input: Some(recording.drive.input.channel.name.clone()),
-            output: Some(recording.output.channel.name.clone()),
-            ..self.choice()
-        }
+        self.choice().like(&recording.drive.input.channel, &recording.output.channel)
     }
 
     /// Reads a recording and another one that models are tried on.
@@ -74,6 +74,7 @@ impl Columns {
         let training = Recording::read(training, &choice)?;
         let choice = self.choice_of(&training);
         let heldout = heldout.map(|file| Recording::read(file, &choice)).transpose()?;
+        [Some(&training), heldout.as_ref()].into_iter().flatten().for_each(|it| it.drive.announce());
         Ok((training, heldout))
     }
 }

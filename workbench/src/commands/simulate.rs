@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::reading::Reading;
 use crate::Error;
 use crate::figures::{Figures, stroke};
 use crate::model_file::ModelFile;
 use crate::output::Outputs;
-use crate::recording::{self, Choice, Drive, Series, TIME};
+use crate::recording::{Choice, Drive, Series, TIME};
 use crate::simulation;
-use crate::table::Table;
 use crate::unit::Channel;
 
 /// Simulates a model with its extensions, from rest, with the input of a recording.
@@ -28,6 +28,8 @@ pub struct Arguments {
     /// The muscle's length at rest in mm, if the recording has length_mm
     #[arg(long, value_name = "MM")]
     rest_length: Option<f64>,
+    #[command(flatten)]
+    reading: Reading,
     /// Overwrite an existing output
     #[arg(long)]
     force: bool,
@@ -41,11 +43,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let mut outputs =
         Outputs::claim([&arguments.output], &[&arguments.model, &arguments.input], arguments.force)?;
     let model = ModelFile::read(&arguments.model)?;
-    let choice = Choice::of_model(&model, arguments.rest_length);
-    let table = Table::read(&arguments.input)?;
-    let drive = Drive::of(&table, &choice)?;
-    let is_measured = table.column(&model.output.name).is_some() || arguments.rest_length.is_some();
-    let measured = is_measured.then(|| recording::output(&table, &choice)).transpose()?;
+    let choice = Choice { rest_length_mm: arguments.rest_length, ..arguments.reading.choice() };
+    let choice = choice.like(&model.input, &model.output);
+    let table = choice.table(&arguments.input)?;
+    let mut drive = Drive::of(&table, &choice)?;
+    let is_measured = table.find(&model.output.name)?.is_some() || arguments.rest_length.is_some();
+    let measured = is_measured.then(|| drive.measured(&table, &choice)).transpose()?;
+    drive.announce();
     let simulated = simulation::simulate(&model, &table, &drive)?;
 
     let text = csv(&drive, &model.output, &simulated, measured.as_ref());

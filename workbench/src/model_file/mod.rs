@@ -26,7 +26,6 @@ mod read;
 pub(crate) mod section;
 pub(crate) mod write;
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -36,6 +35,7 @@ use thiserror::Error;
 
 use crate::figures::Figures;
 use crate::identification::{Density, HostExtendedModel, HostModel, HostParameters};
+use crate::input;
 use crate::unit::Channel;
 use crate::worth::Limit;
 use names::Names;
@@ -119,7 +119,7 @@ pub struct Source {
 
 /// What is wrong with a model file.
 #[derive(Debug, Error)]
-#[error("{}{problem}", file.display())]
+#[error("{}{problem}", input::name(file))]
 pub struct ModelFileError {
     file: PathBuf,
     problem: Problem,
@@ -147,7 +147,7 @@ impl ModelFile {
     /// See the module's design.
     pub fn read(path: &Path) -> Result<Self, ModelFileError> {
         let refuse = |problem| ModelFileError { file: path.to_owned(), problem };
-        Self::parse(path, &fs::read_to_string(path).map_err(|error| refuse(error.into()))?)
+        Self::parse(path, &input::text(path).map_err(|error| refuse(error.into()))?)
     }
 
     /// Reads the contents of a model file; `file` is its name in messages.

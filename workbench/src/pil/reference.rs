@@ -22,6 +22,8 @@ pub struct Reference {
     values: Vec<f64>,
     rate_hz: f64,
     ticks: usize,
+    /// What was done to read it, a sentence each.
+    notes: Vec<String>,
 }
 
 impl Reference {
@@ -30,7 +32,11 @@ impl Reference {
     /// # Errors
     /// The file is no table, lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
     pub fn read(file: &Path, rate_hz: f64) -> Result<Self, PilError> {
-        Self::of(&Table::read(file)?, COLUMN, rate_hz)
+        let reference = Self::of(&Table::read(file)?, COLUMN, rate_hz)?;
+        for note in &reference.notes {
+            eprintln!("note: {}: {note}", crate::input::name(file));
+        }
+        Ok(reference)
     }
 
     /// Takes a column of a table.
@@ -38,15 +44,15 @@ impl Reference {
     /// # Errors
     /// The table lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
     pub fn of(table: &Table, column: &str, rate_hz: f64) -> Result<Self, PilError> {
-        let choice = Choice { input: Some(column.to_owned()), ..Choice::default() };
-        let Drive { file, time_s, input, .. } = Drive::of(table, &choice)?;
+        let choice = Choice { input: Some(column.to_owned()), may_be_sparse: true, ..Choice::default() };
+        let Drive { file, time_s, input, notes, .. } = Drive::of(table, &choice)?;
         // A table has at least one row. The margin is for a last tick that rounding puts behind the last row.
         let duration_s = time_s[time_s.len() - 1] - time_s[0];
         let ticks = (duration_s * rate_hz + 1e-6).floor() + 1.0;
         if ticks > MOST_TICKS as f64 {
             return Err(PilError::TooLong { file, ticks });
         }
-        Ok(Self { time_s, values: input.values, rate_hz, ticks: ticks as usize })
+        Ok(Self { time_s, values: input.values, rate_hz, ticks: ticks as usize, notes })
     }
 
     /// Number of ticks, at least 1.

@@ -125,6 +125,15 @@ pub struct Drive {
     pub rows: Rows,
 }
 
+/// A column beside input and output.
+#[derive(Clone, Debug)]
+pub struct Beside {
+    /// A value a row.
+    pub values: Vec<f64>,
+    /// What was done to read it.
+    pub note: Option<String>,
+}
+
 /// A recording to learn from or to compare with.
 #[derive(Clone, Debug)]
 pub struct Recording {
@@ -264,16 +273,11 @@ impl Drive {
         Ok(series)
     }
 
-    /// A column beside input and output, in this unit, and what was done to it; `None` if there is no such column.
+    /// A column beside input and output, in this unit; `None` if there is no such column.
     ///
     /// # Errors
     /// A field is no number; values are missing, but not as in a column that is sampled more slowly.
-    pub fn beside(
-        &self,
-        table: &Table,
-        name: &str,
-        unit: Unit,
-    ) -> Result<Option<(Vec<f64>, Option<String>)>, DataError> {
+    pub fn beside(&self, table: &Table, name: &str, unit: Unit) -> Result<Option<Beside>, DataError> {
         let found = table.find(name).ok().flatten();
         let Some(found) = found.filter(|found| found.unit.quantity() == unit.quantity()) else {
             return Ok(None);
@@ -283,7 +287,7 @@ impl Drive {
         let mut values: Vec<f64> = self.rows.take(source).into_iter().map(convert).collect();
         let missing = holes(&values);
         if missing.is_empty() {
-            return Ok(Some((values, None)));
+            return Ok(Some(Beside { values, note: None }));
         }
         if !selection::is_sampled_slowly(&values) {
             let row = source.iter().position(|value| value.is_nan()).unwrap_or(0);
@@ -292,7 +296,7 @@ impl Drive {
         fill(&self.time_s, &mut values);
         let note =
             format!("{} is sampled more slowly: straight lines were put between its values", found.name);
-        Ok(Some((values, Some(note))))
+        Ok(Some(Beside { values, note: Some(note) }))
     }
 
     /// Tells the user what was done to read it.
@@ -333,7 +337,7 @@ fn check_input(table: &Table, input: &Series, choice: &Choice, rows: &Rows) -> R
     for (range, why) in ranges {
         let Some((min, max)) = range else { continue };
         if let Some(row) = input.values.iter().position(|value| !(min..=max).contains(value)) {
-            let (value, unit) = (input.values[row], input.channel.unit);
+            let (value, unit) = (input.values[row], input.channel.unit.symbol());
             let problem = DataProblem::OutOfRange { value, min, max, unit, why };
             return Err(table.place(rows.source(row), &input.channel.name).error(problem));
         }

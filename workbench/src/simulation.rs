@@ -25,7 +25,7 @@ pub fn simulate(model: &ModelFile, table: &Table, drive: &Drive) -> Result<Vec<f
     let column = |needed: bool, name, unit| match needed {
         true => {
             let found = drive.beside(table, name, unit)?;
-            found.map(|(values, _)| Some(values)).ok_or_else(|| table.missing(name, String::new()))
+            found.map(|found| Some(found.values)).ok_or_else(|| table.missing(name, String::new()))
         }
         false => Ok(None),
     };

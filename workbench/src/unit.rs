@@ -169,6 +169,11 @@ impl Unit {
         self.suffix
     }
 
+    /// As people write it: `kPa`.
+    pub fn symbol(self) -> &'static str {
+        self.symbol
+    }
+
     /// What it measures.
     pub fn quantity(self) -> Quantity {
         self.quantity

@@ -145,9 +145,9 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
     let mut recording = Recording::of(&table, choice)?;
     let mut notes = Vec::new();
     let mut column = |name: &str, unit: Unit| match recording.drive.beside(&table, name, unit) {
-        Ok(found) => found.map(|(values, note)| {
-            notes.extend(note);
-            values
+        Ok(found) => found.map(|found| {
+            notes.extend(found.note);
+            found.values
         }),
         Err(why) => {
             notes.push(format!("{name} is not used: {why}"));

@@ -54,7 +54,7 @@ impl<'a> Times<'a> {
         };
         let in_seconds = |value: f64| unit.convert(value, Unit::S);
         let Some(first_s) = in_seconds(first) else {
-            let problem = DataProblem::OtherQuantity { found: "a time".to_owned(), is: unit };
+            let problem = DataProblem::OtherQuantity { found: "a time", is: unit.symbol() };
             return Err(table.heading_place(index).error(problem));
         };
         let is_since_1970 = (EPOCH_S..EPOCH_END_S).contains(&first_s);

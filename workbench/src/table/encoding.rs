@@ -47,7 +47,7 @@ fn utf_8(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<String>), DataProblem> {
     // What has control characters is no text in any encoding.
     let is_control = |byte: &u8| *byte < b' ' && !matches!(byte, b'\t' | b'\r' | b'\n') || *byte == 0x7f;
     match WINDOWS_1252.decode_without_bom_handling_and_without_replacement(bytes) {
-        Some(text) if !bytes.iter().any(|byte| is_control(byte)) => {
+        Some(text) if !bytes.iter().any(is_control) => {
             Ok((text, Some("the file is not UTF-8 and was read as Windows-1252".to_owned())))
         }
         _ => Err(DataProblem::NotUtf8 { offset }),

@@ -85,9 +85,9 @@ pub enum DataProblem {
     #[error(
         "the name says {name}, the row of units {row}; --units {column}={name} or --units {column}={row}"
     )]
-    TwoUnits { column: String, name: Unit, row: Unit },
+    TwoUnits { column: String, name: &'static str, row: &'static str },
     #[error("{found} was meant, but the unit is {is}")]
-    OtherQuantity { found: String, is: Unit },
+    OtherQuantity { found: &'static str, is: &'static str },
     #[error("the column appears twice")]
     DoubledColumn,
     #[error("no column {wanted}; the file has {present}{cure}")]
@@ -143,5 +143,5 @@ pub enum DataProblem {
     #[error("--strict refuses what would have to be mended: {0}")]
     Mended(String),
     #[error("{value} {unit} is outside {min} to {max} {unit}, {why}")]
-    OutOfRange { value: f64, min: f64, max: f64, unit: Unit, why: &'static str },
+    OutOfRange { value: f64, min: f64, max: f64, unit: &'static str, why: &'static str },
 }

@@ -184,7 +184,7 @@ impl Table {
         let column = heading.shown();
         let problem = match (heading.unit, heading.other) {
             (Some(Meaning::Known(name)), Some(row)) => {
-                DataProblem::TwoUnits { column: column.to_owned(), name, row }
+                DataProblem::TwoUnits { column: column.to_owned(), name: name.symbol(), row: row.symbol() }
             }
             (Some(Meaning::Ambiguous(choices)), _) => {
                 let options: Vec<String> = choices

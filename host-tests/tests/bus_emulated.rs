@@ -11,10 +11,11 @@ use firmware::law::{extended_parameters, paper_parameters};
 use host_tests::rig;
 use libtest_mimic::{Arguments, Failed, Trial};
 use wire::registers::UPLOAD_BYTES;
-use wire::{Configuration, VERSION};
+use wire::{Configuration, Protection, VERSION};
 use workbench::child::Stop;
 use workbench::emulator::line::Line;
 use workbench::emulator::{Emulator, image, real_time};
+use workbench::pil::lock_step::protect;
 
 /// The environment variable that names the Python which has the clients.
 const VARIABLE: &str = "MGPI_BUS_PYTHON";
@@ -56,6 +57,8 @@ fn clients() -> Result<(), Failed> {
     }
     let stop = Stop::default();
     let (mut board, bus) = Emulator::start_with_bus(&image::find(None)?, &stop)?;
+    // The clients are silent for longer than a board with a muscle bears.
+    protect(&mut board, Protection::SIMULATED)?;
     let _line = Line::open(&port, bus)?;
     thread::scope(|scope| {
         let running =

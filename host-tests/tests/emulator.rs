@@ -8,12 +8,12 @@ use firmware::law::extended_parameters;
 use host_tests::{HostBoard, configuration, identified, raised_cosines, rig, run};
 use libtest_mimic::{Arguments, Failed, Trial};
 use model_core::{Kind, Mode, ModelParameters, Surroundings, paper};
-use wire::{Configuration, VERSION};
+use wire::{Configuration, Protection, VERSION};
 use workbench::child::Stop;
 use workbench::emulator::{Emulator, image};
 use workbench::identification::{CONVERGED, Loss, Options, Weights};
 use workbench::pil::PilError;
-use workbench::pil::lock_step::{Measurement, Plant};
+use workbench::pil::lock_step::{Measurement, Plant, protect};
 use workbench::pil::results::log;
 
 fn main() {
@@ -44,6 +44,8 @@ fn missing() -> Option<String> {
 /// The log of the emulated firmware's run on the rig.
 fn emulated_log(configuration: &Configuration, mode: Mode, reference_mm: &[f64]) -> Result<String, Failed> {
     let mut board = Emulator::start(&image::find(None)?, &Stop::default())?;
+    // As the board on the host.
+    protect(&mut board, Protection::SIMULATED)?;
     Ok(log(&run(&mut board, &mut Measured(rig(3)), configuration, mode, reference_mm)?))
 }
 

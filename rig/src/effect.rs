@@ -23,6 +23,13 @@ macro_rules! effects {
                     $(Self::$variant => $name),+
                 }
             }
+
+            /// What it is, in a sentence.
+            pub fn words(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $doc),+
+                }
+            }
         }
     };
 }

@@ -3,7 +3,7 @@
 //! The muscle is a balance of forces ([`muscle`]), the valve a limited first-order lag ([`valve`]), the
 //! sensors add seeded noise ([`sensor`]); [`plant`] composes them, [`protocol`] drives them, [`recording`]
 //! and [`serve`] are the two ways out: a CSV file, and a dialogue line by line. All physical parameters stand
-//! in [`parameters`].
+//! in [`parameters`]; [`command`] are the commands that offer all this.
 //!
 //! Effects can be hidden in it ([`effect`], [`effects`]), each in its physical place, and what is hidden is
 //! told to those who ask ([`truth`]). A second muscle, an operator model ([`operator`]), has the same effects
@@ -17,6 +17,7 @@
 pub mod body;
 mod braid;
 mod bristle;
+pub mod command;
 mod creep;
 mod delay;
 mod draw;

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// A number of ticks that does not pass.
 pub const NEVER: u32 = u32::MAX;
 
+/// The board's tick, which the standard limits of a change from tick to tick are for. Unit: s.
+const TICK_S: f32 = 1e-3;
+
 /// The limits.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Protection {
@@ -98,4 +101,31 @@ impl Protection {
         temperature_max_c: f32::INFINITY,
         on_model_fault: OnModelFault::FeedbackOnly,
     };
+
+    /// The same limits for ticks that are `period_s` apart: what may change from one tick to the next grows with the time
+    /// between them. Limits are those of the board's tick where ticks are closer.
+    #[must_use]
+    pub fn for_period(self, period_s: f32) -> Self {
+        let longer = (period_s / TICK_S).max(1.0);
+        Self {
+            pressure_jump_bar: longer * self.pressure_jump_bar,
+            contraction_jump_mm: longer * self.contraction_jump_mm,
+            ..self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_longer_tick_may_see_larger_changes_and_no_other_limit_moves() {
+        let standard = Protection::STANDARD;
+        assert_eq!(standard.for_period(TICK_S), standard);
+        assert_eq!(standard.for_period(0.2 * TICK_S), standard);
+        let slow = standard.for_period(10.0 * TICK_S);
+        assert_eq!((slow.pressure_jump_bar, slow.contraction_jump_mm), (10.0, 100.0));
+        assert_eq!(Protection { pressure_jump_bar: 1.0, contraction_jump_mm: 10.0, ..slow }, standard);
+    }
 }

@@ -1,14 +1,15 @@
 //! A program that this one starts and ends: an emulator or a plant.
 //!
 //! # Contract
-//! It runs in a process group of its own, which ends with its owner ([`Drop`]), whatever it has started itself; a
-//! Ctrl-C of the terminal reaches only the owner. What it says on its standard error is kept.
+//! It runs in a process group of its own, which ends with its owner, whatever it has started itself: by [`Drop`], or, where
+//! the owner is killed, by a guard. A Ctrl-C of the terminal reaches only the owner. What it says on its standard error is
+//! kept.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Write};
 use std::os::unix::fs::FileExt;
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Command, ExitStatus};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -46,10 +47,34 @@ impl Stop {
     }
 }
 
+/// Waits for a line of the owner. A pipe that is closed without one is that of an owner who was killed.
+const GUARD: &str = "read line || kill -s KILL -- -$0";
+
+/// A shell that ends a group whose owner was killed.
+#[derive(Debug)]
+struct Guard(Child);
+
+impl Guard {
+    fn of(group: &Child) -> io::Result<Self> {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", GUARD, &group.id().to_string()]).stdin(Stdio::piped());
+        shell.stdout(Stdio::null()).stderr(Stdio::null()).process_group(0);
+        Ok(Self(shell.spawn()?))
+    }
+
+    /// Ends it without an effect.
+    fn dismiss(&mut self) {
+        // Fails when somebody has killed it.
+        let _ = self.0.stdin.take().map(|mut pipe| pipe.write_all(b"dismissed\n"));
+        let _ = self.0.wait();
+    }
+}
+
 /// A running program with all that it has started.
 #[derive(Debug)]
 pub struct ChildGroup {
     child: Child,
+    guard: Option<Guard>,
     messages: File,
 }
 
@@ -61,7 +86,10 @@ impl ChildGroup {
     pub fn spawn(command: &mut Command) -> io::Result<Self> {
         let messages = tempfile::tempfile()?;
         let child = command.stderr(messages.try_clone()?).process_group(0).spawn()?;
-        Ok(Self { child, messages })
+        // Whatever fails from here on, the program ends with it.
+        let mut group = Self { child, guard: None, messages };
+        group.guard = Some(Guard::of(&group.child)?);
+        Ok(group)
     }
 
     /// The program's ends of its pipes.
@@ -105,6 +133,8 @@ impl ChildGroup {
         // Fails when all have ended already.
         let _ = kill_process_group(Pid::from_child(&self.child), Signal::KILL);
         let _ = self.child.wait();
+        // Only now: nobody else can have the group's number while the program has not been waited for.
+        self.guard.take().iter_mut().for_each(Guard::dismiss);
     }
 }
 

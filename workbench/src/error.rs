@@ -14,6 +14,7 @@ use crate::identification::IdentificationError;
 use crate::live::LiveError;
 use crate::model_file::ModelFileError;
 use crate::output::OutputError;
+use crate::part::PartError;
 use crate::pil::PilError;
 use crate::plan::PlanError;
 use crate::table::DataError;
@@ -33,6 +34,12 @@ pub enum Error {
     /// An output cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// A log does not grow.
+    #[error(transparent)]
+    Part(#[from] PartError),
+    /// The simulated muscle does not do its work.
+    #[error("{0}")]
+    Rig(String),
     /// There is no firmware.
     #[error(transparent)]
     Image(#[from] ImageError),

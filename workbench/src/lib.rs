@@ -27,6 +27,7 @@ pub mod live;
 pub mod model_file;
 pub mod numbers;
 pub mod output;
+pub mod part;
 pub mod pil;
 pub mod plan;
 pub mod recording;

@@ -3,6 +3,7 @@
 mod common;
 
 use common::Bench;
+use rig::effect::Effect;
 
 const COMMANDS: [&str; 4] = ["identify", "diagnose", "pil", "completions"];
 
@@ -32,4 +33,19 @@ fn the_manual_page_has_a_section_each_command_with_its_options() {
         sections - 2,
         "all but name and version have a synopsis"
     );
+}
+
+#[test]
+fn the_effects_of_the_built_in_plant_are_in_the_help_and_no_others_are_taken() {
+    let bench = Bench::new();
+    for command in ["pil", "emulate"] {
+        let help = bench.succeeds(&format!("{command} --help"));
+        for effect in Effect::ALL {
+            assert!(help.contains(effect.name()), "{} is missing in {command}", effect.name());
+        }
+    }
+    let message = bench.refuses("emulate --port board --plant rig:gravity");
+    assert!(message.contains("no effect \"gravity\"; there are none, random"), "{message}");
+    let page = bench.succeeds("man");
+    assert!(page.contains(".SH \"MGPI RIG REFERENCE\"") && page.contains("friction_wander"), "{page}");
 }

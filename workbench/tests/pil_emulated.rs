@@ -7,15 +7,16 @@ mod common;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use common::processes::{assert_none_is_left, emulators, signal};
 use common::{Bench, PAPER};
 use libtest_mimic::{Arguments, Trial};
 use wire::{FRAME_BYTES, Receiver, Request, Response, State};
 use workbench::emulator::image;
 
 fn main() {
-    let missing = missing();
+    let missing = common::processes::missing();
     if let Some(reason) = &missing {
         println!("the tests of the firmware in the loop are skipped: {reason}");
     }
@@ -44,14 +45,6 @@ fn main() {
     libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit()
 }
 
-/// What is missing for these tests.
-fn missing() -> Option<String> {
-    if Command::new("qemu-system-arm").arg("--version").output().is_err() {
-        return Some("no qemu-system-arm; `cargo xtask setup` installs it".to_owned());
-    }
-    image::find(None).err().map(|error| error.to_string())
-}
-
 /// A muscle that takes every pressure at once and never moves.
 const STIFF: &str = "while read time command; do echo $command 10; done";
 /// Half a second.
@@ -63,7 +56,7 @@ const LONG: &str = "time_s,reference_mm\n0,0\n5000,50\n";
 fn bench(reference: &str) -> Bench {
     let bench = Bench::new();
     bench.write("model.toml", PAPER).write("ref.csv", reference);
-    fs::copy(image::find(None).expect("checked"), bench.path("firmware.elf")).expect("copied");
+    fs::copy(&*image::find(None).expect("checked"), bench.path("firmware.elf")).expect("copied");
     bench
 }
 
@@ -74,9 +67,10 @@ fn mgpi(bench: &Bench, arguments: &[&str]) -> Command {
     command
 }
 
-/// `mgpi pil` with a plant in the language of the shell.
+/// `mgpi pil` with a plant in the language of the shell, which is no muscle that the board's monitors know.
 fn pil(bench: &Bench, plant: &str, more: &[&str]) -> Command {
-    let basic = ["pil", "--model", "model.toml", "--reference", "ref.csv", "--plant-command", plant];
+    let basic =
+        ["pil", "--model", "model.toml", "--reference", "ref.csv", "--no-monitors", "--plant-command", plant];
     mgpi(bench, &[&basic, more].concat())
 }
 
@@ -93,40 +87,6 @@ fn refused(bench: &Bench, output: Output) -> String {
     assert!(!bench.path("log.csv").exists() && !bench.path("figures.json").exists(), "something was written");
     assert_none_is_left(bench);
     message
-}
-
-/// No program may be left. One that a plant had started is no child of ours: killed, it takes a moment to be gone.
-fn assert_none_is_left(bench: &Bench) {
-    let deadline = Instant::now() + Duration::from_secs(10);
-    while !processes(bench).is_empty() {
-        assert!(Instant::now() < deadline, "a program is left");
-        std::thread::sleep(Duration::from_millis(20));
-    }
-}
-
-/// The running programs that are at work in the bench's directory.
-fn processes(bench: &Bench) -> Vec<u32> {
-    let directory = fs::canonicalize(bench.path("")).expect("a directory");
-    let entries = fs::read_dir("/proc").expect("readable");
-    let numbers = entries.filter_map(|entry| entry.ok()?.file_name().to_str()?.parse::<u32>().ok());
-    // A program that has ended meanwhile has no directory any more.
-    numbers
-        .filter(|number| fs::read_link(format!("/proc/{number}/cwd")).is_ok_and(|cwd| cwd == directory))
-        .collect()
-}
-
-/// The emulators among them.
-fn emulators(bench: &Bench) -> Vec<u32> {
-    let mut numbers = processes(bench);
-    numbers.retain(|number| {
-        fs::read_to_string(format!("/proc/{number}/comm")).is_ok_and(|name| name.starts_with("qemu-system"))
-    });
-    numbers
-}
-
-fn signal(name: &str, number: u32) {
-    let sent = Command::new("kill").args([format!("-{name}"), number.to_string()]).status();
-    assert!(sent.is_ok_and(|status| status.success()), "{name} to {number}");
 }
 
 /// Starts a run that goes on until it is ended, and waits until all three plants are being asked.

@@ -1,8 +1,8 @@
 //! The commands of the book, run: every fenced block `sh` of every page that `docs/SUMMARY.md` lists, in order.
 //!
-//! A page is one script in an empty folder of its own, with the repository's `examples` and `recordings` beside it, `mgpi` and
-//! `rig` on the search path, and the firmware known. What it has started goes with it. A block that is not to be run is no
-//! `sh` but `console`.
+//! A page is one script in a folder of its own, in which there is nothing but, for pages that name them, the repository's
+//! `examples` and `recordings`. Its `mgpi` is installed far from this workspace, as users have it, with nothing else of ours on
+//! the search path. What it has started goes with it. A block that is not to be run is no `sh` but `console`.
 
 use std::fs;
 use std::os::unix::process::CommandExt;
@@ -19,7 +19,16 @@ use crate::{host, run};
 /// # Errors
 /// A page is missing, or one of its commands fails.
 pub fn book() -> Result<()> {
-    host::build()?;
+    let installed = std::env::temp_dir().join(format!("mgpi-book-{}", std::process::id()));
+    let ran =
+        host::install(Some(&installed), host::Build::Tests).and_then(|()| run_pages(&installed.join("bin")));
+    // A folder of the system's for what is temporary.
+    let _ = fs::remove_dir_all(&installed);
+    ran
+}
+
+/// Runs every page with the programs of a folder.
+fn run_pages(programs: &Path) -> Result<()> {
     let docs = run::root().join("docs");
     let summary = read(&docs.join("SUMMARY.md"))?;
     let scratch = run::target_dir().join("book");
@@ -32,7 +41,8 @@ pub fn book() -> Result<()> {
             continue;
         }
         blocks += script.len();
-        run::step(page, || perform(&script.join("\n"), &scratch.join(page.replace('/', "-"))))?;
+        let folder = scratch.join(page.replace('/', "-"));
+        run::step(page, || perform(&script.join("\n"), &folder, programs))?;
     }
     println!("{blocks} blocks of commands ran");
     ensure!(blocks > 0, "the book has no command");
@@ -62,15 +72,17 @@ fn script(page: &str) -> Vec<String> {
     blocks
 }
 
-/// Runs a script in a folder that is made for it.
-fn perform(script: &str, folder: &Path) -> Result<()> {
+/// Runs a script in a folder that is made for it, with the programs of another.
+fn perform(script: &str, folder: &Path, programs: &Path) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
-    for shared in ["examples", "recordings"] {
+    for shared in
+        ["examples", "recordings"].into_iter().filter(|shared| script.contains(&format!("{shared}/")))
+    {
         std::os::unix::fs::symlink(run::root().join(shared), folder.join(shared))?;
     }
     let mut command = Command::new("bash");
     command.args(["-euo", "pipefail", "-c", script]).current_dir(folder).process_group(0);
-    let mut shell = host::with_programs(&mut command).spawn().context("cannot run bash")?;
+    let mut shell = host::with_installed(&mut command, programs)?.spawn().context("cannot run bash")?;
     let group = Pid::from_child(&shell);
     let status = shell.wait();
     // Fails where nothing is left of it.

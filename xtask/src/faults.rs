@@ -32,7 +32,8 @@ Each has a number, which the status light flashes (tens long, ones short) and th
 with its tick and the ticks before it, also over a reset, until it is acknowledged (`Request::FaultRecord`). *Vent* means:
 the output is at its safe value in the tick that sees the fault, the state is `Fault`, and nothing drives until the host
 has acknowledged it. The time counts from the tick in which what is detected begins; behind every row stands a test that
-injects its fault (`cargo test -p host-tests --test faults`).
+injects its fault (`cargo test -p host-tests --test faults`). The board in the emulator (`mgpi emulate`, `mgpi pil`) is protected
+alike, but for what it does not have: supply, clock, reset and watchdog. `--no-monitors` switches those of the plant off there.
 
 ";
 

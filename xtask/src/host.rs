@@ -1,7 +1,7 @@
 //! What runs on the host: the workbench and the rig, and the tests.
 
 use std::os::unix::process::CommandExt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result};
@@ -11,46 +11,59 @@ use crate::{firmware, run, setup};
 /// The environment variable by which tests and the workbench find the firmware.
 const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
 
+/// The one by which a build of the workbench finds the firmware that it takes in.
+const BUILT_IN_VARIABLE: &str = "MGPI_BUILT_IN_FIRMWARE";
+
 /// The one by which tests find the Python with Modbus clients.
 const BUS_PYTHON_VARIABLE: &str = "MGPI_BUS_PYTHON";
 
-/// Builds `mgpi` and `rig`, as the tests have them: optimised, and built once for all.
+/// Builds `mgpi`, as the tests have it: optimised, and built once for all.
 ///
 /// # Errors
 /// When cargo fails.
 pub fn build() -> Result<()> {
-    run::step("workbench and rig", || {
-        run::succeed(&mut run::cargo(&["build", "--package", "workbench", "--package", "rig", "--bins"]))
-    })
-}
-
-/// Where `mgpi` and `rig` are built.
-fn programs() -> PathBuf {
-    run::target_dir().join("debug")
+    run::step("workbench", || run::succeed(&mut run::cargo(&["build", "--package", "workbench", "--bins"])))
 }
 
 /// The command `mgpi` in the workspace, with the firmware that was just built.
 pub fn mgpi() -> Command {
-    let mut command = Command::new(programs().join("mgpi"));
+    let mut command = Command::new(run::target_dir().join("debug/mgpi"));
     command.current_dir(run::root()).env(FIRMWARE_VARIABLE, firmware::emulated_elf());
     command
 }
 
-/// The command `rig` in the workspace.
-pub fn rig() -> Command {
-    let mut command = Command::new(programs().join("rig"));
-    command.current_dir(run::root());
-    command
+/// How optimised a program is built.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Build {
+    /// As users have it.
+    Release,
+    /// As the tests have it, which is built already.
+    Tests,
 }
 
-/// Gives a command `mgpi` and `rig` on its search path, and the firmware that was just built.
-pub fn with_programs(command: &mut Command) -> &mut Command {
-    let mut path = programs().into_os_string();
-    for directory in std::env::var_os("PATH").iter() {
-        path.push(":");
-        path.push(directory);
+/// Installs `mgpi`, with the firmware that was just built in it, in the folder `bin` of `root` or where cargo installs.
+///
+/// # Errors
+/// When cargo fails.
+pub fn install(root: Option<&Path>, build: Build) -> Result<()> {
+    let mut cargo = run::cargo(&["install", "--path", "workbench", "--locked", "--force"]);
+    cargo.env(BUILT_IN_VARIABLE, firmware::emulated_elf());
+    if build == Build::Tests {
+        cargo.arg("--debug");
     }
-    command.env("PATH", path).env(FIRMWARE_VARIABLE, firmware::emulated_elf())
+    if let Some(root) = root {
+        cargo.arg("--root").arg(std::path::absolute(root)?);
+    }
+    run::step("install mgpi", || run::succeed(&mut cargo))
+}
+
+/// Gives a command the programs of a folder and of the system, and nothing that knows this workspace.
+pub fn with_installed<'a>(command: &'a mut Command, folder: &Path) -> Result<&'a mut Command> {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let has_ours = |directory: &PathBuf| directory.join("mgpi").exists() || directory.join("rig").exists();
+    let others = std::env::split_paths(&path).filter(|directory| !has_ours(directory));
+    let path = std::env::join_paths(std::iter::once(folder.to_owned()).chain(others))?;
+    Ok(command.env("PATH", path).env_remove(FIRMWARE_VARIABLE))
 }
 
 /// Plays the game of hidden causes with the workbench as it stands.
@@ -69,7 +82,7 @@ pub fn game(arguments: &[String]) -> Result<()> {
 /// # Errors
 /// When a test fails.
 pub fn test() -> Result<()> {
-    // The plant program has to stand beside `mgpi`; cargo builds only the programs of the package under test.
+    // Tests of other packages start `mgpi`; cargo builds only the programs of the package under test.
     run::step("programs under test", || run::succeed(&mut run::cargo(&["build", "--workspace", "--bins"])))?;
     run::step("tests", || {
         let mut test = run::cargo(&["test", "--workspace"]);

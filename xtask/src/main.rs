@@ -17,6 +17,7 @@ mod run;
 mod setup;
 mod workflow;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -35,11 +36,17 @@ enum Task {
     Setup,
     /// Build both firmware images.
     Firmware,
+    /// Install the command mgpi with the emulator's firmware in it; needs nothing of this folder afterwards.
+    Install {
+        /// Where, in its folder `bin` [default: as `cargo install` does, ~/.cargo].
+        #[arg(long)]
+        root: Option<PathBuf>,
+    },
     /// Identify a muscle, run the firmware against it in closed loop, and write a report (about two minutes).
     Demo,
     /// Go the whole way over the emulated board's bus: capture, identify, diagnose, deploy, track (about two minutes).
     Workflow,
-    /// Run every command of the book in docs, in order.
+    /// Run every command of the book in docs, in order, with an mgpi that is installed for it.
     Book,
     /// Run every test, on the host and in the emulator.
     Test,
@@ -105,6 +112,10 @@ fn perform(task: Task) -> anyhow::Result<()> {
             println!("setup: nothing is missing");
         }
         Task::Firmware => firmware::build(&setup::ensure()?)?,
+        Task::Install { root } => {
+            firmware::build(&setup::ensure()?)?;
+            host::install(root.as_deref(), host::Build::Release)?;
+        }
         Task::Demo => {
             firmware::build(&setup::ensure()?)?;
             demo::demo()?;

@@ -48,7 +48,7 @@ pub fn workflow() -> Result<()> {
         board(&["track", "--reference", &reference, "-o", &log, "--json", &json])?;
         rmse_mm(&json)
     };
-    run::succeed(host::rig().args(["reference", "--period-s", "5", "-o", &reference]))?;
+    mgpi(&["rig", "reference", "--period-s", "5", "-o", &reference])?;
     let (poor, good, extended) = (file("poor.toml"), file("model.toml"), file("extended.toml"));
     let before_mm = run::step("a poor model", || {
         let identify = ["identify", &recording, "-o", &poor, "--starts", "2"];

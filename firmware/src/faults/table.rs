@@ -128,8 +128,8 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         "contraction sensor spiking",
         "as for the pressure sensor, with jumps of more than 10 mm",
         JUMPS_IN_A_ROW as u32,
-        "as for the pressure sensor; a worn potentiometer",
-        "as for the pressure sensor",
+        "a loose contact, a missing shield, a worn potentiometer; or the muscle or the sensor has torn off at once",
+        "look at the muscle; wiggle the plug and watch `bridged_samples`; ground the shield at the board",
     ),
     vent(
         Fault::Implausible,

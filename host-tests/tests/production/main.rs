@@ -60,5 +60,5 @@ fn missing() -> Option<String> {
 
 /// The image's ELF file, beside that of the emulated image.
 fn production() -> PathBuf {
-    image::find(None).unwrap_or_default().with_file_name("stm32f405")
+    image::find(None).map(|image| image.with_file_name("stm32f405")).unwrap_or_default()
 }

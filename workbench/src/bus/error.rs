@@ -3,13 +3,14 @@
 use std::io;
 use std::path::PathBuf;
 
-use firmware::faults::table::TABLE;
+use firmware::faults::table::{Row, TABLE};
 use thiserror::Error;
 use wire::registers::{UploadResult, VERSION};
 use wire::{Fault, State};
 
 use super::client::BusError;
 use super::port::PortError;
+use crate::part::PartError;
 
 /// Why a board does not do what it is asked for.
 #[derive(Debug, Error)]
@@ -63,6 +64,8 @@ pub enum BoardError {
     NoConfiguration,
     #[error("{}: {problem}", file.display())]
     Part { file: PathBuf, problem: PartProblem },
+    #[error(transparent)]
+    Growing(#[from] PartError),
     #[error("interrupted; the valve is vented")]
     Stopped,
 }
@@ -91,21 +94,22 @@ fn other(board: u16, own: u16) -> &'static str {
     if board > own { "use a newer mgpi" } else { "flash the firmware of this release" }
 }
 
-/// A fault with cause and cure.
+/// What is known of a fault.
+pub fn row(fault: Fault) -> Option<&'static Row> {
+    TABLE.iter().find(|row| row.fault == fault)
+}
+
+/// A fault with its number, cause and cure.
+pub fn in_full(row: &Row) -> String {
+    let Row { fault, title, cause, cure, .. } = row;
+    format!("{title} ({}, {fault:?})\n  cause: {cause}\n  cure: {cure}", fault.code())
+}
+
 fn in_words(fault: Option<Fault>) -> String {
-    let row = fault.and_then(|fault| TABLE.iter().find(|row| row.fault == fault));
-    row.map_or_else(
+    fault.and_then(row).map_or_else(
         || "the board is at fault: see mgpi status".to_owned(),
         |row| {
-            format!(
-                "the board is at fault, and vented: {} ({}, {:?})\n  cause: {}\n  cure: {}\n  \
-                 then: mgpi status --acknowledge",
-                row.title,
-                row.fault.code(),
-                row.fault,
-                row.cause,
-                row.cure
-            )
+            format!("the board is at fault, and vented: {}\n  then: mgpi status --acknowledge", in_full(row))
         },
     )
 }

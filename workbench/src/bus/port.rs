@@ -186,6 +186,8 @@ impl Port {
 fn refused(port: &Path, error: Errno) -> PortError {
     let port = port.to_owned();
     match error {
+        // A link that leads nowhere is left of an emulator that was killed.
+        Errno::NOENT if port.is_symlink() => PortError::Gone(port),
         Errno::NOENT | Errno::NODEV | Errno::NXIO => PortError::Missing { port, present: present() },
         Errno::BUSY | Errno::WOULDBLOCK => PortError::Busy(port),
         Errno::ACCESS | Errno::PERM => PortError::Denied(port),

@@ -5,12 +5,12 @@
 //! last moment at which the excitation was at its lowest command, where a vented muscle is anyway; what was recorded after
 //! that is played again.
 
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::error::{BoardError, PartProblem};
 use super::play::{POINTS_PER_S, Tick};
+use crate::part::{Finished, Part, PartError, time_s};
 
 /// The columns of a recording.
 const COLUMNS: &str = "time_s,command_bar,pressure_bar,contraction_mm";
@@ -21,33 +21,22 @@ const LOWEST_BAR: f32 = 1e-3;
 #[derive(Debug)]
 pub struct Growing {
     file: PathBuf,
-    writer: BufWriter<File>,
+    part: Part,
     /// Where in the excitation it goes on. Unit: s.
     from_s: f64,
-    rows: usize,
 }
 
 impl Growing {
-    /// Where a recording grows.
-    pub fn part(recording: &Path) -> PathBuf {
-        let mut name = recording.as_os_str().to_owned();
-        name.push(".part");
-        name.into()
-    }
-
     /// Begins a recording; `head` are its first lines, comments.
     ///
     /// # Errors
     /// There is a part with rows already, or it cannot be written.
     pub fn begin(recording: &Path, head: &[String], force: bool) -> Result<Self, BoardError> {
-        let file = Self::part(recording);
-        // One that has come to no row is nobody's loss.
-        let has_rows =
-            || fs::read_to_string(&file).is_ok_and(|text| text.lines().any(|line| time_s(line).is_some()));
-        if !force && has_rows() {
-            return Err(problem(&file)(PartProblem::Exists));
-        }
-        Self::write(file, &begin(head), 0.0)
+        let part = Part::begin(recording, &begin(head), force).map_err(|error| match error {
+            PartError::Exists(file) => problem(&file)(PartProblem::Exists),
+            other => other.into(),
+        })?;
+        Ok(Self { part, file: Part::path(recording), from_s: 0.0 })
     }
 
     /// Goes on with a part that begins with the same comments, of the excitation with these points (bar).
@@ -55,7 +44,7 @@ impl Growing {
     /// # Errors
     /// There is no part, it is another excitation's, or cannot be written.
     pub fn resume(recording: &Path, head: &[String], points: &[f32]) -> Result<Self, BoardError> {
-        let file = Self::part(recording);
+        let file = Part::path(recording);
         if !file.exists() {
             return Err(problem(&file)(PartProblem::Missing));
         }
@@ -75,16 +64,7 @@ impl Growing {
             .collect();
         let seam =
             if from_s > 0.0 { format!("# interrupted, and gone on at {from_s} s\n") } else { String::new() };
-        Self::write(file, &(kept + &seam), from_s)
-    }
-
-    fn write(file: PathBuf, text: &str, from_s: f64) -> Result<Self, BoardError> {
-        let begun = File::create(&file).map(BufWriter::new).and_then(|mut writer| {
-            writer.write_all(text.as_bytes())?;
-            Ok(writer)
-        });
-        let writer = begun.map_err(|error| problem(&file)(error.into()))?;
-        Ok(Self { file, writer, from_s, rows: 0 })
+        Ok(Self { part: Part::write(recording, &(kept + &seam))?, file, from_s })
     }
 
     /// Where in the excitation it goes on. Unit: s.
@@ -102,51 +82,26 @@ impl Growing {
     /// # Errors
     /// They cannot be written.
     pub fn add(&mut self, ticks: &[Tick]) -> Result<(), BoardError> {
-        self.rows += ticks.len();
         let mut rows = String::new();
         for Tick { time_s, pressure_bar, contraction_mm, command_bar, .. } in ticks {
             // Six digits of a second, as the ticks have.
             let time_s = ((time_s + self.from_s) * 1e6).round() / 1e6;
             rows += &format!("{time_s},{command_bar},{pressure_bar},{contraction_mm}\n");
         }
-        let written = self.writer.write_all(rows.as_bytes()).and_then(|()| self.writer.flush());
-        written.map_err(|error| problem(&self.file)(error.into()))
+        Ok(self.part.add(&rows)?)
     }
 
     /// Leaves it as it is; answers the part, if there are rows to go on from.
     pub fn abandon(self) -> Option<PathBuf> {
-        if self.rows > 0 || self.from_s > 0.0 {
-            return Some(self.file);
-        }
-        // One that stays is no harm: it has no row.
-        let _ = fs::remove_file(self.file);
-        None
+        if self.from_s > 0.0 { Some(self.file) } else { self.part.keep() }
     }
 
-    /// The whole recording, to be put in its place; the part goes when the answer is dropped by [`Finished::remove`].
+    /// The whole recording, to be put in its place; the part goes by [`Finished::remove`].
     ///
     /// # Errors
     /// It cannot be read.
-    pub fn finish(mut self) -> Result<Finished, BoardError> {
-        let read = self.writer.flush().and_then(|()| fs::read(&self.file));
-        let content = read.map_err(|error| problem(&self.file)(error.into()))?;
-        Ok(Finished { file: self.file, content })
-    }
-}
-
-/// A recording that is whole.
-#[derive(Debug)]
-pub struct Finished {
-    file: PathBuf,
-    /// The recording.
-    pub content: Vec<u8>,
-}
-
-impl Finished {
-    /// Removes the part, when its content is elsewhere.
-    pub fn remove(self) {
-        // One that stays is no harm: the next recording asks what to do with it.
-        let _ = fs::remove_file(self.file);
+    pub fn finish(self) -> Result<Finished, BoardError> {
+        Ok(self.part.finish()?)
     }
 }
 
@@ -159,11 +114,6 @@ fn problem(file: &Path) -> impl Fn(PartProblem) -> BoardError {
 fn begin(head: &[String]) -> String {
     let lines: String = head.iter().map(|line| format!("# {line}\n")).collect();
     format!("{lines}{COLUMNS}\n")
-}
-
-/// The time of a row; none of a comment or the header.
-fn time_s(line: &str) -> Option<f64> {
-    line.split(',').next()?.parse().ok()
 }
 
 /// The last time up to which an excitation has been played and at which it was lowest. Unit: s.
@@ -193,7 +143,7 @@ mod tests {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let (recording, head) = (directory.path().join("rec.csv"), ["excitation: one".to_owned()]);
         let text = begin(&head) + "0,0,0,1\n0.5,1,1,2\n0.51,1,1\n";
-        fs::write(Growing::part(&recording), text).expect("written");
+        fs::write(Part::path(&recording), text).expect("written");
         let points: Vec<f32> = (0..100).map(|point| if point < 51 { 0.0 } else { 1.0 }).collect();
         let mut growing = Growing::resume(&recording, &head, &points).expect("the same excitation");
         assert_eq!((growing.from_s(), growing.from_point()), (0.5, 50));

@@ -7,6 +7,7 @@ use wire::{FAULTS, Fault, State};
 
 use super::board::{Block, Board, Identity};
 use super::client::BusError;
+use super::error::row;
 
 /// A board at a moment.
 #[derive(Clone, Debug)]
@@ -149,10 +150,6 @@ impl Status {
         }
         json
     }
-}
-
-fn row(fault: Fault) -> Option<&'static Row> {
-    TABLE.iter().find(|row| row.fault == fault)
 }
 
 fn told(row: &Row) -> Value {

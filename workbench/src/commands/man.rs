@@ -30,7 +30,13 @@ fn write_page(program: &Command, page: &mut dyn io::Write) -> io::Result<()> {
     let man = Man::new(program.clone());
     man.render_title(page)?;
     man.render_name_section(page)?;
-    for command in program.get_subcommands() {
+    write_sections(program, page)?;
+    man.render_version_section(page)
+}
+
+/// A section each command, and each of its own commands.
+fn write_sections(program: &Command, page: &mut dyn io::Write) -> io::Result<()> {
+    for command in program.get_subcommands().filter(|command| command.get_name() != "help") {
         let (mut part, man) = (Vec::new(), Man::new(command.clone()));
         man.render_synopsis_section(&mut part)?;
         man.render_description_section(&mut part)?;
@@ -39,6 +45,7 @@ fn write_page(program: &Command, page: &mut dyn io::Write) -> io::Result<()> {
         writeln!(page, ".SH \"{}\"", name.to_uppercase())?;
         // What is a section of a page of its own is a part of one here.
         page.write_all(String::from_utf8_lossy(&part).replace("\n.SH ", "\n.SS ").as_bytes())?;
+        write_sections(command, page)?;
     }
-    man.render_version_section(page)
+    Ok(())
 }

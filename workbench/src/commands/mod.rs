@@ -20,6 +20,7 @@ mod port;
 mod reading;
 pub mod report;
 pub mod restore;
+pub mod rig;
 mod search;
 mod show;
 pub mod simulate;
@@ -27,6 +28,7 @@ pub mod status;
 pub mod track;
 pub mod watch;
 
+use ::rig::command::Command as Rig;
 use clap::{Parser, Subcommand};
 
 use crate::Error;
@@ -56,6 +58,9 @@ enum Command {
     Track(track::Arguments),
     Status(status::Arguments),
     Watch(watch::Arguments),
+    /// The simulated muscle: recordings, references and a plant to try everything without hardware
+    #[command(subcommand)]
+    Rig(Box<Rig>),
     Completions(completions::Arguments),
     Man(man::Arguments),
 }
@@ -82,6 +87,7 @@ impl CommandLine {
             Command::Track(arguments) => track::run(&arguments),
             Command::Status(arguments) => status::run(&arguments),
             Command::Watch(arguments) => watch::run(&arguments),
+            Command::Rig(command) => rig::run(&command),
             Command::Completions(arguments) => completions::run(&arguments),
             Command::Man(arguments) => man::run(&arguments),
         }

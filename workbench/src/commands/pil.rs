@@ -18,10 +18,12 @@ use crate::emulator::image;
 use crate::identification::simulate;
 use crate::model_file::ModelFile;
 use crate::output::Outputs;
+use crate::part::Part;
 use crate::pil::followed;
+use crate::pil::lock_step::Run;
 use crate::pil::reference::Reference;
-use crate::pil::results::{figures, json, log};
-use crate::pil::{Bench, Finished, configuration};
+use crate::pil::results::{self, figures, json, log};
+use crate::pil::{Bench, Broken, Finished, configuration};
 use crate::report::tracked;
 
 /// The runs, as they are called in the results.
@@ -49,7 +51,7 @@ pub struct Arguments {
     /// Ticks a second
     #[arg(long, default_value_t = 1000.0, value_name = "HZ", value_parser = positive)]
     rate_hz: f64,
-    /// Where the log of the combined run goes
+    /// Where the log of the combined run goes; a run that does not come to its end leaves LOG.csv.part
     #[arg(short = 'o', value_name = "LOG.csv")]
     log: Option<PathBuf>,
     /// Where the log of the run with feed-forward only goes
@@ -95,15 +97,29 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let bench = Bench {
         firmware: &firmware,
         configuration: &configuration,
+        protection: arguments.plant.protection(configuration.tracking.period_s),
         plant: &plant,
         reference: &reference,
         stop,
     };
 
+    let parts: Vec<Option<Part>> = logs
+        .iter()
+        .map(|log| log.as_ref().map(|log| Part::begin(log, results::COLUMNS, arguments.force)).transpose())
+        .collect::<Result<_, _>>()?;
     let begin = Instant::now();
-    let finished = with_progress((RUNS.len() * reference.ticks()) as u64, |ticked| {
+    let ran = with_progress((RUNS.len() * reference.ticks()) as u64, |ticked| {
         bench.run(&RUNS.map(|(_, mode)| mode), ticked)
-    })?;
+    });
+    let finished = match ran {
+        Ok(finished) => finished,
+        Err(Broken { problem, runs }) => {
+            keep(parts, &runs)?;
+            return Err((*problem).into());
+        }
+    };
+    // No row has come into them.
+    parts.into_iter().flatten().for_each(|part| drop(part.keep()));
     let seconds = begin.elapsed().as_secs_f64();
 
     for (file, finished) in logs.into_iter().zip(&finished) {
@@ -138,6 +154,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     Ok(())
 }
 
+/// Keeps what the runs have come to in the logs that are wanted of them.
+fn keep(parts: Vec<Option<Part>>, runs: &[Run]) -> Result<(), Error> {
+    for (part, run) in parts.into_iter().zip(runs) {
+        let Some(mut part) = part else { continue };
+        part.add(&results::rows(&run.samples))?;
+        if let Some(kept) = part.keep() {
+            eprintln!("what was tracked is kept in {}", kept.display());
+        }
+    }
+    Ok(())
+}
+
 /// From the lowest to the highest input that the model is valid for, coming from rest.
 fn stroke_mm(model: &ModelFile) -> f64 {
     let (lowest, highest) = model.parameters.input();
@@ -147,13 +175,14 @@ fn stroke_mm(model: &ModelFile) -> f64 {
 
 /// Does the work under a progress bar; the work calls what it is given once a tick.
 fn with_progress<T>(ticks: u64, work: impl FnOnce(&(dyn Fn() + Sync)) -> T) -> T {
-    let style = ProgressStyle::with_template("tracking {wide_bar} {per_sec}, {eta} left");
+    let style = ProgressStyle::with_template("tracking {wide_bar} {msg}, {eta} left");
     let bar = ProgressBar::new(ticks).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     let done = AtomicU64::new(0);
     let result = work(&|| {
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         if done.is_multiple_of(TICKS_A_MOVE) {
             bar.set_position(done);
+            bar.set_message(format!("{:.0} ticks/s", bar.per_sec()));
         }
     });
     bar.finish_and_clear();

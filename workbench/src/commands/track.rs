@@ -11,10 +11,11 @@ use super::capture::{bar, in_words};
 use super::port::PortArguments;
 use super::show::{Show, show_rows};
 use crate::Error;
-use crate::bus::play::{Drive, POINTS_PER_S, Piece, Played, Tick, play};
+use crate::bus::play::{Drive, POINTS_PER_S, Piece, Tick, play};
 use crate::bus::{Board, upload};
 use crate::child::Stop;
 use crate::output::Outputs;
+use crate::part::Part;
 use crate::pil::lock_step::{Measurement, Run, Sample};
 use crate::pil::reference::Reference;
 use crate::pil::{followed, preview_s, results};
@@ -37,7 +38,7 @@ pub struct Arguments {
     /// What drives the valve
     #[arg(long, default_value = "both")]
     mode: ModeName,
-    /// Where the log goes
+    /// Where the log goes; it grows in a file beside it, LOG.csv.part, which an interruption leaves
     #[arg(short = 'o', value_name = "LOG.csv")]
     log: Option<PathBuf>,
     /// Also write the figures as JSON
@@ -95,12 +96,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let duration_s = reference.ticks() as f64 / POINTS_PER_S;
     let (lowest, highest) = reference.range();
     let bar = bar(duration_s);
-    let mut ticks: Vec<Tick> = Vec::new();
+    let begin = |log: &PathBuf| Part::begin(log, results::COLUMNS, *force);
+    let mut part = log.as_ref().map(begin).transpose()?;
+    let mut run = Run { samples: Vec::new(), overruns: 0 };
     let mut show = http.map(Show::start).transpose()?;
     let stop = Stop::on_signals();
     let played = play(&mut board, &piece, &stop, &mut |board: &mut Board, heard: &[Tick]| {
-        ticks.extend_from_slice(heard);
         let wanted: Vec<f64> = reference.values(heard.iter().map(|tick| tick.time_s)).collect();
+        let samples: Vec<Sample> = heard.iter().zip(&wanted).map(sample).collect();
+        if let Some(part) = &mut part {
+            part.add(&results::rows(&samples))?;
+        }
+        run.samples.extend(samples);
         show_rows(show.as_mut(), board, &stop, heard.iter().zip(wanted.iter().copied().map(Some)))?;
         if let (Some(last), Some(&wanted_mm)) = (heard.last(), wanted.last()) {
             bar.set_position((1e3 * last.time_s) as u64);
@@ -109,10 +116,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         Ok(())
     });
     bar.finish_and_clear();
-    let played = played?;
-    let run = logged(&reference, &ticks, &played);
-    if let Some(file) = log {
-        outputs.stage(file, results::log(&run).as_bytes())?;
+    let played = match played {
+        Ok(played) => played,
+        Err(error) => {
+            if let Some(kept) = part.and_then(Part::keep) {
+                eprintln!("what was tracked is kept in {}", kept.display());
+            }
+            return Err(error.into());
+        }
+    };
+    run.overruns = played.overruns;
+    let grown = part.map(Part::finish).transpose()?;
+    if let (Some(file), Some(grown)) = (log, &grown) {
+        outputs.stage(file, &grown.content)?;
     }
     let unit = Unit::MM;
     let mut results = results::json([(name, &run)], unit);
@@ -123,17 +139,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }
     outputs.commit()?;
+    if let Some(grown) = grown {
+        grown.remove();
+    }
     say!("{name:<17} {}", results::figures(&run).in_words(highest - lowest, unit));
     say!("{}", in_words(&played, board.identity().period_s));
     Ok(())
 }
 
-/// The log of a run: what was wanted is the reference at the tick's time, not what was handed to the board ahead of it.
-fn logged(reference: &Reference, ticks: &[Tick], played: &Played) -> Run {
-    let wanted = reference.values(ticks.iter().map(|tick| tick.time_s));
-    let sample = |(tick, reference_mm): (&Tick, f64)| Sample {
+/// A tick in the log: what was wanted is the reference (mm) at its time, not what was handed to the board ahead of it.
+fn sample((tick, reference_mm): (&Tick, &f64)) -> Sample {
+    Sample {
         time_s: tick.time_s,
-        reference_mm,
+        reference_mm: *reference_mm,
         measured: Measurement {
             pressure_bar: tick.pressure_bar,
             contraction_mm: tick.contraction_mm,
@@ -142,8 +160,7 @@ fn logged(reference: &Reference, ticks: &[Tick], played: &Played) -> Run {
         command_bar: tick.command_bar as f32,
         feedforward_bar: (tick.command_bar - tick.feedback_bar) as f32,
         feedback_bar: tick.feedback_bar as f32,
-    };
-    Run { samples: ticks.iter().zip(wanted).map(sample).collect(), overruns: played.overruns }
+    }
 }
 
 /// A moment in a line: where it should be (`|`), and where it is (`#`), over the reference's range.

@@ -54,6 +54,14 @@ pub enum EmulatorError {
     Died { ending: String, log: String },
     #[error("the emulator has died: {0}")]
     Ended(String),
+    #[error("{}: no emulator has this port", .0.display())]
+    NoEmulator(PathBuf),
+    #[error("the emulator cannot be started in the background: {0}")]
+    NotInBackground(io::Error),
+    #[error("{0}")]
+    NotReady(String),
+    #[error("nobody can be told that the board is ready: {0}")]
+    Untold(io::Error),
     #[error("{}: no serial port can be made there: {problem}", name.display())]
     Line { name: PathBuf, problem: io::Error },
     #[error("the firmware has not answered within {} s\nits log:\n{log}", ANSWER_LIMIT.as_secs())]

@@ -16,14 +16,14 @@ use crate::pil::PilError;
 use crate::pil::lock_step::{Measurement, Plant};
 
 /// From tick to tick.
-const PERIOD: Duration = Duration::from_millis(1);
-/// How often it is told that ticks were late.
-const TOLD_EVERY_TICKS: u32 = 10_000;
+pub const PERIOD: Duration = Duration::from_millis(1);
+/// How long it is watched how late ticks are before it is told.
+const WATCHED_TICKS: u32 = 10_000;
 /// What is made up for, and not worth telling.
 const NOT_LATE: Duration = Duration::from_millis(50);
 
-/// Runs board and plant until a stop is requested. `late` is told the longest delay of a tick, every ten seconds in which
-/// there was one.
+/// Runs board and plant until a stop is requested. `late` is told once, ten seconds after a tick was late, the longest delay
+/// until then.
 ///
 /// # Errors
 /// Board or plant do not answer as they should.
@@ -31,14 +31,14 @@ pub fn run(
     board: &mut Emulator,
     plant: &mut impl Plant,
     stop: &Stop,
-    mut late: impl FnMut(Duration),
+    late: impl FnOnce(Duration),
 ) -> Result<(), PilError> {
     let Response::Hello(hello) = board.request(&Request::Identify)? else {
         return Err(PilError::OutOfTurn);
     };
     let mut begin = Instant::now();
     let mut command_bar = hello.command.value(hello.command.code(0.0));
-    let mut longest = Duration::ZERO;
+    let (mut longest, mut late, mut told_at) = (Duration::ZERO, Some(late), None);
     for tick in 0_u32.. {
         if stop.is_requested() {
             break;
@@ -49,12 +49,12 @@ pub fn run(
         longest = longest.max(late_by);
         if late_by > NOT_LATE {
             begin += late_by;
+            told_at = told_at.or(Some(tick.saturating_add(WATCHED_TICKS)));
         }
-        if tick % TOLD_EVERY_TICKS == 0 {
-            if longest > NOT_LATE {
-                late(longest);
-            }
-            longest = Duration::ZERO;
+        if told_at == Some(tick)
+            && let Some(late) = late.take()
+        {
+            late(longest);
         }
         let measured = plant.advance((tick * PERIOD).as_secs_f64(), command_bar)?;
         let Response::Tick(TickReply { dac_code, .. }) = board.request(&request(&hello, measured))? else {

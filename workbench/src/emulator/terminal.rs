@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io;
+use std::os::fd::AsRawFd;
 use std::path::{Path, PathBuf};
 
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -13,7 +14,7 @@ pub struct PseudoTerminal {
     end: File,
     path: PathBuf,
     /// Kept open, so that the program's end lives while nobody uses the port.
-    _port: File,
+    port: File,
 }
 
 impl PseudoTerminal {
@@ -30,7 +31,7 @@ impl PseudoTerminal {
         let mut settings = tcgetattr(&port)?;
         settings.make_raw();
         tcsetattr(&port, OptionalActions::Now, &settings)?;
-        Ok(Self { end: end.into(), path, _port: port })
+        Ok(Self { end: end.into(), path, port })
     }
 
     /// The program's end.
@@ -41,5 +42,11 @@ impl PseudoTerminal {
     /// What others open.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The same by way of this program, so that it leads nowhere as soon as this program has ended: the terminal's own path
+    /// may be another terminal's by then.
+    pub fn path_of_this_program(&self) -> PathBuf {
+        format!("/proc/{}/fd/{}", std::process::id(), self.port.as_raw_fd()).into()
     }
 }

@@ -3,7 +3,7 @@
 //! # Timing
 //! At the time of a tick the plant, which has held the command of the tick before until then, is measured; the
 //! measurement goes to the board as ADC codes, and its DAC code is the next command. Before the first tick the valve is
-//! vented.
+//! vented: the plant is measured at rest until the board's self-test is over, in which its time stands still.
 //!
 //! A model with a delay is given the reference ahead: at each tick the one that is due after the delay. With a tick's
 //! measurement goes the reference of the next tick, whose feed-forward the board prepares meanwhile; that of the first goes
@@ -11,7 +11,10 @@
 //! answers them, and count from the next tick on; one that does not is taken to be at the model's references.
 
 use model_core::{Mode, Surroundings};
-use wire::{Configuration, Flags, Hello, Request, Response, Scaling, TickReply, TickRequest, VERSION};
+use wire::{
+    Configuration, Flags, Hello, Protection, Refusal, Request, Response, Scaling, State, TickReply,
+    TickRequest, VERSION,
+};
 
 use super::PilError;
 use crate::emulator::Emulator;
@@ -88,6 +91,14 @@ pub struct Run {
     pub overruns: u32,
 }
 
+/// Sets the limits by which the board protects the plant.
+///
+/// # Errors
+/// The board does not take them.
+pub fn protect(board: &mut impl Board, protection: Protection) -> Result<(), PilError> {
+    demand(board, &Request::Protect(protection))
+}
+
 /// Configures the board, tracks the reference, one a tick, in the given mode, and stops.
 /// `ticked` is called after each tick.
 ///
@@ -101,9 +112,27 @@ pub fn run(
     reference: impl Iterator<Item = Wanted>,
     ticked: &dyn Fn(),
 ) -> Result<Run, PilError> {
+    let mut samples = Vec::new();
+    let overruns = track(board, plant, configuration, mode, reference, &mut samples, ticked)?;
+    Ok(Run { samples, overruns })
+}
+
+/// As [`run`], with the samples of a run that does not come to its end; answers the overruns.
+///
+/// # Errors
+/// As above.
+pub fn track(
+    board: &mut impl Board,
+    plant: &mut impl Plant,
+    configuration: &Configuration,
+    mode: Mode,
+    reference: impl Iterator<Item = Wanted>,
+    samples: &mut Vec<Sample>,
+    ticked: &dyn Fn(),
+) -> Result<u32, PilError> {
     let hello = identify(board)?;
     demand(board, &Request::Configure(configuration.clone()))?;
-    let mut samples = Vec::with_capacity(reference.size_hint().0);
+    samples.reserve(reference.size_hint().0);
     let mut command_bar = hello.command.value(hello.command.code(0.0));
     let mut reference = reference.peekable();
     while let Some(wanted) = reference.next() {
@@ -111,13 +140,12 @@ pub fn run(
         let measured = plant.advance(time_s, command_bar)?;
         let request = |ahead_mm| tick_request(&hello, time_s, ahead_mm, measured);
         if samples.is_empty() {
-            tick(board, &request(ahead_mm)?)?;
-            demand(board, &Request::Start(mode))?;
+            start(board, &request(ahead_mm)?, mode, time_s)?;
         }
         let next_mm = reference.peek().map_or(ahead_mm, |next| next.ahead_mm);
         let reply = tick(board, &request(next_mm)?)?;
         if !reply.flags.contains(Flags::TRACKING) {
-            return Err(PilError::Vented { time_s, fault: identify(board)?.fault });
+            return Err(vented(board, time_s));
         }
         command_bar = hello.command.value(reply.dac_code);
         let TickReply { feedforward_bar, feedback_bar, .. } = reply;
@@ -126,7 +154,28 @@ pub fn run(
     }
     let overruns = identify(board)?.overruns;
     demand(board, &Request::Stop)?;
-    Ok(Run { samples, overruns })
+    Ok(overruns)
+}
+
+/// Shows the board the plant at rest until its self-test is over, and starts it.
+fn start(board: &mut impl Board, at_rest: &TickRequest, mode: Mode, time_s: f64) -> Result<(), PilError> {
+    loop {
+        if tick(board, at_rest)?.flags.contains(Flags::FAULT) {
+            return Err(vented(board, time_s));
+        }
+        match demand(board, &Request::Start(mode)) {
+            Err(PilError::Refused(Refusal::WrongState(State::SelfTest))) => {}
+            answered => return answered,
+        }
+    }
+}
+
+/// What has vented the board.
+fn vented(board: &mut impl Board, time_s: f64) -> PilError {
+    match identify(board) {
+        Ok(hello) => PilError::Vented { time_s, fault: hello.fault },
+        Err(error) => error,
+    }
 }
 
 fn tick_request(

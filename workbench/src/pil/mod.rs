@@ -29,8 +29,9 @@ use std::thread;
 use model_core::pid::PidParameters;
 use model_core::{Mode, ParameterError, TrackingParameters};
 use thiserror::Error;
-use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Refusal, VERSION};
+use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Protection, Refusal, VERSION};
 
+use crate::bus::error::{in_full, row};
 use crate::child::Stop;
 use crate::emulator::{Emulator, EmulatorError};
 use crate::model_file::ModelFile;
@@ -71,7 +72,7 @@ pub enum PilError {
          {min} to {max} {unit}"
     )]
     OutsideSensor { time_s: f64, quantity: &'static str, value: f64, min: f32, max: f32, unit: &'static str },
-    #[error("at {time_s} s the board has vented the valve: {fault:?}")]
+    #[error("at {time_s} s the board has vented the valve: {}", cause(*.fault))]
     Vented { time_s: f64, fault: Option<Fault> },
     #[error("the run {}: {problem}", with(*.mode))]
     Run { mode: Mode, problem: Box<PilError> },
@@ -102,6 +103,11 @@ impl From<PlantError> for PilError {
     fn from(error: PlantError) -> Self {
         if error.is_stop() { Self::Stopped } else { Self::Plant(error) }
     }
+}
+
+/// The fault with cause and cure.
+fn cause(fault: Option<Fault>) -> String {
+    fault.and_then(row).map_or_else(|| "it does not say why".to_owned(), in_full)
 }
 
 fn in_words(refusal: &Refusal) -> String {
@@ -163,6 +169,8 @@ pub struct Bench<'a> {
     pub firmware: &'a Path,
     /// For the board.
     pub configuration: &'a Configuration,
+    /// By which limits it protects the plant.
+    pub protection: Protection,
     /// What starts a plant.
     pub plant: &'a Program,
     /// What is to be tracked.
@@ -182,48 +190,74 @@ pub struct Finished {
     pub plant_messages: String,
 }
 
+/// Runs that did not all come to their end.
+#[derive(Debug)]
+pub struct Broken {
+    /// The first one's reason; [`PilError::Stopped`] when a stop was requested from outside.
+    pub problem: Box<PilError>,
+    /// What each has come to, one a mode.
+    pub runs: Vec<Run>,
+}
+
+/// What firmware and plant had to say.
+type Words = (String, String);
+
 impl Bench<'_> {
     /// The runs of the given modes, side by side; `ticked` is called after each tick of each.
     ///
     /// # Errors
-    /// The first problem of any run; [`PilError::Stopped`] when a stop was requested from outside.
-    pub fn run(&self, modes: &[Mode], ticked: &(dyn Fn() + Sync)) -> Result<Vec<Finished>, PilError> {
-        let runs: Vec<Result<Finished, PilError>> = thread::scope(|scope| {
+    /// A run has failed, and has stopped the others, or a stop was requested from outside.
+    pub fn run(&self, modes: &[Mode], ticked: &(dyn Fn() + Sync)) -> Result<Vec<Finished>, Broken> {
+        let (runs, ends): (Vec<Run>, Vec<Result<Words, PilError>>) = thread::scope(|scope| {
             let threads: Vec<_> =
                 modes.iter().map(|&mode| scope.spawn(move || self.run_one(mode, ticked))).collect();
             threads
                 .into_iter()
                 .map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
-                .collect()
+                .unzip()
         });
-        // A run that was stopped because of another one knows no reason.
-        if runs.iter().any(|run| matches!(run, Err(problem) if !matches!(problem, PilError::Stopped))) {
-            return runs.into_iter().filter(|run| !matches!(run, Err(PilError::Stopped))).collect();
+        let (mut words, mut problems) = (Vec::new(), Vec::new());
+        for end in ends {
+            match end {
+                Ok(said) => words.push(said),
+                Err(problem) => problems.push(problem),
+            }
         }
-        runs.into_iter().collect()
+        // A run that was stopped because of another one knows no reason.
+        let reason = problems.iter().position(|problem| !matches!(problem, PilError::Stopped)).unwrap_or(0);
+        if !problems.is_empty() {
+            return Err(Broken { problem: Box::new(problems.swap_remove(reason)), runs });
+        }
+        let finished = |(run, (log, plant_messages))| Finished { run, log, plant_messages };
+        Ok(runs.into_iter().zip(words).map(finished).collect())
     }
 
-    fn run_one(&self, mode: Mode, ticked: &dyn Fn()) -> Result<Finished, PilError> {
-        self.try_run(mode, ticked).map_err(|problem| {
+    /// One run as far as it comes, and how it ends.
+    fn run_one(&self, mode: Mode, ticked: &dyn Fn()) -> (Run, Result<Words, PilError>) {
+        let mut run = Run { samples: Vec::new(), overruns: 0 };
+        let end = self.try_run(mode, &mut run, ticked).map_err(|problem| {
             self.stop.request();
             match problem {
                 PilError::Stopped => PilError::Stopped,
                 problem => PilError::Run { mode, problem: Box::new(problem) },
             }
-        })
+        });
+        (run, end)
     }
 
-    fn try_run(&self, mode: Mode, ticked: &dyn Fn()) -> Result<Finished, PilError> {
+    fn try_run(&self, mode: Mode, run: &mut Run, ticked: &dyn Fn()) -> Result<Words, PilError> {
         let mut plant = PlantProcess::start(self.plant, &self.stop)?;
         let mut board = Emulator::start(self.firmware, &self.stop)?;
-        let run = lock_step::run(
+        lock_step::protect(&mut board, self.protection)?;
+        run.overruns = lock_step::track(
             &mut board,
             &mut plant,
             self.configuration,
             mode,
             self.reference.samples(preview_s(self.configuration)),
+            &mut run.samples,
             ticked,
         )?;
-        Ok(Finished { run, log: board.log(), plant_messages: plant.messages() })
+        Ok((board.log(), plant.messages()))
     }
 }

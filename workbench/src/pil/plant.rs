@@ -71,20 +71,6 @@ pub struct Program {
 }
 
 impl Program {
-    /// The program `rig` beside this one, with an effect hidden in it or without.
-    pub fn rig(effect: Option<&str>, limit: Duration) -> Self {
-        // Without a directory it is looked for on the search path.
-        let beside = std::env::current_exe().map(|program| program.with_file_name("rig"));
-        let mut arguments = vec!["plant".to_owned()];
-        arguments.extend(effect.iter().flat_map(|effect| ["--hide".to_owned(), (*effect).to_owned()]));
-        Self {
-            name: format!("rig {}", arguments.join(" ")),
-            file: beside.unwrap_or_else(|_| "rig".into()),
-            arguments,
-            limit,
-        }
-    }
-
     /// A command line for the shell.
     pub fn shell(line: &str, limit: Duration) -> Self {
         let arguments = vec!["-c".to_owned(), line.to_owned()];

@@ -6,12 +6,17 @@ use super::lock_step::{Run, Sample};
 use crate::figures::Figures;
 use crate::unit::Unit;
 
-/// The columns of a log.
-const COLUMNS: &str =
+/// The columns of a log: its first line.
+pub const COLUMNS: &str =
     "time_s,reference_mm,contraction_mm,pressure_bar,command_bar,feedforward_bar,feedback_bar\n";
 
-/// A run as CSV, a row a tick; numbers in the shortest form that reads back the same.
+/// A run as CSV, a row a tick.
 pub fn log(run: &Run) -> String {
+    COLUMNS.to_owned() + &rows(&run.samples)
+}
+
+/// The rows of samples; numbers in the shortest form that reads back the same.
+pub fn rows(samples: &[Sample]) -> String {
     let row = |sample: &Sample| {
         let Sample { time_s, reference_mm, measured, command_bar, feedforward_bar, feedback_bar } = sample;
         let (contraction_mm, pressure_bar) = (measured.contraction_mm, measured.pressure_bar);
@@ -20,7 +25,7 @@ pub fn log(run: &Run) -> String {
              {command_bar},{feedforward_bar},{feedback_bar}\n"
         )
     };
-    std::iter::once(COLUMNS.to_owned()).chain(run.samples.iter().map(row)).collect()
+    samples.iter().map(row).collect()
 }
 
 /// The tracking error over all ticks. Unit: mm.

@@ -1,6 +1,8 @@
 //! Runs the command `mgpi` in a directory of its own.
 #![allow(dead_code, reason = "each test program uses its part")]
 
+pub mod processes;
+
 use std::path::PathBuf;
 use std::process::{Command, Output};
 

@@ -12,7 +12,8 @@
 //! [`firmware::Control`], in the same task, at the same place in the order of priorities.
 //!
 //! # Limits
-//! Time in the emulator means nothing; neither do overruns, which lock-step cannot have.
+//! Time in the emulator means nothing; neither do overruns, which lock-step cannot have. The plant is protected as on a new
+//! board, until the host sets other limits.
 //! Nothing is kept without power. Logs (defmt) and the exit status leave by semihosting.
 #![no_std]
 #![no_main]
@@ -44,7 +45,7 @@ mod app {
     use firmware::{BlackBox, Capture, Control, LockStepBoard, Order};
     use rtic::Mutex;
     use stm32f4::stm32f405::Interrupt;
-    use wire::{FRAME_BYTES, Protection, Receiver, Request, Response, State, TickReply, TickRequest};
+    use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickReply, TickRequest};
 
     use crate::bus_port::{BusPort, DriverEnable};
     use crate::link::{answer, log_change};
@@ -111,13 +112,13 @@ mod app {
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let mut usart = Usart::new(cx.device.USART2, CLOCK_HZ);
-        let mut control = Control::simulated(cx.local.black_box, cx.local.capture);
+        let parameters = Parameters::FACTORY;
+        let mut control = Control::new(parameters.protection, None, cx.local.black_box, cx.local.capture);
         let mut frame = [0; FRAME_BYTES];
         usart.send(&mut frame, &control.apply(Order::Identify));
         defmt::info!("emulated board, messages version {=u16}", wire::VERSION);
         let logged = control.state();
         let lock_step = LockStep { control, board: LockStepBoard::new(), reply: None };
-        let parameters = Parameters { protection: Protection::SIMULATED, tracking: None };
         let bus_port = BusPort::new(cx.device.USART1, CLOCK_HZ, NoDriver);
         let local = Local { usart, receiver: Receiver::new(), frame, bus_port, logged };
         (Shared { lock_step, parameters }, local)

@@ -46,8 +46,6 @@ pub struct Arguments {
     reference: PathBuf,
     #[command(flatten)]
     plant: PlantArguments,
-    #[command(flatten)]
-    gains: Gains,
     /// Ticks a second
     #[arg(long, default_value_t = 1000.0, value_name = "HZ", value_parser = positive)]
     rate_hz: f64,
@@ -75,6 +73,8 @@ pub struct Arguments {
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    gains: Gains,
 }
 
 /// Tracks.

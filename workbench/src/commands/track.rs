@@ -27,8 +27,6 @@ const TRACK: usize = 30;
 /// Tracks a reference with a board, and logs. Ctrl-C stops and vents.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    #[command(flatten)]
-    port: PortArguments,
     /// What to track: time_s, reference_mm
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
@@ -53,6 +51,8 @@ pub struct Arguments {
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    port: PortArguments,
 }
 
 /// What drives the valve.

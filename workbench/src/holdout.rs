@@ -14,19 +14,33 @@ const LEAST_HEIGHT: f64 = 0.1;
 /// The least share of the scored rows on either side.
 const LEAST_SHARE: f64 = 0.25;
 
-/// The time of the split, and the figures of a model of the first part on the second; None where there are no two parts,
-/// or the first is too short for the model. Units: s, output unit.
+/// How a model of the first part does on the second.
+#[derive(Clone, Debug)]
+pub struct Later {
+    /// The time of the split. Unit: s.
+    pub from_s: f64,
+    /// Its figures on the second part. Output unit.
+    pub figures: Figures,
+    /// What it simulates, a value a row. Output unit.
+    pub simulated: Vec<f64>,
+    /// The scored rows of the second part.
+    pub scored: Vec<bool>,
+}
+
+/// How a model of the first part does on the second; None where there are no two parts, or the first is too short for the
+/// model.
 pub fn later_cycles(
     recording: &Recording,
     options: &Options,
     progress: &(dyn Fn(usize) + Sync),
-) -> Option<(f64, Figures)> {
+) -> Option<Later> {
     let Recording { drive, output } = recording;
     let first = split(&drive.input.values, &drive.scored)?;
     let problem = Problem { scored: &part(&drive.scored, first, true), ..recording.problem() };
     let fit = identification::identify(&problem, options, progress).ok()?;
-    let later = part(&drive.scored, first, false);
-    Some((drive.time_s[first], Figures::of(&output.values, &fit.simulated, &later)))
+    let scored = part(&drive.scored, first, false);
+    let figures = Figures::of(&output.values, &fit.simulated, &scored);
+    Some(Later { from_s: drive.time_s[first], figures, simulated: fit.simulated, scored })
 }
 
 /// The recording with its first part scored only; as it is where there are no two parts.

@@ -162,6 +162,11 @@ impl Recording {
         Ok(Self { drive, output })
     }
 
+    /// The same with other scored rows.
+    pub fn with_scored(&self, scored: Vec<bool>) -> Self {
+        Self { drive: Drive { scored, ..self.drive.clone() }, output: self.output.clone() }
+    }
+
     /// What is to be identified.
     pub fn problem(&self) -> Problem<'_> {
         let Self { drive, output } = self;

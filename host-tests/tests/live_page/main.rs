@@ -6,6 +6,7 @@ mod browser;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::thread;
 use std::time::Duration;
 
 use browser::{BROWSERS, Browser};
@@ -94,7 +95,24 @@ fn the_page_shows_the_loop_stops_the_board_and_releases_a_fault() {
         browser.wait(&format!("document.querySelector('#{plot} polyline').points.numberOfItems > 40"));
     }
     browser.wait("parseFloat(document.querySelector('#now').textContent) > 20");
+    browser.wait("/^\\d+\\.\\d+ mm over the last \\d+ s/.test(document.querySelector('#rmse').textContent)");
+    let said = |browser: &mut Browser, id: &str| {
+        browser.value(&format!("document.querySelector('{id}').textContent")).to_string()
+    };
+    assert!(said(&mut browser, "#mode").contains("feed-forward and feedback"));
+    let gains = said(&mut browser, "#gains");
+    assert!(["kp", "ki", "kd"].iter().all(|gain| gains.contains(gain)), "{gains}");
     browser.picture("watch-tracking");
+    browser.click("#pause");
+    let held = browser.value("document.querySelector('#contraction polyline').getAttribute('points')");
+    thread::sleep(Duration::from_millis(400));
+    let later = browser.value("document.querySelector('#contraction polyline').getAttribute('points')");
+    assert_eq!(held, later, "a paused page goes on");
+    browser.click("#pause");
+    browser.wait("document.querySelector('#pause').textContent === 'Pause the page'");
+    let head = browser.value("tableOfRows().split('\\n')[0]");
+    assert_eq!(head, "time_s,reference_mm,contraction_mm,pressure_bar,command_bar");
+    assert!(browser.value("tableOfRows().split('\\n').length").as_f64() > Some(40.0));
     assert_eq!(browser.value("document.querySelector('#acknowledge').disabled"), true);
     browser.click("#stop");
     browser.wait("document.querySelector('#state').textContent === 'Ready'");
@@ -133,5 +151,8 @@ fn the_page_shows_the_loop_stops_the_board_and_releases_a_fault() {
     let own = |address: &String| address.starts_with("http://127.0.0.1:") || address.starts_with("data:");
     assert!(browser.asked.iter().all(own), "something from outside: {:?}", browser.asked);
     watch.end();
-    browser.wait("!document.querySelector('#problem').hidden");
+    browser.wait("document.querySelector('#state').textContent === 'Ended'");
+    browser.wait("document.querySelector('#problem').textContent.startsWith('The run has ended')");
+    assert_eq!(browser.value("document.querySelector('#stop').disabled"), true);
+    browser.picture("watch-ended");
 }

@@ -22,19 +22,21 @@ fn between(path: &str, before: &Table, after: &Table) -> Vec<String> {
     let gone = before.keys().filter(|key| !after.contains_key(*key));
     let of_key = |key: &String| {
         let path = format!("{path}{key}");
-        let (before, after) = (before.get(key), after.get(key));
-        let table = |value: Option<&Value>| value.and_then(Value::as_table).cloned();
-        match (table(before), table(after)) {
-            _ if before == after => Vec::new(),
-            (None, None) => vec![format!("{path:<36} {} -> {}", words(before), words(after))],
-            (before, after) => {
-                between(&format!("{path}."), &before.unwrap_or_default(), &after.unwrap_or_default())
+        match (before.get(key), after.get(key)) {
+            (before, after) if before == after => Vec::new(),
+            (Some(Value::Table(before)), Some(Value::Table(after))) => {
+                between(&format!("{path}."), before, after)
             }
+            (before, after) => vec![format!("{path:<36} {} -> {}", words(before), words(after))],
         }
     };
     after.keys().chain(gone).flat_map(of_key).collect()
 }
 
 fn words(value: Option<&Value>) -> String {
-    value.map_or_else(|| "none".to_owned(), Value::to_string)
+    match value {
+        None => "none".to_owned(),
+        Some(Value::Table(table)) => format!("({} keys)", table.len()),
+        Some(other) => other.to_string(),
+    }
 }

@@ -1,8 +1,9 @@
 //! All that a board says of itself: state, faults, measurements, what its ticks take.
 
 use firmware::faults::table::{Row, TABLE};
+use model_core::Mode;
 use serde_json::{Value, json};
-use wire::registers::Id;
+use wire::registers::{Id, mode};
 use wire::{FAULTS, Fault, State};
 
 use super::board::{Block, Board, Identity};
@@ -14,6 +15,8 @@ use super::error::row;
 pub struct Status {
     identity: Identity,
     now: Block,
+    mode: Block,
+    gains: Block,
     /// How often each fault has occurred since the start, by its number less one.
     counts: Vec<u16>,
     record: Option<Recorded>,
@@ -29,6 +32,8 @@ struct Recorded {
 /// What is measured, with its unit in its name.
 const SIGNALS: [Id; 6] =
     [Id::ReferenceMm, Id::ContractionMm, Id::PressureBar, Id::CommandBar, Id::SupplyBar, Id::TemperatureC];
+/// The gains of the feedback.
+const GAINS: [Id; 3] = [Id::Kp, Id::Ki, Id::Kd];
 /// What is counted about the ticks and the bus.
 const COUNTERS: [Id; 12] = [
     Id::Ticks,
@@ -57,6 +62,8 @@ impl Status {
         Ok(Self {
             identity: board.identity().clone(),
             now,
+            mode: board.read(Id::Mode, Id::Mode)?,
+            gains: board.read(Id::Kp, Id::Kd)?,
             counts: counts.words(Id::FaultCounts).iter().copied().take(FAULTS).collect(),
             record: Fault::of_code(record.whole(Id::RecordFault) as u8)
                 .map(|fault| Recorded { fault, tick: record.whole(Id::RecordTick) }),
@@ -148,6 +155,10 @@ impl Status {
         for id in SIGNALS.into_iter().chain(COUNTERS) {
             json[id.register().name] = self.number(id).into();
         }
+        json["mode"] = mode(self.mode.whole(Id::Mode) as u16).map(mode_in_words).into();
+        for id in GAINS {
+            json[id.register().name] = self.gains.number(id).into();
+        }
         json
     }
 }
@@ -163,4 +174,13 @@ fn with_cure(head: &str, row: &Row) -> [String; 3] {
         format!("  cause     {}", row.cause),
         format!("  cure      {}", row.cure),
     ]
+}
+/// What drives the valve in a mode.
+fn mode_in_words(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Both => "feed-forward and feedback",
+        Mode::FeedforwardOnly => "feed-forward alone",
+        Mode::FeedbackOnly => "feedback alone",
+        Mode::Hold => "hold",
+    }
 }

@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
             gain,
             other: validate.as_ref().map(|file| file.display().to_string()),
         });
-        let page = diagnosed::to_html(&diagnosis, &recording, gained.as_ref());
+        let page = diagnosed::to_html(&diagnosis, &columns, &recording, gained.as_ref());
         outputs.stage(report, page.as_bytes())?;
     }
     if let Some(json) = json {
@@ -132,8 +132,7 @@ fn to_file(
             termination: extended.termination.to_string(),
             standard_errors: Vec::new(),
         }),
-    }
-    .with_usual_lead_limit())
+    })
 }
 
 /// The columns of a recording that a diagnosis looks at, and the recording that they are from; no row is scored whose past is unknown.

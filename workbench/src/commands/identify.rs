@@ -173,19 +173,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     })
     .map_err(|source| unidentified(&recording, source))?;
     let seconds = begin.elapsed().as_secs_f64();
-    let heldout = match &other {
-        Some(other) => Some(HeldOut {
-            recording: other.source(),
-            from_s: None,
-            figures: other.figures(&identification::simulate(&fit.model, &other.drive.input.values)),
-        }),
-        None if arguments.no_holdout => None,
-        None => {
-            with_bar(searches(options.starts), |progress| later_cycles(&recording, &options, progress)).map(
-                |(from_s, figures)| HeldOut { recording: recording.source(), from_s: Some(from_s), figures },
-            )
+    let later = match &other {
+        None if !arguments.no_holdout => {
+            with_bar(searches(options.starts), |progress| later_cycles(&recording, &options, progress))
         }
+        _ => None,
     };
+    let answered = other.as_ref().map(|other| {
+        let simulated = identification::simulate(&fit.model, &other.drive.input.values);
+        (HeldOut { recording: other.source(), from_s: None, figures: other.figures(&simulated) }, simulated)
+    });
+    let heldout = answered.as_ref().map(|(heldout, _)| heldout.clone()).or(later.as_ref().map(|later| {
+        HeldOut { recording: recording.source(), from_s: Some(later.from_s), figures: later.figures }
+    }));
 
     let identification = identification_of(&recording, &fit, heldout);
     let model = ModelFile {
@@ -199,10 +199,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     };
     outputs.stage(model_file, model.to_toml().as_bytes())?;
     if let Some(file) = report {
-        let simulated = &fit.simulated;
-        let (identification, uncertainty) = (&identification, &fit.uncertainty);
-        let report =
-            Identified { model: &model, identification, recording: &recording, simulated, uncertainty };
+        let later = later.map(|later| (recording.with_scored(later.scored), later.simulated));
+        let tried = other.zip(answered.map(|(_, simulated)| simulated)).or(later);
+        let report = Identified {
+            model: &model,
+            identification: &identification,
+            recording: &recording,
+            simulated: &fit.simulated,
+            heldout: tried.as_ref().map(|(recording, simulated)| (recording, &simulated[..])),
+            uncertainty: &fit.uncertainty,
+        };
         outputs.stage(file, report.to_html()?.as_bytes())?;
     }
     if let Some(file) = json {

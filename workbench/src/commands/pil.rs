@@ -24,7 +24,7 @@ use crate::pil::lock_step::Run;
 use crate::pil::reference::Reference;
 use crate::pil::results::{self, figures, json, log};
 use crate::pil::{Bench, Broken, Finished, configuration};
-use crate::report::tracked;
+use crate::report::tracked::{self, Stroke};
 
 /// The runs, as they are called in the results.
 const RUNS: [(&str, Mode); 3] = [
@@ -46,6 +46,8 @@ pub struct Arguments {
     reference: PathBuf,
     #[command(flatten)]
     plant: PlantArguments,
+    #[command(flatten)]
+    gains: Gains,
     /// Ticks a second
     #[arg(long, default_value_t = 1000.0, value_name = "HZ", value_parser = positive)]
     rate_hz: f64,
@@ -73,8 +75,6 @@ pub struct Arguments {
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
-    #[command(flatten)]
-    gains: Gains,
 }
 
 /// Tracks.
@@ -131,7 +131,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let mut results = json(named(), model.output.unit);
     let limits = (configuration.tracking.command_min, configuration.tracking.command_max);
     named().for_each(|(name, run)| followed::tell(name, run, limits, &mut results));
-    results["model"] = board_model::worth_json(Some(&model));
     if let Some(file) = json_file {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }
@@ -140,7 +139,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         let (model, reference) = (arguments.model.display(), arguments.reference.display());
         let source = format!("Reference {reference}, model {model}");
         let runs: Vec<_> = named().collect();
-        outputs.stage(file, tracked::to_html(&runs, stroke_mm, &source).as_bytes())?;
+        let stroke = Stroke { mm: stroke_mm, whose: "the model's stroke" };
+        outputs.stage(file, tracked::to_html(&runs, stroke, &source).as_bytes())?;
     }
     outputs.commit()?;
     if arguments.verbose {

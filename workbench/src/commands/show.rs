@@ -1,6 +1,7 @@
 //! A board that is shown on a page while a command works with it.
 
 use std::net::SocketAddr;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::bus::Board;
@@ -15,7 +16,10 @@ pub const ROW: Duration = Duration::from_millis(40);
 /// Time between two looks at all the rest.
 const STATUS: Duration = Duration::from_millis(500);
 
-/// The page, as long as the program runs.
+/// How long a browser has to hear that the run has ended: the streams of events are written at once.
+const FAREWELL: Duration = Duration::from_millis(200);
+
+/// The page, as long as the program runs; when this is dropped, it says that the run has ended.
 #[derive(Debug)]
 pub struct Show {
     feed: Feed,
@@ -73,6 +77,13 @@ impl Show {
     /// Shows what is wrong.
     pub fn problem(&self, problem: &str) {
         self.feed.status(serde_json::json!({"problem": problem}));
+    }
+}
+
+impl Drop for Show {
+    fn drop(&mut self) {
+        self.feed.end();
+        thread::sleep(FAREWELL);
     }
 }
 

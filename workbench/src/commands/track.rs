@@ -19,6 +19,7 @@ use crate::part::Part;
 use crate::pil::lock_step::{Measurement, Run, Sample};
 use crate::pil::reference::Reference;
 use crate::pil::{followed, preview_s, results};
+use crate::report::tracked::{self, Stroke};
 use crate::unit::Unit;
 
 /// Columns of the live view's track.
@@ -27,6 +28,8 @@ const TRACK: usize = 30;
 /// Tracks a reference with a board, and logs. Ctrl-C stops and vents.
 #[derive(Args, Debug)]
 pub struct Arguments {
+    #[command(flatten)]
+    port: PortArguments,
     /// What to track: time_s, reference_mm
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
@@ -42,6 +45,9 @@ pub struct Arguments {
     /// Also write the figures as JSON
     #[arg(long, value_name = "FIGURES.json")]
     json: Option<PathBuf>,
+    /// Also write a page that shows the run: one HTML file
+    #[arg(long, value_name = "REPORT.html")]
+    report: Option<PathBuf>,
     /// Log every so-manieth tick [default: as many as the bus carries]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..=1000))]
     every: Option<u16>,
@@ -51,8 +57,6 @@ pub struct Arguments {
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
-    #[command(flatten)]
-    port: PortArguments,
 }
 
 /// What drives the valve.
@@ -82,8 +86,8 @@ impl ModeName {
 /// # Errors
 /// The reference is none, the board does not track, an output cannot be written, or the user interrupts.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { port, reference: file, model, mode, log, json, every, http, force } = arguments;
-    let mut outputs = Outputs::claim(log.iter().chain(json), &[file], *force)?;
+    let Arguments { port, reference: file, model, mode, log, json, report, every, http, force } = arguments;
+    let mut outputs = Outputs::claim(log.iter().chain(json).chain(report), &[file], *force)?;
     let reference = Reference::read(file, POINTS_PER_S)?;
     let model = model.as_deref().map(board_model::read).transpose()?;
     let mut board = port.open()?;
@@ -134,9 +138,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let mut results = results::json([(name, &run)], unit);
     let limits = (installed.tracking.command_min, installed.tracking.command_max);
     followed::tell(name, &run, limits, &mut results);
-    results["model"] = board_model::worth_json(model.as_ref());
     if let Some(file) = json {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
+    }
+    if let Some(page) = report {
+        let stroke = Stroke { mm: highest - lowest, whose: "the reference's range" };
+        let source = format!("Reference {}", file.display());
+        outputs.stage(page, tracked::to_html(&[(name, &run)], stroke, &source).as_bytes())?;
     }
     outputs.commit()?;
     if let Some(grown) = grown {

@@ -119,7 +119,7 @@ impl HeldOut<'_> {
             Self::Recording(other) => {
                 Some(other.figures(&identification::simulate(&fit.model, &other.drive.input.values)))
             }
-            Self::LaterCycles => later_cycles(recording, options, progress).map(|(_, figures)| figures),
+            Self::LaterCycles => later_cycles(recording, options, progress).map(|later| later.figures),
             Self::Nothing => None,
         }
     }

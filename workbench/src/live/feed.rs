@@ -76,12 +76,17 @@ impl Feed {
         self.0.is_new.notify_all();
     }
 
-    /// Shows a status, as `mgpi status --json` has it, or `{"problem": words}`.
+    /// Shows a status, as `mgpi status --json` has it, or `{"problem": words}`, or `{"ended": true}`.
     pub fn status(&self, status: Value) {
         let mut shown = self.lock();
         shown.status = status;
         shown.changes += 1;
         self.0.is_new.notify_all();
+    }
+
+    /// Shows that the run has ended; nothing comes after that.
+    pub fn end(&self) {
+        self.status(json!({"ended": true}));
     }
 
     /// Asks for something.

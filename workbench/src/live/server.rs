@@ -14,6 +14,7 @@ use thiserror::Error;
 
 use super::feed::{Feed, Order, Seen};
 use super::page;
+use crate::report::page::PLOTS;
 
 /// The most connections at once.
 const MOST: usize = 16;
@@ -73,6 +74,7 @@ fn answer(stream: &TcpStream, feed: &Feed) -> io::Result<()> {
     let is_order = headers.iter().any(|header| header == ORDER_HEADER);
     match request.split_whitespace().collect::<Vec<_>>()[..] {
         ["GET", "/", _] => send(stream, "200 OK", "text/html; charset=utf-8", &page::page()),
+        ["GET", "/plot.js", _] => send(stream, "200 OK", "text/javascript; charset=utf-8", PLOTS),
         ["GET", "/live.js", _] => send(stream, "200 OK", "text/javascript; charset=utf-8", page::SCRIPT),
         ["GET", "/events", _] => stream_events(stream, feed),
         ["POST", "/stop", _] if is_order => obey(stream, feed, Order::Stop),
@@ -155,6 +157,7 @@ mod tests {
         for (request, expected) in [
             (format!("GET / HTTP/1.1\r\n{host}\r\n"), "200"),
             (format!("GET /live.js HTTP/1.1\r\n{host}\r\n"), "200"),
+            (format!("GET /plot.js HTTP/1.1\r\n{host}\r\n"), "200"),
             (format!("GET /etc/passwd HTTP/1.1\r\n{host}\r\n"), "404"),
             ("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n".to_owned(), "403"),
             (format!("POST /stop HTTP/1.1\r\n{host}\r\n"), "403"),

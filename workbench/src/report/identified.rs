@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use model_core::ParameterError;
 
 use super::model_run::ModelRun;
-use super::page::{explained, page};
+use super::page::{explained, page, reading};
 use super::parameters::parameters;
 use super::parts::parts;
 use crate::identification::Uncertainty;
@@ -22,6 +22,9 @@ pub struct Identified<'a> {
     pub recording: &'a Recording,
     /// The model's output for every row. Output unit.
     pub simulated: &'a [f64],
+    /// What it, or a model of the first part alone, was tried on: the held-out rows are those that are scored; a value a row,
+    /// output unit.
+    pub heldout: Option<(&'a Recording, &'a [f64])>,
     /// What is known about the raw parameters.
     pub uncertainty: &'a Uncertainty,
 }
@@ -56,17 +59,52 @@ impl Identified<'_> {
             (run.input(&format!("Input: {input} over time")), "What drove the muscle, and the model."),
         ];
         let parts = parts(self.model)?;
+        let file = self.recording.drive.file.file_name().unwrap_or_default().display().to_string();
         let body = html! {
             (self.figures())
+            (reading(&file, &self.recording.drive.notes))
             (explained(&plots))
+            (self.tried())
             h2 { "The parts of the model" }
             (explained(&parts.iter().map(|part| (part.plot(), part.words)).collect::<Vec<_>>()))
             (parameters(self.uncertainty, &self.model.names()))
         };
-        let file = self.recording.drive.file.file_name().unwrap_or_default().display().to_string();
         let title = format!("Model of {file}: {output} over {input}");
         let source = format!("Recording with SHA-256 {}", self.identification.recording.sha256);
         Ok(page(&title, &body, &source))
+    }
+
+    /// The held-out rows.
+    fn tried(&self) -> Markup {
+        let Some(((recording, simulated), heldout)) = self.heldout.zip(self.identification.heldout.as_ref())
+        else {
+            return html! {};
+        };
+        let run = ModelRun::new(recording, simulated);
+        let plots = [
+            (
+                run.loops("Held out: loops"),
+                "Wider apart than in training: the model has learnt the recording, not the muscle.",
+            ),
+            (
+                run.error("Held out: error over time"),
+                "An error that grows from the first row on is drift or creep; one that comes with new amplitudes is the model's.",
+            ),
+            (
+                run.output("Held out: output over time"),
+                "Rows that are not held out, or not scored, are shown here, too.",
+            ),
+        ];
+        html! {
+            h2 { "Held out" }
+            p { @match heldout.from_s {
+                Some(from_s) => {
+                    "A model of the rows before " (format!("{from_s:.2}")) " s, on the rows from there on: it has not seen them."
+                }
+                None => { "The model on " (heldout.recording.file) ", which it has not seen." }
+            } }
+            (explained(&plots))
+        }
     }
 
     fn figures(&self) -> Markup {
@@ -74,6 +112,12 @@ impl Identified<'_> {
             self.identification;
         let (unit, worth) = (self.model.output.unit, Worth::of(self.identification));
         html! {
+            @match worth.grade() {
+                Grade::Poor => {
+                    p.verdict.warning role="alert" { "This model does not describe the recording: " (worth) "." }
+                }
+                _ => { p.verdict { "The model is " (worth) "." } }
+            }
             p { "On the " (scored_rows) " scored rows the model's figures are: " (training.in_words(*stroke, unit)) "." }
             @if let Some(HeldOut { recording, from_s, figures }) = heldout {
                 p {
@@ -85,12 +129,6 @@ impl Identified<'_> {
                     }
                     (figures.in_words(*stroke, unit)) "."
                 }
-            }
-            @match worth.grade() {
-                Grade::Poor => {
-                    p.verdict { "This model does not describe the recording: " (worth) "." }
-                }
-                _ => { p { "The model is " (worth) "." } }
             }
             p { "The stroke is " (format!("{stroke:.2}")) " " (unit) ". The best of " (starts) " starts "
                 (termination) "."

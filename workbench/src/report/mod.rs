@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`plot`], `axis` | lines over two axes, in the one look of all plots |
 //! | `simplify` | fewer points for the same picture |
-//! | `page`, `zoom.js` | the page around the plots, and its script |
+//! | `page`, `plot.js` | the page around the plots, and the plots' script: enlarge, point at, export |
 //! | `model_run` | a model beside a recording, as plots |
 //! | `parameters` | the parameters and what is known about them, as a table |
 //! | `parts` | the parts of a model, as plots |

@@ -90,6 +90,7 @@ impl<'a> ModelRun<'a> {
     }
 
     fn time_plot<'b>(&self, title: &str, y: String, lines: Vec<Line<'b>>) -> Plot<'b> {
-        Plot { title: title.to_owned(), x: "time (s)".to_owned(), y, lines, ..Plot::default() }
+        let clock = self.recording.drive.sha256.clone();
+        Plot { title: title.to_owned(), x: "time (s)".to_owned(), y, lines, clock, ..Plot::default() }
     }
 }

@@ -1,9 +1,9 @@
-//! The page around the plots: one file, nothing from outside; its only script enlarges plots, and the page is whole
-//! without it.
+//! The page around the plots: one file, nothing from outside; its only script enlarges, points at and exports plots, and
+//! the page is whole without it.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::plot::{Plot, colour_style};
+use super::plot::{Plot, colour_style, dashes};
 
 /// Readable on a phone and in print, light and dark.
 const STYLE: &str = "
@@ -18,34 +18,53 @@ p { max-width: 42rem } footer { color: var(--faint); font-size: .85rem; overflow
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 30rem), 1fr)); gap: 1rem }
 figure { margin: 0; break-inside: avoid; display: flex; flex-direction: column }
 figure > svg { width: 100%; height: auto; margin-top: auto }
-.plot { cursor: crosshair } .plot text { user-select: none } .lines polyline { vector-effect: non-scaling-stroke }
-.frame { fill: #8888; stroke: none }
-.plots > div { display: grid; grid-template-rows: subgrid; grid-row: span 2; break-inside: avoid } .plots p { margin-top: 0 }
+.plot { cursor: crosshair; touch-action: pan-y } .plot.enlarged { touch-action: none } .plot text { user-select: none }
+.plot:focus-visible, button:focus-visible { outline: 2px solid #0072B2; outline-offset: 2px }
+.lines polyline { vector-effect: non-scaling-stroke } .frame { fill: #8888; stroke: none }
+.cursor { pointer-events: none } .cursor line { stroke: var(--faint) } .cursor circle { stroke: var(--paper); stroke-width: 1.5 }
+.readout { margin: 0; min-height: 1.5em; font-size: .85rem; font-variant-numeric: tabular-nums; max-width: none }
+.tools { display: flex; gap: .4rem; justify-content: flex-end; margin-bottom: .6rem }
+.tools button { font: inherit; font-size: .8rem; min-width: 2.75rem; padding: .2rem .5rem; border: 1px solid var(--rule);
+  border-radius: .3rem; background: none; color: var(--ink); cursor: pointer } .tools button:disabled { opacity: .4; cursor: default }
+.stack { max-width: 56rem; display: grid; gap: .4rem } .stack > figure:not(:last-child) .tools { margin-bottom: 0 }
+.verdict.warning { border-left-color: #D55E00 }
+.plots > div { display: grid; grid-template-rows: subgrid; grid-row: span 2; break-inside: avoid } .plots > div > p { margin-top: 0 }
 figcaption { font-weight: 600 } .legend { font-weight: 400 }
-.legend span { margin-right: 1rem; white-space: nowrap } .legend svg { margin-right: .3rem }
+.legend > span { display: inline-block; margin-right: 1rem } .legend svg { margin-right: .3rem }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums }
 th, td { text-align: right; padding: .15rem .8rem; border-bottom: 1px solid var(--rule) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
 th[colspan] { text-align: center }
-.wide { overflow-x: auto } .wide th, .wide td { padding: .15rem .35rem } .best { font-weight: 600 } td:first-child { white-space: nowrap }
+.wide { overflow-x: auto } .wide th, .wide td { padding: .15rem .35rem; min-width: 4.5rem } .best { font-weight: 600 } td:first-child { white-space: nowrap }
 .bars { max-width: 52rem } .bars ul { list-style: none; margin: .4rem 0; padding: 0 }
-.bars li { display: grid; grid-template-columns: minmax(7rem, 20rem) 1fr 4rem; gap: .1rem .6rem; align-items: center;
+.bars li { display: grid; grid-template-columns: minmax(7rem, 20rem) 1fr 4.6rem; gap: .1rem .6rem; align-items: center;
   break-inside: avoid; padding: .15rem 0 }
 .bars li > * { grid-column: 3 } .bars li > svg { grid-column: 2; width: 100%; overflow: visible }
 .bars .name { grid-column: 1; grid-row: span 2; overflow-wrap: anywhere }
-@media (max-width: 40rem) { .bars li { grid-template-columns: 1fr 4rem } .bars li > * { grid-column: 2 }
+@media (max-width: 40rem) { .bars li { grid-template-columns: 1fr 4.6rem } .bars li > * { grid-column: 2 }
   .bars li > svg { grid-column: 1 } .bars .name { grid-column: 1 / -1; grid-row: auto } } .verdict { font-size: 1.15rem; font-weight: 600; border-left: .3rem solid; padding-left: .8rem }
-dl { max-width: 42rem } dt { font-weight: 600 } dd { margin: 0 0 .6rem } code { overflow-wrap: anywhere }
-@media print { .hint { display: none } body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr }
+dl { max-width: 42rem } dt { font-style: italic } dt.best { font-style: normal } dd { margin: 0 0 .6rem } code { overflow-wrap: anywhere }
+@media print { .hint, .tools, .readout { display: none } body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr }
   table { font-size: 9pt } td { white-space: nowrap } .wide { overflow: visible } .wide table { font-size: 6.5pt }
   .wide th, .wide td { padding: .1rem .3rem } }
 ";
-const ZOOM: &str = include_str!("zoom.js");
+/// The plots' script.
+pub const PLOTS: &str = include_str!("plot.js");
 
 /// Plots, each with a few words below.
 pub fn explained(plots: &[(Plot<'_>, &str)]) -> Markup {
     html! {
         div.plots { @for (plot, words) in plots { div { (plot.figure()) p { (words) } } } }
+    }
+}
+
+/// What was done to a file when it was read; nothing where it was taken as it is.
+pub fn reading(file: &str, notes: &[String]) -> Markup {
+    html! {
+        @if !notes.is_empty() {
+            p { "How " (file) " was read:" }
+            ul { @for note in notes { li { (note) } } }
+        }
     }
 }
 
@@ -56,7 +75,7 @@ pub fn head(title: &str, beyond: &Markup) -> Markup {
             meta charset="utf-8";
             meta name="viewport" content="width=device-width, initial-scale=1";
             title { (title) }
-            style { (PreEscaped(STYLE)) (PreEscaped(colour_style())) }
+            style data-dashes=(dashes()) { (PreEscaped(STYLE)) (PreEscaped(colour_style())) }
             (beyond)
         }
     }
@@ -72,11 +91,13 @@ pub fn page(title: &str, body: &Markup, source: &str) -> String {
                 h1 { (title) }
                 (body)
                 footer {
-                    p.hint { "Drag over a part of a plot to enlarge it, double click to see all of it; or choose a plot and \
-                        use the keys + and -, the arrows, and 0." }
+                    p.hint { "Values are shown where you point. Drag over a part of a plot to enlarge it (two fingers, or the "
+                        "wheel with Ctrl, do so too), double click to see all of it. A chosen plot answers to the keys + and -, "
+                        "0 for all, the arrows for values, and Shift with an arrow to move. SVG and PNG save what you see, CSV "
+                        "the points that are drawn: those of long recordings are thinned until the eye would see it." }
                     p { (source) ". Drawn by " (crate::TOOL) "." }
                 }
-                script { (PreEscaped(ZOOM)) }
+                script { (PreEscaped(PLOTS)) }
             }
         }
     }

@@ -28,6 +28,8 @@ pub fn to_html(recording: &Recording, simulated: &[f64], tracking: &Tracking, so
         p { "The model's figures: " (fit.in_words(stroke, unit)) "." }
         (section("Fig. 11: tracking with the inverse model and feedback", &responses))
         p { "Tracking: " (missed.in_words(stroke, unit)) "." }
+        h2 { "What drove the valve" }
+        (tracking.stack("Tracking"))
         (section("Fig. 12: loops while tracking", &loops))
         p { "The hysteresis that the controller drives the muscle around." }
         (section("Fig. 13: desired and actual length", &linearity))

@@ -20,7 +20,8 @@ pub fn parameters(known: &Uncertainty, names: &Names) -> Markup {
                 "model is none the worse, but these values are not to be compared one by one with those of another muscle." }
         }
         div.wide { table {
-            thead { tr { th { "name" } th { "value" } th { "standard error" } th { "95 % interval" } th { "unit" } } }
+            thead { tr { th { "name" } th { "value (unit of the row)" } th { "standard error (unit of the row)" }
+                th { "95 % interval (unit of the row)" } th { "unit" } } }
             tbody { @for estimate in &known.estimates {
                 tr {
                     td { (estimate.parameter.name) }

@@ -158,7 +158,7 @@ fn dead_zones(
     let y = x.iter().map(|&u| stage.value(u)).collect();
     Ok(Part {
         title: "Dead-zone map",
-        x: "output of the plays".to_owned(),
+        x: "output of the plays (1)".to_owned(),
         y: model.output.to_string(),
         lines: vec![Curve { name: "", style: Style::Measured, x, y }],
         words: "How the output of the plays becomes that of the model: a straight line would leave the loop as symmetric \

@@ -6,7 +6,10 @@
 //! backgrounds, which [`colour_style`] turns into style rules.
 //!
 //! The lines lie in a drawing of their own inside the axes: its view box is what a page's script changes to zoom
-//! (`zoom.js`), and it cuts off what is outside. The ends of both axes stand in the drawing's `data-` attributes.
+//! (`plot.js`), and it cuts off what is outside. The ends of both axes stand in the drawing's `data-` attributes. The script
+//! reads values under the pointer, and those of an exported file, from the points that are drawn.
+//!
+//! Without a script the picture is whole, on paper too: so a plot is a drawing, and no canvas of a plotting library.
 
 use std::fmt::Write as _;
 
@@ -14,16 +17,18 @@ use maud::{Markup, html};
 
 use super::axis::Axis;
 pub use super::axis::Scale;
-use super::simplify::simplify;
+use super::simplify::{Place, simplify};
 
-/// Size of the drawing: small, so that its text stays readable when a phone scales it. Unit: pixels.
-const SIZE: (f64, f64) = (640.0, 400.0);
-/// Where the lines lie: left, top, width, height. Unit: pixels.
-const AREA: (f64, f64, f64, f64) = (92.0, 10.0, 528.0, 324.0);
+/// Width of the drawing: small, so that its text stays readable when a phone scales it. Unit: pixels.
+const WIDTH: f64 = 640.0;
+/// What is left free of lines at the left, the top, the right and the bottom. Unit: pixels.
+const FREE: (f64, f64, f64, f64) = (92.0, 10.0, 20.0, 66.0);
 /// Largest deviation of a simplified line, small enough to be looked at closely. Unit: pixels.
-const TOLERANCE: f64 = 0.15;
-/// Most numbers at either axis.
-const TICKS: (usize, usize) = (7, 6);
+const TOLERANCE: f64 = 0.05;
+/// Most numbers at the horizontal axis.
+const TICKS: usize = 7;
+/// Height that a number at the vertical axis has at least. Unit: pixels.
+const TICK_HEIGHT: f64 = 54.0;
 const FONT: &str = "sans-serif";
 const FONT_SIZE: f64 = 18.0;
 /// What half the height of a letter is. Unit: pixels.
@@ -78,6 +83,37 @@ impl Style {
     }
 }
 
+/// How high a plot is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Height {
+    /// For a plot by itself.
+    #[default]
+    Whole,
+    /// For one of several that stand over each other.
+    Low,
+}
+
+impl Height {
+    /// Of the drawing. Unit: pixels.
+    fn pixels(self) -> f64 {
+        match self {
+            Self::Whole => 400.0,
+            Self::Low => 250.0,
+        }
+    }
+
+    /// Where the lines lie: left, top, width, height. Unit: pixels.
+    fn area(self) -> (f64, f64, f64, f64) {
+        let (left, top, right, bottom) = FREE;
+        (left, top, WIDTH - left - right, self.pixels() - top - bottom)
+    }
+
+    /// Most numbers at the vertical axis.
+    fn ticks(self) -> usize {
+        (self.area().3 / TICK_HEIGHT) as usize
+    }
+}
+
 /// A line of a plot.
 pub struct Line<'a> {
     /// What it shows, for the legend.
@@ -104,22 +140,20 @@ impl Line<'_> {
         }
     }
 
-    /// The line inside the axes, of the points that make a difference to the eye.
-    fn drawing(&self, x: &Axis, y: &Axis) -> Markup {
-        let place = |(&at_x, &at_y): (&f64, &f64)| (x.share(at_x) * AREA.2, (1.0 - y.share(at_y)) * AREA.3);
-        let places: Vec<(f64, f64)> = self.x.iter().zip(self.y).map(place).collect();
-        let pieces = places.split(|(x, y)| x.is_nan() || y.is_nan()).filter(|piece| !piece.is_empty());
+    /// The line inside the axes, of the points that make a difference to the eye. Width and height: those of the area, in pixels.
+    fn drawing(&self, (x, width): (&Axis, f64), (y, height): (&Axis, f64)) -> Markup {
+        let place = |(&at_x, &at_y): (&f64, &f64)| (x.share(at_x) * width, (1.0 - y.share(at_y)) * height);
+        let places: Vec<Place> = self.x.iter().zip(self.y).map(place).collect();
         html! {
-            @for piece in pieces {
-                polyline points=(points(&simplify(piece, TOLERANCE))) fill="none" stroke=(self.style.hex())
-                    stroke-width=(self.style.width()) {}
+            g data-name=(self.name) stroke=(self.style.hex()) stroke-width=(self.style.width()) fill="none" {
+                @for piece in simplify(&places, TOLERANCE) { polyline points=(points(&piece)) {} }
             }
         }
     }
 }
 
 /// Places as SVG writes them.
-fn points(places: &[(f64, f64)]) -> String {
+fn points(places: &[Place]) -> String {
     let mut text = String::new();
     for (x, y) in places {
         // Writing to a string does not fail.
@@ -154,6 +188,12 @@ pub struct Plot<'a> {
     pub lines: Vec<Line<'a>>,
     /// Points with names, in front of the lines.
     pub points: Vec<Point<'a>>,
+    /// Whose time the horizontal axis has: plots of the same clock are enlarged and pointed at together. Empty: nobody's.
+    pub clock: String,
+    /// How high it is.
+    pub height: Height,
+    /// Lowest and highest value that the vertical axis reaches at least, so that plots beside each other have one scale.
+    pub reaches: Option<(f64, f64)>,
 }
 
 impl Plot<'_> {
@@ -169,8 +209,10 @@ impl Plot<'_> {
                         div.legend { @for line in self.named() { (line.key()) } }
                     }
                 }
-                svg.plot role="img" tabindex="0" viewBox=(format!("0 0 {} {}", SIZE.0, SIZE.1))
+                svg.plot role="img" tabindex="0" viewBox=(format!("0 0 {WIDTH} {}", self.height.pixels()))
                     xmlns="http://www.w3.org/2000/svg" data-x=(ends(&x)) data-y=(ends(&y))
+                    data-x-name=(self.x) data-y-name=(self.y) data-clock=(self.clock)
+                    data-ticks=(format!("{TICKS} {}", self.height.ticks()))
                     data-logarithm[self.scale == Scale::Logarithm] {
                     title { (self.title) ": " (self.y) " over " (self.x) }
                     (self.drawing())
@@ -189,14 +231,16 @@ impl Plot<'_> {
 
     /// Of all lines.
     fn axes(&self) -> (Axis, Axis) {
-        let of = |values: fn(&Line<'_>) -> Vec<f64>| Axis::of(self.lines.iter().flat_map(values), self.scale);
-        (of(|line| line.x.to_vec()), of(|line| line.y.to_vec()))
+        let reaches = self.reaches.into_iter().flat_map(|(low, high)| [low, high]);
+        let x = self.lines.iter().flat_map(|line| line.x).copied();
+        let y = self.lines.iter().flat_map(|line| line.y).copied();
+        (Axis::of(x, self.scale), Axis::of(y.chain(reaches), self.scale))
     }
 
     /// The plot below its title and legend, as a part of a sheet.
     fn panel(&self) -> Markup {
         let ink = Style::Ink.hex();
-        let middle = SIZE.0 / 2.0;
+        let middle = WIDTH / 2.0;
         let keys: Vec<_> = if self.has_legend() { self.named().collect() } else { Vec::new() };
         let mut places = Vec::new();
         let mut end = 0.0;
@@ -222,7 +266,7 @@ impl Plot<'_> {
 
     /// Axes and lines.
     fn drawing(&self) -> Markup {
-        let (left, top, width, height) = AREA;
+        let (left, top, width, height) = self.height.area();
         let (right, bottom) = (left + width, top + height);
         let (x, y) = self.axes();
         let across = |share: f64| format!("{:.1}", left + share * width);
@@ -230,21 +274,21 @@ impl Plot<'_> {
         let turned = format!("rotate(-90 20 {})", top + height / 2.0);
         html! {
             g font-family=(FONT) font-size=(FONT_SIZE) fill=(Style::Ink.hex()) {
-                g.x text-anchor="middle" { @for (share, label) in x.ticks(TICKS.0) {
+                g.x text-anchor="middle" data-grid=(Style::Grid.hex()) { @for (share, label) in x.ticks(TICKS) {
                     line x1=(across(share)) x2=(across(share)) y1=(top) y2=(bottom) stroke=(Style::Grid.hex()) {}
-                    text x=(across(share)) y=(bottom + 22.0) data-at=(format!("{share:.5}")) { (label) }
+                    text x=(across(share)) y=(bottom + 22.0) { (label) }
                 } }
-                g.y text-anchor="end" { @for (share, label) in y.ticks(TICKS.1) {
+                g.y text-anchor="end" { @for (share, label) in y.ticks(self.height.ticks()) {
                     line x1=(left) x2=(right) y1=(down(share, 0.0)) y2=(down(share, 0.0)) stroke=(Style::Grid.hex()) {}
-                    text x=(left - 8.0) y=(down(share, HALF_LETTER)) data-at=(format!("{share:.5}")) { (label) }
+                    text x=(left - 8.0) y=(down(share, HALF_LETTER)) { (label) }
                 } }
-                text x=(left + width / 2.0) y=(SIZE.1 - 10.0) text-anchor="middle" { (self.x) }
+                text x=(left + width / 2.0) y=(self.height.pixels() - 10.0) text-anchor="middle" { (self.x) }
                 text x="20" y=(top + height / 2.0) text-anchor="middle" transform=(turned) { (self.y) }
                 polyline points=(format!("{left},{top} {left},{bottom} {right},{bottom}")) fill="none"
                     stroke=(Style::Ink.hex()) {}
                 svg.lines x=(left) y=(top) width=(width) height=(height) viewBox=(format!("0 0 {width} {height}"))
                     preserveAspectRatio="none" stroke-linejoin="round" {
-                    @for line in &self.lines { (line.drawing(&x, &y)) }
+                    @for line in &self.lines { (line.drawing((&x, width), (&y, height))) }
                 }
                 g.names { @for Point { name, at, offset } in &self.points {
                     @let (share_x, share_y) = (x.share(at.0), y.share(at.1));
@@ -259,16 +303,16 @@ impl Plot<'_> {
 
 /// Plots side by side, two in a row, as a picture of its own on white ground.
 pub fn sheet(title: &str, plots: &[Plot<'_>]) -> String {
-    let height = HEAD + SIZE.1;
+    let height = HEAD + Height::Whole.pixels();
     let (columns, rows) = (plots.len().clamp(1, 2), plots.len().div_ceil(2));
-    let (width, all) = (SIZE.0 * columns as f64, height * rows as f64);
+    let (width, all) = (WIDTH * columns as f64, height * rows as f64);
     let picture = html! {
         svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {width} {all}")) role="img" {
             title { (title) }
             style { (maud::PreEscaped(dashes())) }
             rect width=(width) height=(all) fill="#fff" {}
             @for (i, plot) in plots.iter().enumerate() {
-                @let (x, y) = (SIZE.0 * (i % 2) as f64, height * (i / 2) as f64);
+                @let (x, y) = (WIDTH * (i % 2) as f64, height * (i / 2) as f64);
                 g transform=(format!("translate({x},{y})")) { (plot.panel()) }
             }
         }
@@ -277,7 +321,7 @@ pub fn sheet(title: &str, plots: &[Plot<'_>]) -> String {
 }
 
 /// The style rule that dashes the model's lines.
-fn dashes() -> String {
+pub fn dashes() -> String {
     format!("[stroke=\"{}\"]{{stroke-dasharray:7 3}}\n", Style::Model.hex())
 }
 

@@ -1,4 +1,4 @@
-//! Report of a reference tracked by the firmware: how near the muscle came, with feed-forward and feedback, and with either.
+//! Report of a reference tracked by the firmware: how near the muscle came, and what drove the valve.
 
 use maud::{Markup, html};
 
@@ -7,54 +7,76 @@ use super::page::{explained, page};
 use super::tracking::Tracking;
 use crate::pil::lock_step::Run;
 
-/// The report as an HTML file, for runs by their names, of which the first is shown whole. `stroke_mm`: that of the
-/// model, which percentages refer to; `source`: what was tracked, with what.
-pub fn to_html(runs: &[(&str, &Run)], stroke_mm: f64, source: &str) -> String {
-    let runs: Vec<(String, u32, Tracking)> = runs
+/// What percentages refer to.
+#[derive(Clone, Copy, Debug)]
+pub struct Stroke {
+    /// Unit: mm.
+    pub mm: f64,
+    /// Whose it is.
+    pub whose: &'static str,
+}
+
+/// A run with its name.
+struct Named {
+    name: String,
+    tracking: Tracking,
+}
+
+/// The report as an HTML file, for runs by their names in the results; `source`: what was tracked, with what.
+pub fn to_html(runs: &[(&str, &Run)], stroke: Stroke, source: &str) -> String {
+    let overruns: u32 = runs.iter().map(|(_, run)| run.overruns).sum();
+    let runs: Vec<Named> = runs
         .iter()
-        .map(|(name, run)| (name.replace('_', " "), run.overruns, Tracking::of_run(run)))
+        .map(|(name, run)| Named { name: in_words(name), tracking: Tracking::of_run(run) })
         .collect();
-    let [(_, _, whole), others @ ..] = &runs[..] else { return page("No run", &html! {}, source) };
-    let response = [
-        (whole.response("Tracking: over time"), "What the muscle should do, and what it does."),
-        (whole.error("Tracking: error over time"), "What comes back in every cycle, the model has wrong."),
-        (whole.linearity("Desired and actual contraction"), "On the dashed line both are equal."),
-        (whole.loops("The loop of the muscle"), "The hysteresis that the controller drives it around."),
-    ];
-    let errors: Vec<_> = others
-        .iter()
-        .map(|(name, _, tracking)| {
-            (tracking.error(&format!("Error, {name}")), "The same reference, without the other half.")
-        })
-        .collect();
-    let overruns: u32 = runs.iter().map(|(_, overruns, _)| overruns).sum();
+    let times = match runs.len() {
+        1 => "once".to_owned(),
+        count => format!("{count} times"),
+    };
     let body = html! {
-        p { "The firmware tracked the same reference " (runs.len()) " times, late " (overruns) " times. Per cent refer to the "
-            "model's stroke of " (format!("{stroke_mm:.1}")) " mm." }
-        (figures(&runs, stroke_mm))
-        h2 { "With feed-forward and feedback" }
-        (explained(&response))
-        h2 { "With either alone" }
-        (explained(&errors))
+        p { "The firmware tracked the reference " (times) "; " (overruns) " ticks were late. Per cent refer to "
+            (stroke.whose) " of " (format!("{:.1}", stroke.mm)) " mm." }
+        (figures(&runs, stroke))
+        @for Named { name, tracking } in &runs {
+            h2 { (name) }
+            (tracking.stack(name))
+            (explained(&[
+                (tracking.linearity(&format!("{name}: desired and actual contraction")), "On the dashed line both are equal."),
+                (tracking.loops(&format!("{name}: loop of the muscle")), "The hysteresis that the controller drives it around."),
+            ]))
+        }
+        p { "An error that comes back in every cycle, the model has wrong. Where the feedback is small beside the feed-forward, \
+            the model does the work." }
     };
     page("Tracking by the firmware", &body, source)
 }
 
-fn figures(runs: &[(String, u32, Tracking)], stroke_mm: f64) -> Markup {
-    let values: Vec<[f64; 2]> = runs
+/// What drove the valve in a run.
+fn in_words(name: &str) -> String {
+    match name {
+        "tracking" => "Feed-forward and feedback",
+        "feedforward_only" => "Feed-forward alone",
+        "feedback_only" => "Feedback alone",
+        other => other,
+    }
+    .to_owned()
+}
+
+fn figures(runs: &[Named], stroke: Stroke) -> Markup {
+    let figures: Vec<[f64; 2]> = runs
         .iter()
-        .map(|(_, _, tracking)| tracking.figures())
+        .map(|run| run.tracking.figures())
         .map(|figures| [figures.rmse, figures.max_error])
         .collect();
     let groups: Vec<Bar<'_>> = runs
         .iter()
-        .zip(&values)
-        .map(|((name, _, _), values)| Bar { name, values, is_chosen: false })
+        .zip(&figures)
+        .map(|(run, values)| Bar { name: &run.name, values, is_chosen: false })
         .collect();
     html! {
         (bars("How far the muscle is from its reference (mm)", &["root mean square", "largest"], &groups, None))
-        ul { @for ((name, _, _), [rmse, _]) in runs.iter().zip(&values) {
-            li { (name) ": " (format!("{:.2}", 100.0 * rmse / stroke_mm)) " % of the stroke" }
+        ul { @for (run, [rmse, _]) in runs.iter().zip(&figures) {
+            li { (run.name) ": " (format!("{:.2}", 100.0 * rmse / stroke.mm)) " % of the stroke" }
         } }
     }
 }

@@ -1,6 +1,8 @@
 //! A tracking run as plots.
 
-use super::plot::{Line, Plot, Style};
+use maud::{Markup, html};
+
+use super::plot::{Height, Line, Plot, Style};
 use crate::figures::Figures;
 use crate::pil::lock_step::{Run, Sample};
 use crate::table::{DataError, Table};
@@ -10,8 +12,11 @@ pub struct Tracking {
     time_s: Vec<f64>,
     reference_mm: Vec<f64>,
     contraction_mm: Vec<f64>,
-    pressure_bar: Vec<f64>,
     errors_mm: Vec<f64>,
+    pressure_bar: Vec<f64>,
+    command_bar: Vec<f64>,
+    feedforward_bar: Vec<f64>,
+    feedback_bar: Vec<f64>,
 }
 
 impl Tracking {
@@ -21,33 +26,38 @@ impl Tracking {
     /// A column is missing.
     pub fn of_log(log: &Table) -> Result<Self, DataError> {
         let column = |name| log.first_column(&[name]).map(|(_, values)| values.to_vec());
-        Ok(Self::new(
-            column("time_s")?,
-            column("reference_mm")?,
-            column("contraction_mm")?,
-            column("pressure_bar")?,
-        ))
+        Ok(Self {
+            time_s: column("time_s")?,
+            reference_mm: column("reference_mm")?,
+            contraction_mm: column("contraction_mm")?,
+            errors_mm: Vec::new(),
+            pressure_bar: column("pressure_bar")?,
+            command_bar: column("command_bar")?,
+            feedforward_bar: column("feedforward_bar")?,
+            feedback_bar: column("feedback_bar")?,
+        }
+        .with_errors())
     }
 
     /// Takes the run as it was made.
     pub fn of_run(run: &Run) -> Self {
         let column = |value: fn(&Sample) -> f64| run.samples.iter().map(value).collect();
-        Self::new(
-            column(|sample| sample.time_s),
-            column(|sample| sample.reference_mm),
-            column(|sample| sample.measured.contraction_mm),
-            column(|sample| sample.measured.pressure_bar),
-        )
+        Self {
+            time_s: column(|sample| sample.time_s),
+            reference_mm: column(|sample| sample.reference_mm),
+            contraction_mm: column(|sample| sample.measured.contraction_mm),
+            errors_mm: Vec::new(),
+            pressure_bar: column(|sample| sample.measured.pressure_bar),
+            command_bar: column(|sample| sample.command_bar.into()),
+            feedforward_bar: column(|sample| sample.feedforward_bar.into()),
+            feedback_bar: column(|sample| sample.feedback_bar.into()),
+        }
+        .with_errors()
     }
 
-    fn new(
-        time_s: Vec<f64>,
-        reference_mm: Vec<f64>,
-        contraction_mm: Vec<f64>,
-        pressure_bar: Vec<f64>,
-    ) -> Self {
-        let errors_mm = reference_mm.iter().zip(&contraction_mm).map(|(wanted, is)| wanted - is).collect();
-        Self { time_s, reference_mm, contraction_mm, pressure_bar, errors_mm }
+    fn with_errors(self) -> Self {
+        let rows = self.reference_mm.iter().zip(&self.contraction_mm);
+        Self { errors_mm: rows.map(|(wanted, is)| wanted - is).collect(), ..self }
     }
 
     /// How far the muscle is from its reference. Unit: mm.
@@ -57,18 +67,48 @@ impl Tracking {
 
     /// Desired and actual contraction over time.
     pub fn response(&self, title: &str) -> Plot<'_> {
-        let line = |name, style, y| Line { name, style, x: &self.time_s, y };
         let lines = vec![
-            line("actual", Style::Measured, &self.contraction_mm),
-            line("desired", Style::Model, &self.reference_mm),
+            self.over_time("actual", Style::Measured, &self.contraction_mm),
+            self.over_time("desired", Style::Model, &self.reference_mm),
         ];
-        plot(title, "time (s)", "contraction (mm)", lines)
+        time_plot(title, "contraction (mm)", lines)
     }
 
     /// Desired less actual contraction over time.
     pub fn error(&self, title: &str) -> Plot<'_> {
-        let line = Line { name: "error", style: Style::Error, x: &self.time_s, y: &self.errors_mm };
-        plot(title, "time (s)", "desired less actual (mm)", vec![line])
+        let line = self.over_time("desired less actual", Style::Error, &self.errors_mm);
+        time_plot(title, "error (mm)", vec![line])
+    }
+
+    /// Pressure and command over time.
+    pub fn pressure(&self, title: &str) -> Plot<'_> {
+        let lines = vec![
+            self.over_time("measured pressure", Style::Measured, &self.pressure_bar),
+            self.over_time("command", Style::Model, &self.command_bar),
+        ];
+        time_plot(title, "pressure (bar)", lines)
+    }
+
+    /// What the command is made of, over time.
+    pub fn command(&self, title: &str) -> Plot<'_> {
+        let lines = vec![
+            self.over_time("feed-forward", Style::Measured, &self.feedforward_bar),
+            self.over_time("feedback", Style::Error, &self.feedback_bar),
+        ];
+        time_plot(title, "command (bar)", lines)
+    }
+
+    /// All that a run has over time, plots over each other with one time axis.
+    pub fn stack(&self, name: &str) -> Markup {
+        let plots = [
+            self.response(&format!("{name}: contraction and reference")),
+            self.error(&format!("{name}: error")),
+            self.pressure(&format!("{name}: pressure and command")),
+            self.command(&format!("{name}: feed-forward and feedback")),
+        ];
+        html! {
+            div.stack { @for plot in plots { (Plot { height: Height::Low, ..plot }.figure()) } }
+        }
     }
 
     /// The loops that the muscle is driven around.
@@ -87,6 +127,15 @@ impl Tracking {
         ];
         plot(title, "desired contraction (mm)", "actual contraction (mm)", lines)
     }
+
+    fn over_time<'a>(&'a self, name: &'a str, style: Style, y: &'a [f64]) -> Line<'a> {
+        Line { name, style, x: &self.time_s, y }
+    }
+}
+
+/// Over the time of the reference, which all runs of a page have in common.
+fn time_plot<'a>(title: &str, y: &str, lines: Vec<Line<'a>>) -> Plot<'a> {
+    Plot { clock: "reference".to_owned(), ..plot(title, "time (s)", y, lines) }
 }
 
 fn plot<'a>(title: &str, x: &str, y: &str, lines: Vec<Line<'a>>) -> Plot<'a> {

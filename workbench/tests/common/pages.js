@@ -35,18 +35,34 @@ frame.addEventListener("load", () => {
   for (const drawing of page.querySelectorAll("figure > svg")) overlap([...drawing.querySelectorAll("text")], "over another");
   overlap([...page.querySelectorAll("h1, h2, h3, p, dl, ul, table, figure")].filter(e => !e.closest("figure ul")), "over another");
 
-  // Every drawing has a name, and a plot is enlarged by a key and comes back.
+  // Every drawing has a name; a plot is enlarged by a key and comes back, says values, and can be saved.
   for (const drawing of page.querySelectorAll("[role=img]")) {
     if (!drawing.querySelector("title")?.textContent.trim()) faults.push("a drawing without a name");
   }
   for (const plot of page.querySelectorAll("svg.plot")) {
-    const lines = plot.querySelector(".lines"), labels = () => [...plot.querySelectorAll("[data-at]")].map(t => t.textContent).join();
+    const lines = plot.querySelector(".lines"), figure = plot.closest("figure");
+    const labels = () => [...plot.querySelectorAll(".x text, .y text")].map(label => label.textContent).join();
     const before = [lines.getAttribute("viewBox"), labels()];
     const press = key => plot.dispatchEvent(new view.KeyboardEvent("keydown", { key }));
     press("+");
     if (lines.getAttribute("viewBox") === before[0] || labels() === before[1]) faults.push(`not enlarged: ${named(plot)}`);
+    if (/\d{8}|e[+-]\d/.test(labels())) faults.push(`not round: ${labels()}`);
     press("0");
-    if (labels() !== before[1]) faults.push(`does not come back: ${named(plot)}`);
+    if (labels() !== before[1]) faults.push(`other numbers than without a script: ${labels()} for ${before[1]}`);
+    press("ArrowRight");
+    const said = figure.querySelector(".readout").textContent;
+    if (!/\d/.test(said)) faults.push(`says no value: ${named(plot)}`);
+    press("Escape");
+    const words = figure.querySelector(".tools").textContent;
+    if (words !== "allSVGPNGCSV") faults.push(`tools of a plot: ${words}`);
+  }
+  for (const plot of view.eval("Plot.all")) {
+    const picture = new DOMParser().parseFromString(plot.picture(), "image/svg+xml");
+    if (picture.querySelector("parsererror") || !picture.querySelector("polyline")) faults.push(`no picture: ${plot.title}`);
+    const [head, ...rows] = plot.table().trim().split("\n");
+    if (!head.includes(plot.names.x) || !rows.length || rows.some(row => !/,-?[\d.e-]+,-?[\d.e-]+$/.test(row))) {
+      faults.push(`no table: ${plot.title}`);
+    }
   }
   document.getElementById("faults").textContent = [...(view.failures ?? ["no log of errors"]), ...faults].join("\n");
 });

@@ -120,6 +120,17 @@ pub struct Extended {
     counted: Counted,
 }
 
+/// What two models answer to the same input, a value a row. Output unit.
+#[derive(Clone, Debug)]
+pub struct Answers {
+    /// Without extensions.
+    pub plain: Vec<f64>,
+    /// With them.
+    pub extended: Vec<f64>,
+    /// The command, where that was the input and the pressure was recorded too. Unit: bar.
+    pub from_command: Option<Vec<f64>>,
+}
+
 /// What the gain was counted with.
 #[derive(Clone, Debug)]
 struct Counted {
@@ -169,6 +180,14 @@ impl Extended {
         let fitted = task.operator_refined(there)?;
         let seen = self.seen_from(columns);
         heldout::gain(&seen, untaught, (plain, &fitted), self.heldout.noise_floor)
+    }
+
+    /// What the models without and with the extensions answer to a recording, a value a row, from the input that the gain is
+    /// counted from. None where one of them does not run through it. Output unit.
+    pub fn answers(&self, columns: &Columns) -> Option<Answers> {
+        let seen = self.seen_from(columns);
+        let from_command = matches!(seen, Cow::Owned(_)).then(|| seen.input.clone());
+        Some(Answers { plain: self.plain.answer(&seen)?, extended: self.model.answer(&seen)?, from_command })
     }
 
     /// A recording with the input that the gain is counted from: where something is wrong with the valve the command, also

@@ -2,7 +2,8 @@
 
 use maud::{Markup, html};
 
-use crate::diagnosis::{Diagnosis, Verdict};
+use super::are_causes_named;
+use crate::diagnosis::{Diagnosis, Named, Verdict};
 use crate::report::bars::significant;
 
 /// Ends of parameters' names, each with its unit; the longer of two that fit comes first.
@@ -30,16 +31,19 @@ pub fn section(diagnosis: &Diagnosis) -> Markup {
                 h2 { "The causes" }
             }
             dl { @for named in &diagnosis.causes {
-                dt { (named.cause.name()) }
+                dt.best[are_causes_named(diagnosis.verdict)] { (named.cause.name()) }
                 dd {
-                    (named.cause.meaning()) ". Beside the others it explains " (format!("{:.0}", 100.0 * named.share))
-                    " % of the square of the first error."
+                    (named.cause.meaning()) ". It takes away " (significant(100.0 * share(named, diagnosis.heldout.1)))
+                    " % of the square of the error that is there without it."
                     @if !named.parameters.is_empty() {
-                        div.wide { table { @for same in named.parameters.chunk_by(|one, other| one.0 == other.0) {
+                        div.wide { table {
+                            thead { tr { th { "parameter" } th { "value (unit of the row)" } th { "unit" } } }
+                            tbody { @for same in named.parameters.chunk_by(|one, other| one.0 == other.0) {
                             @let (words, unit) = quantity(same[0].0);
                             @let values: Vec<String> = same.iter().map(|(_, value)| significant(*value)).collect();
-                            tr { td { (words) } td { (values.join(", ")) } td { (unit) } }
-                        } } }
+                                tr { td { (words) } td { (values.join(", ")) } td { (unit) } }
+                            } }
+                        } }
                     }
                     ul { @for words in &named.evidence { li { (words) } } }
                 }
@@ -48,12 +52,20 @@ pub fn section(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
+/// The share of the square of the error without a cause that goes with it, from 0 to 1. `heldout`: the error with all causes on
+/// held-out rows, output unit.
+fn share(named: &Named, heldout: f64) -> f64 {
+    let share =
+        named.without.as_ref().map_or(named.share, |without| 1.0 - (heldout / without.heldout).powi(2));
+    share.clamp(0.0, 1.0)
+}
+
 /// A parameter's name in words, and its unit.
 fn quantity(name: &str) -> (String, &'static str) {
     let (stem, unit) = UNITS
         .iter()
         .find_map(|(end, unit)| name.strip_suffix(end).map(|stem| (stem, *unit)))
-        .unwrap_or((name, ""));
+        .unwrap_or((name, "1"));
     let words = if stem.is_empty() { "rate".to_owned() } else { stem.replace('_', " ") };
     (words, unit)
 }
@@ -69,7 +81,7 @@ mod tests {
             ("offset_mm_per_n", ("offset", "mm/N")),
             ("gain_per_k", ("gain", "1/K")),
             ("mm_per_s", ("rate", "mm/s")),
-            ("damping_ratio", ("damping ratio", "")),
+            ("damping_ratio", ("damping ratio", "1")),
         ];
         for (name, (words, unit)) in pairs {
             assert_eq!(quantity(name), (words.to_owned(), unit));

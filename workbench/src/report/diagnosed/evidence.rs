@@ -19,18 +19,10 @@ pub fn section(diagnosis: &Diagnosis, unit: Unit) -> Markup {
     html! {
         h2 { "The evidence, for and against" }
         p { "Each set of causes was fitted together with the model, and tried on blocks of time that its fit had not seen: there \
-            a cause that is not at work gains nothing. Bold: what is named. The causes that are not listed promised less." }
+            a cause that is not at work gains nothing. Bold: what the verdict names. The causes that are not listed promised less." }
         (bars(&format!("Error of the model with … ({unit})"), &names, &groups, Some(&noise)))
         p { "The second bar compares visits of the muscle to the same state, far apart in time. An error of shape is the same at \
             both, and cancels; what differs, a missing cause has done, or a disturbance." }
-        @if let Some(valve) = &diagnosis.valve {
-            @let errors = [("does at once what it is told", valve.ideal_rmse_bar), ("is as it was found", valve.rmse_bar)];
-            @let values: Vec<[f64; 1]> = errors.iter().map(|error| [error.1]).collect();
-            @let groups: Vec<Bar<'_>> = errors.iter().zip(&values)
-                .map(|((name, _), values)| Bar { name, values, is_chosen: false }).collect();
-            (bars("Error of the pressure, if the valve … (bar)", &[], &groups, None))
-            p { "Command and pressure were both recorded, so the valve is judged between them, and the muscle from the pressure." }
-        }
     }
 }
 
@@ -54,9 +46,10 @@ fn contest(diagnosis: &Diagnosis) -> Vec<Entry> {
         diagnosis.causes.iter().filter(|named| named.without.is_some()).map(|named| named.cause).collect();
     let pure = diagnosis.pure_error;
     let (none, with) = diagnosis.heldout;
-    let mut all = vec![entry("no cause".to_owned(), none, pure.map(|pure| pure.0), named.is_empty())];
+    let mut all = vec![entry("no cause".to_owned(), none, pure.map(|pure| pure.0), false)];
     if !named.is_empty() {
-        all.push(entry(name(&named), with, pure.map(|pure| pure.1), true));
+        let is_named = super::are_causes_named(diagnosis.verdict);
+        all.push(entry(name(&named), with, pure.map(|pure| pure.1), is_named));
     }
     let without = diagnosis.causes.iter().filter_map(|named| named.without.as_ref());
     for set in without.chain(best_of_each(diagnosis)) {

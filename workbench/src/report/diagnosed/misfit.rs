@@ -82,7 +82,7 @@ impl OverTime {
     fn of(view: &View<'_>) -> Self {
         let stretches = &view.diagnosis.anatomy.stretches;
         let is_worst = |t: f64| stretches.iter().any(|stretch| (stretch.from_s..=stretch.to_s).contains(&t));
-        let rows = view.time_s.iter().zip(&view.error_before);
+        let rows = view.time_s.iter().zip(&view.residual);
         let half = BAND * view.diagnosis.anatomy.noise.deviation;
         let ends =
             |values: &[f64]| values.iter().copied().filter(|value| value.is_finite()).collect::<Vec<_>>();
@@ -95,20 +95,13 @@ impl OverTime {
     }
 
     fn plot<'a>(&'a self, view: &'a View<'_>) -> Plot<'a> {
-        let line = |name, style, y| Line { name, style, x: &view.time_s, y };
         let band = |name, y| Line { name, style: Style::Ink, x: &self.ends_s, y };
-        let mut lines = vec![line("error", Style::Error, &view.error_before)];
+        let mut lines = vec![view.line("error", Style::Error, &view.residual)];
         if self.worst.iter().any(|error| error.is_finite()) {
-            lines.push(line("worst", Style::Measured, &self.worst));
+            lines.push(view.line("worst", Style::Measured, &self.worst));
         }
         lines.extend([band("noise", &self.band[0][..]), band("", &self.band[1][..])]);
-        Plot {
-            title: "Error over time".to_owned(),
-            x: "time (s)".to_owned(),
-            y: view.error_axis(),
-            lines,
-            ..Plot::default()
-        }
+        view.errors_over_time("Error over time", lines)
     }
 }
 
@@ -138,7 +131,7 @@ impl<'a> OverAxis<'a> {
     fn plot(&self, view: &View<'_>) -> Plot<'_> {
         let AxisMean { axis, share, .. } = self.mean;
         Plot {
-            title: format!("Error over the {axis}: {:.0} % of its energy", 100.0 * share),
+            title: format!("Error over the {axis}: {} % of its energy", significant(100.0 * share)),
             x: match axis {
                 Axis::Time | Axis::SinceChange => format!("{axis} (s)"),
                 Axis::Input => view.input_axis(),
@@ -146,8 +139,8 @@ impl<'a> OverAxis<'a> {
                 Axis::Load => "load (N)".to_owned(),
                 Axis::Temperature => "temperature (°C)".to_owned(),
                 Axis::Direction => "falling (-1), held (0), rising (1)".to_owned(),
-                Axis::Rate => format!("{axis} (a second)"),
-                Axis::Cycle => axis.to_string(),
+                Axis::Rate => format!("{axis} ({}/s)", view.input_unit()),
+                Axis::Cycle => format!("{axis} (1)"),
             },
             y: view.error_axis(),
             lines: vec![
@@ -212,12 +205,13 @@ impl Frequencies {
             scale: Scale::Logarithm,
             lines: vec![Line { name: "", style: Style::Measured, x: &self.frequency_hz, y: &self.density }],
             points: points.collect(),
+            ..Plot::default()
         }
     }
 }
 
 fn stretches(stretches: &[Stretch], view: &View<'_>) -> Markup {
-    let unit = view.unit();
+    let (unit, input_unit) = (view.unit(), view.input_unit());
     html! {
         @if stretches.is_empty() {
             p { "The error is about the same everywhere: there is no worst stretch." }
@@ -225,16 +219,17 @@ fn stretches(stretches: &[Stretch], view: &View<'_>) -> Markup {
             h3 { "Where it is worst" }
             div.wide { table {
                 thead { tr {
-                    th { "from … to (s)" } th { "error (" (unit) ")" } th { "share of its energy" }
-                    th { "input from … to" } th { "held" } th { "fastest rate of the input" }
+                    th { "from … to (s)" } th { "error (" (unit) ")" } th { "share of its energy (%)" }
+                    th { "input from … to (" (input_unit) ")" } th { "input at rest (% of the time)" }
+                    th { "fastest rate of the input (" (input_unit) "/s)" }
                 } }
                 tbody { @for stretch in stretches { tr {
                     td { (format!("{:.1} … {:.1}", stretch.from_s, stretch.to_s)) }
                     td { (significant(stretch.rms)) }
-                    td { (format!("{:.0} %", 100.0 * stretch.share)) }
+                    td { (format!("{:.0}", 100.0 * stretch.share)) }
                     td { (significant(stretch.lowest_input)) " … " (significant(stretch.highest_input)) }
-                    td { (format!("{:.0} %", 100.0 * stretch.held_share)) }
-                    td { (significant(stretch.fastest_rate)) "/s" }
+                    td { (format!("{:.0}", 100.0 * stretch.held_share)) }
+                    td { (significant(stretch.fastest_rate)) }
                 } } }
             } }
         }

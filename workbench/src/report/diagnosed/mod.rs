@@ -6,21 +6,29 @@
 //! | `misfit` | the anatomy of the error, as pictures |
 //! | `causes` | what is named, with its parameters |
 //! | `evidence` | the named causes against none and against their rivals, as bars |
+//! | `valve` | command and pressure, with what the found valve makes of the command |
+//! | `after` | the models without and with the named causes on one scale |
+//!
+//! # Contract
+//! What is bold in lists is named by the verdict.
 
+mod after;
 mod causes;
 mod evidence;
 mod misfit;
+mod valve;
 mod view;
 
 use maud::{Markup, html};
 
 use self::view::View;
 use super::bars::significant;
-use super::page::{explained, page};
+use super::page::{explained, page, reading};
+use super::plot::Style;
 use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::{Extended, HeldOutGain};
 use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, unknown_past};
-use crate::diagnosis::{Diagnosis, Verdict};
+use crate::diagnosis::{Columns, Diagnosis, Verdict};
 use crate::recording::Recording;
 
 /// An extended model and what it gains.
@@ -34,93 +42,63 @@ pub struct Gained<'a> {
 }
 
 /// The report as an HTML file; `gained` where there is a model that runs free.
-pub fn to_html(diagnosis: &Diagnosis, recording: &Recording, gained: Option<&Gained<'_>>) -> String {
+pub fn to_html(
+    diagnosis: &Diagnosis,
+    columns: &Columns,
+    recording: &Recording,
+    gained: Option<&Gained<'_>>,
+) -> String {
     let Recording { drive, output } = recording;
-    let view = View::new(diagnosis, recording, gained.map(|gained| &gained.extended.simulated[..]));
+    let view = View::new(diagnosis, recording);
+    let file = drive.file.file_name().unwrap_or_default().display().to_string();
     let body = html! {
         p.verdict { (in_a_sentence(diagnosis, output.channel.unit)) }
+        (reading(&file, &drive.notes))
         (before(&view))
         (misfit::section(&view))
         (causes::section(diagnosis))
         (evidence::section(diagnosis, output.channel.unit))
+        (valve::section(&view, columns))
         (confounded(diagnosis))
-        (after(&view, gained))
+        (after::section(&view, columns, gained))
         (unseen(diagnosis))
     };
-    let file = drive.file.file_name().unwrap_or_default().display().to_string();
     let title =
         format!("Diagnosis of {file}: {} over {}", output.channel.words(), drive.input.channel.words());
     page(&title, &body, &format!("Recording with SHA-256 {}", drive.sha256))
 }
 
 fn before(view: &View<'_>) -> Markup {
+    const NAME: &str = "flexible hysteresis";
+    let simulated = view.measured_less(&view.residual);
     let plots = [
         (
-            view.traces("Before: over time", &view.before),
-            "The muscle, and what the model says for the same input.",
+            view.output_over_time(
+                "Before: over time",
+                vec![
+                    view.line("measured", Style::Measured, &view.measured),
+                    view.line(NAME, Style::Model, &simulated),
+                ],
+            ),
+            "The muscle, and what the model simulates from the same input.",
         ),
         (
-            view.loops("Before: as a loop", &view.before),
+            view.loops("Before: as a loop".to_owned(), (view.input_axis(), &view.input), (NAME, &simulated)),
             "Where the two lines part, the model has the wrong shape, or something else than the input acts.",
         ),
     ];
     html! {
-        h2 { "Before: the best operator model" }
-        p { "A model of hysteresis alone: it knows the way of the input, but no speed, no time, no load and no temperature. \
-            It may take the form of any such hysteresis, so what it gets wrong is not a matter of its shape." }
+        h2 { "Before: the best hysteresis" }
+        p { "A model of hysteresis alone: it knows the history of the input, but no speed, no time, no load and no temperature. \
+            It may take the form of any such hysteresis, so what it gets wrong is not a matter of its shape. The \
+            errors below are measured against it." }
         (explained(&plots))
     }
 }
 
-/// The model with the named causes: what it says, and what it gains.
-fn after(view: &View<'_>, gained: Option<&Gained<'_>>) -> Markup {
-    if view.diagnosis.causes.is_empty() {
-        return html! {
-            h2 { "After" }
-            p { "No cause is named, so nothing is added to the model." }
-        };
-    }
-    let (before, after) =
-        gained.map_or(view.diagnosis.heldout, |gained| (gained.gain.before.rmse, gained.gain.after.rmse));
-    let noise = view.diagnosis.anatomy.noise.deviation;
-    let share = 100.0 * (before - after) / (before - noise).max(f64::MIN_POSITIVE);
-    let plots = [
-        (view.traces("After: over time", &view.after), "The muscle, and the model with the named causes."),
-        (view.loops("After: as a loop", &view.after), "What is left between the lines is not explained."),
-        (view.errors(), "What the named causes take away, and what they leave."),
-    ];
-    html! {
-        h2 { "After: with the named causes" }
-        @match gained {
-            Some(Gained { gain, other, .. }) => {
-                p { "An operator model with the named causes as extensions, of the kind that runs on the board. It runs free: from \
-                    its input and the recorded columns alone, never from the measured output. The errors are those on "
-                    @match other {
-                        Some(other) => { "the recording " (other) ", which took no part in anything." }
-                        None => { "the rows from " (format!("{:.0}", gain.from_s)) " s on, by models of the rows before." }
-                    }
-                }
-            }
-            None => p { "The model with the named causes added, fitted together. The errors are those on blocks of time that \
-                the fit has not seen." },
-        }
-        (view.heldout_bars("Held-out error", &[("before", before), ("after", after)], noise))
-        p {
-            @if after < before {
-                "Of what could be gained, down to the noise of the sensor, that is " (format!("{share:.0}")) " %"
-            } @else {
-                "That is no gain: on what it has not seen, the model is no better with the causes than without"
-            }
-            @if let Some(Gained { gain, .. }) = gained {
-                " (the difference is sure within " (with_unit(gain.gain_error, view.unit())) ")"
-            }
-            "."
-            @if gained.is_some_and(|gained| !gained.gain.is_sure()) {
-                " Chance may do as much: try the extended model on another recording before it is used for one."
-            }
-        }
-        (explained(&plots))
-    }
+/// Whether the causes of a diagnosis are named by its verdict.
+fn are_causes_named(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Explained | Verdict::Confounded)
 }
 
 fn confounded(diagnosis: &Diagnosis) -> Markup {

@@ -1,10 +1,7 @@
 //! The scored rows of a diagnosed recording as lines over time and over the input.
 
-use maud::Markup;
-
 use crate::diagnosis::Diagnosis;
 use crate::recording::Recording;
-use crate::report::bars::{Bar, Mark, bars};
 use crate::report::plot::{Line, Plot, Style};
 
 /// A diagnosis beside its recording. Lists have a value a scored row, and a NaN where rows between are not scored.
@@ -12,45 +9,50 @@ pub struct View<'a> {
     /// The diagnosis.
     pub diagnosis: &'a Diagnosis,
     recording: &'a Recording,
+    places: Vec<Option<usize>>,
     /// Unit: s.
     pub time_s: Vec<f64>,
-    input: Vec<f64>,
-    measured: Vec<f64>,
-    /// What the models say, without and with the named causes. Output unit.
-    pub before: Vec<f64>,
-    pub after: Vec<f64>,
-    /// Measured less these. Output unit.
-    pub error_before: Vec<f64>,
-    error_after: Vec<f64>,
+    /// Input unit.
+    pub input: Vec<f64>,
+    /// Output unit.
+    pub measured: Vec<f64>,
+    /// Measured less what the flexible hysteresis of the search simulates. Output unit.
+    pub residual: Vec<f64>,
 }
 
 impl<'a> View<'a> {
-    /// `extended`: what the extended model says, a value a row of the recording; until there is one, the search's own says
-    /// what is after.
-    pub fn new(diagnosis: &'a Diagnosis, recording: &'a Recording, extended: Option<&[f64]>) -> Self {
-        let places = places(&diagnosis.rows);
-        let spread = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            places.iter().map(|place| place.map_or(f64::NAN, value)).collect()
-        };
-        let column = |values: &[f64]| spread(&|i| values[diagnosis.rows[i]]);
-        let output = &recording.output.values;
-        let simulated = |residual: &[f64]| spread(&|i| output[diagnosis.rows[i]] - residual[i]);
-        let after = match extended {
-            Some(simulated) => column(simulated),
-            None => simulated(&diagnosis.residual_after),
-        };
-        let measured = column(output);
-        Self {
-            error_after: measured.iter().zip(&after).map(|(measured, after)| measured - after).collect(),
+    /// Of a diagnosis of a recording.
+    pub fn new(diagnosis: &'a Diagnosis, recording: &'a Recording) -> Self {
+        let mut view = Self {
             diagnosis,
             recording,
-            time_s: column(&recording.drive.time_s),
-            input: column(&recording.drive.input.values),
-            measured,
-            before: simulated(&diagnosis.residual_before),
-            after,
-            error_before: spread(&|i| diagnosis.residual_before[i]),
-        }
+            places: places(&diagnosis.rows),
+            time_s: Vec::new(),
+            input: Vec::new(),
+            measured: Vec::new(),
+            residual: Vec::new(),
+        };
+        view.time_s = view.rows(&recording.drive.time_s);
+        view.input = view.rows(&recording.drive.input.values);
+        view.measured = view.rows(&recording.output.values);
+        view.residual = view.scored(&diagnosis.residual_before);
+        view
+    }
+
+    /// A column of the recording, a value a row.
+    pub fn rows(&self, column: &[f64]) -> Vec<f64> {
+        let rows = &self.diagnosis.rows;
+        self.places.iter().map(|place| place.map_or(f64::NAN, |i| column[rows[i]])).collect()
+    }
+
+    /// What is known for each scored row.
+    pub fn scored(&self, values: &[f64]) -> Vec<f64> {
+        self.places.iter().map(|place| place.map_or(f64::NAN, |i| values[i])).collect()
+    }
+
+    /// Measured less these. Output unit.
+    pub fn measured_less(&self, simulated: &[f64]) -> Vec<f64> {
+        self.measured.iter().zip(simulated).map(|(measured, simulated)| measured - simulated).collect()
     }
 
     /// Name and unit of the input.
@@ -58,48 +60,14 @@ impl<'a> View<'a> {
         self.recording.drive.input.channel.to_string()
     }
 
+    /// The input's unit.
+    pub fn input_unit(&self) -> String {
+        self.recording.drive.input.channel.unit.to_string()
+    }
+
     /// The output's unit.
     pub fn unit(&self) -> String {
         self.recording.output.channel.unit.to_string()
-    }
-
-    /// Measured and simulated output over time.
-    pub fn traces<'b>(&'b self, title: &str, simulated: &'b [f64]) -> Plot<'b> {
-        self.output_plot(title, "time (s)".to_owned(), &self.time_s, simulated)
-    }
-
-    /// Measured and simulated output over the input.
-    pub fn loops<'b>(&'b self, title: &str, simulated: &'b [f64]) -> Plot<'b> {
-        self.output_plot(title, self.input_axis(), &self.input, simulated)
-    }
-
-    fn output_plot<'b>(&'b self, title: &str, x: String, over: &'b [f64], simulated: &'b [f64]) -> Plot<'b> {
-        let line = |name, style, y| Line { name, style, x: over, y };
-        Plot {
-            title: title.to_owned(),
-            x,
-            y: self.recording.output.channel.to_string(),
-            lines: vec![
-                line("measured", Style::Measured, &self.measured),
-                line("model", Style::Model, simulated),
-            ],
-            ..Plot::default()
-        }
-    }
-
-    /// The errors without and with the named causes, over time.
-    pub fn errors(&self) -> Plot<'_> {
-        let line = |name, style, y| Line { name, style, x: &self.time_s, y };
-        Plot {
-            title: "Error before and after".to_owned(),
-            x: "time (s)".to_owned(),
-            y: self.error_axis(),
-            lines: vec![
-                line("before", Style::Model, &self.error_before),
-                line("after", Style::Measured, &self.error_after),
-            ],
-            ..Plot::default()
-        }
     }
 
     /// Name and unit of errors.
@@ -107,16 +75,46 @@ impl<'a> View<'a> {
         format!("error ({})", self.unit())
     }
 
-    /// Errors with names as bars, beside the noise.
-    pub fn heldout_bars(&self, title: &str, errors: &[(&str, f64)], noise: f64) -> Markup {
-        let values: Vec<[f64; 1]> = errors.iter().map(|error| [error.1]).collect();
-        let groups: Vec<Bar<'_>> = errors
-            .iter()
-            .zip(&values)
-            .map(|((name, _), values)| Bar { name, values, is_chosen: false })
-            .collect();
-        let mark = Mark { name: "noise of the sensor", value: noise };
-        bars(&format!("{title} ({})", self.unit()), &[], &groups, Some(&mark))
+    /// Lines of the output over time.
+    pub fn output_over_time<'b>(&'b self, title: &str, lines: Vec<Line<'b>>) -> Plot<'b> {
+        self.over_time(title, self.recording.output.channel.to_string(), lines)
+    }
+
+    /// Lines of errors over time.
+    pub fn errors_over_time<'b>(&'b self, title: &str, lines: Vec<Line<'b>>) -> Plot<'b> {
+        self.over_time(title, self.error_axis(), lines)
+    }
+
+    /// Lines over time, whose axis is shared by all plots of the recording.
+    pub fn over_time<'b>(&'b self, title: &str, y: String, lines: Vec<Line<'b>>) -> Plot<'b> {
+        let clock = self.recording.drive.sha256.clone();
+        let (title, x) = (title.to_owned(), "time (s)".to_owned());
+        Plot { title, x, y, lines, clock, ..Plot::default() }
+    }
+
+    /// A line over time.
+    pub fn line<'b>(&'b self, name: &'b str, style: Style, y: &'b [f64]) -> Line<'b> {
+        Line { name, style, x: &self.time_s, y }
+    }
+
+    /// Measured and simulated output over an input.
+    pub fn loops<'b>(
+        &'b self,
+        title: String,
+        (x, input): (String, &'b [f64]),
+        (name, simulated): (&'b str, &'b [f64]),
+    ) -> Plot<'b> {
+        let line = |name, style, y| Line { name, style, x: input, y };
+        Plot {
+            title,
+            x,
+            y: self.recording.output.channel.to_string(),
+            lines: vec![
+                line("measured", Style::Measured, &self.measured),
+                line(name, Style::Model, simulated),
+            ],
+            ..Plot::default()
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use model_core::extension::ValveLagParameters;
 use workbench::identification::HostExtendedModel;
 use workbench::model_file::ModelFile;
 use workbench::simulation::Rows;
@@ -180,4 +181,8 @@ fn a_lead_limit_that_is_not_given_is_two_bar_in_any_unit() {
         converted(&format!("{}\n[extensions.valve_lag]\ntime_constant_s = 0.05", mgpi(TANH)));
     let limit = |file: &ModelFile| file.extensions.valve_lag.expect("there").lead_limit;
     assert_eq!((limit(&model), limit(&board)), (200.0, 2.0));
+    // That of a lag that was found in a recording is in bar, whatever the recording's unit.
+    let (mut found, _) = converted(&mgpi(TANH));
+    found.extensions.valve_lag = Some(ValveLagParameters::new(0.05));
+    assert_eq!(limit(&found.with_usual_lead_limit()), 200.0);
 }

@@ -22,21 +22,19 @@ fn between(path: &str, before: &Table, after: &Table) -> Vec<String> {
     let gone = before.keys().filter(|key| !after.contains_key(*key));
     let of_key = |key: &String| {
         let path = format!("{path}{key}");
-        match (before.get(key), after.get(key)) {
-            (before, after) if before == after => Vec::new(),
-            (Some(Value::Table(before)), Some(Value::Table(after))) => {
-                between(&format!("{path}."), before, after)
+        let (before, after) = (before.get(key), after.get(key));
+        let table = |value: Option<&Value>| value.and_then(Value::as_table).cloned();
+        match (table(before), table(after)) {
+            _ if before == after => Vec::new(),
+            (None, None) => vec![format!("{path:<36} {} -> {}", words(before), words(after))],
+            (before, after) => {
+                between(&format!("{path}."), &before.unwrap_or_default(), &after.unwrap_or_default())
             }
-            (before, after) => vec![format!("{path:<36} {} -> {}", words(before), words(after))],
         }
     };
     after.keys().chain(gone).flat_map(of_key).collect()
 }
 
 fn words(value: Option<&Value>) -> String {
-    match value {
-        None => "none".to_owned(),
-        Some(Value::Table(table)) => format!("({} keys)", table.len()),
-        Some(other) => other.to_string(),
-    }
+    value.map_or_else(|| "none".to_owned(), Value::to_string)
 }

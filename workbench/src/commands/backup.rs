@@ -13,14 +13,14 @@ use crate::output::Outputs;
 /// brings it back.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    #[command(flatten)]
-    port: PortArguments,
     /// Where the configuration goes
     #[arg(short = 'o', value_name = "BOARD.toml")]
     output: PathBuf,
     /// Overwrite an existing file
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    port: PortArguments,
 }
 
 /// Keeps.

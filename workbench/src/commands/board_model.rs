@@ -5,6 +5,7 @@ use std::path::Path;
 
 use firmware::bus::fields::BoardParameters;
 use model_core::TrackingParameters;
+use serde_json::Value;
 use wire::Configuration;
 
 use crate::Error;
@@ -33,6 +34,11 @@ pub fn worth(model: &ModelFile) -> String {
         || "what it is worth is not known: its file holds no error on a recording".to_owned(),
         |worth| worth.to_string(),
     )
+}
+
+/// The same for programs; null where it is not known.
+pub fn worth_json(model: Option<&ModelFile>) -> Value {
+    model.and_then(ModelFile::worth).map(|worth| worth.to_json()).into()
 }
 
 /// A model that is off by too much is not for a valve, unless the user insists.

@@ -25,8 +25,6 @@ const COLUMN: &str = "command_bar";
 /// Plays an excitation through a board and records the muscle, tick by tick. Ctrl-C vents.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    #[command(flatten)]
-    port: PortArguments,
     /// What is played: time_s, command_bar, from `mgpi plan` for instance [default: triangles of falling height, two fast swings, holds]
     #[arg(long, value_name = "EXC.csv", conflicts_with_all = ["max_bar", "duration_s"])]
     excitation: Option<PathBuf>,
@@ -51,6 +49,8 @@ pub struct Arguments {
     /// Overwrite an existing recording, or the part of one
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    port: PortArguments,
 }
 
 /// Captures.

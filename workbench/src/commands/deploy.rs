@@ -24,16 +24,16 @@ pub struct Arguments {
     /// The model, from `mgpi identify` or `diagnose`
     #[arg(value_name = "MODEL.toml")]
     model: PathBuf,
-    #[command(flatten)]
-    port: PortArguments,
-    #[command(flatten)]
-    gains: Gains,
     /// List what would change, and change nothing
     #[arg(long)]
     dry_run: bool,
     /// Also deploy a model that is off by more than 10 % of stroke
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    port: PortArguments,
+    #[command(flatten)]
+    gains: Gains,
 }
 
 /// Deploys.

@@ -132,7 +132,8 @@ fn to_file(
             termination: extended.termination.to_string(),
             standard_errors: Vec::new(),
         }),
-    })
+    }
+    .with_usual_lead_limit())
 }
 
 /// The columns of a recording that a diagnosis looks at, and the recording that they are from; no row is scored whose past is unknown.

@@ -46,8 +46,6 @@ pub struct Arguments {
     reference: PathBuf,
     #[command(flatten)]
     plant: PlantArguments,
-    #[command(flatten)]
-    gains: Gains,
     /// Ticks a second
     #[arg(long, default_value_t = 1000.0, value_name = "HZ", value_parser = positive)]
     rate_hz: f64,
@@ -75,6 +73,8 @@ pub struct Arguments {
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    gains: Gains,
 }
 
 /// Tracks.
@@ -131,6 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let mut results = json(named(), model.output.unit);
     let limits = (configuration.tracking.command_min, configuration.tracking.command_max);
     named().for_each(|(name, run)| followed::tell(name, run, limits, &mut results));
+    results["model"] = board_model::worth_json(Some(&model));
     if let Some(file) = json_file {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }

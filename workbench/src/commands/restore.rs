@@ -16,14 +16,14 @@ pub struct Arguments {
     /// What `mgpi backup` has written
     #[arg(value_name = "BOARD.toml")]
     file: PathBuf,
-    #[command(flatten)]
-    port: PortArguments,
     /// List what differs, and change nothing
     #[arg(long)]
     dry_run: bool,
     /// Also take a file that was changed by hand, whose checksum does not fit
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    port: PortArguments,
 }
 
 /// Restores.

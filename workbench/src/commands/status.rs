@@ -10,8 +10,6 @@ use crate::bus::status::Status;
 /// Shows a board: state, faults with cause and cure, measurements, statistics of its ticks.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    #[command(flatten)]
-    port: PortArguments,
     /// For programs
     #[arg(long)]
     json: bool,
@@ -21,6 +19,8 @@ pub struct Arguments {
     /// Release the latched fault first, which has been seen to
     #[arg(long)]
     acknowledge: bool,
+    #[command(flatten)]
+    port: PortArguments,
 }
 
 /// Shows.

@@ -28,8 +28,6 @@ const TRACK: usize = 30;
 /// Tracks a reference with a board, and logs. Ctrl-C stops and vents.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    #[command(flatten)]
-    port: PortArguments,
     /// What to track: time_s, reference_mm
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
@@ -57,6 +55,8 @@ pub struct Arguments {
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    port: PortArguments,
 }
 
 /// What drives the valve.
@@ -138,6 +138,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let mut results = results::json([(name, &run)], unit);
     let limits = (installed.tracking.command_min, installed.tracking.command_max);
     followed::tell(name, &run, limits, &mut results);
+    results["model"] = board_model::worth_json(model.as_ref());
     if let Some(file) = json {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }

@@ -21,11 +21,11 @@ const RETRY: Duration = Duration::from_millis(500);
 /// Serves a page that shows a board as it runs: loop, traces, faults, a stop. Loopback only unless --http says otherwise.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    #[command(flatten)]
-    port: PortArguments,
     /// Where the page is served
     #[arg(long, default_value = "127.0.0.1:8080", value_name = "ADDRESS")]
     http: SocketAddr,
+    #[command(flatten)]
+    port: PortArguments,
 }
 
 /// Watches, until the user ends it.

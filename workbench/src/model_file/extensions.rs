@@ -74,6 +74,12 @@ pub fn write(extensions: &ExtensionParameters<f64>, names: &Names, top: &mut Tab
     }
 }
 
+/// How far the compensation of a valve's lag leads where nobody says so: the usual limit is a
+/// pressure, and of another input nothing is known. Input unit.
+pub fn lead_limit(names: &Names) -> f64 {
+    LEAD_LIMIT / bar(names.input).unwrap_or(1.0)
+}
+
 /// Every cause with its keys; behind each key is what `scale` multiplies its value by.
 fn causes(
     file: &mut Fields,
@@ -125,9 +131,7 @@ fn causes(
     file.cause("supply_saturation", supply_saturation, blank, |fields, saturation| {
         fields.number(&format!("supply_{input}"), x, &mut saturation.supply)
     })?;
-    // The usual limit is a pressure; of another input nothing is known.
-    let lead_limit = LEAD_LIMIT / bar(names.input).unwrap_or(1.0);
-    let blank = ValveLagParameters { time_constant_s: 0.0, lead_limit };
+    let blank = ValveLagParameters { time_constant_s: 0.0, lead_limit: lead_limit(names) };
     file.cause("valve_lag", valve_lag, blank, |fields, lag| {
         fields.number("time_constant_s", 1.0, &mut lag.time_constant_s)?;
         fields.optional_number(&format!("lead_limit_{input}"), x, &mut lag.lead_limit)

@@ -29,6 +29,7 @@ pub(crate) mod write;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use model_core::extension::valve_lag::LEAD_LIMIT;
 use model_core::{ExtensionParameters, ParameterError};
 use thiserror::Error;
 
@@ -171,6 +172,19 @@ impl ModelFile {
         let extensions =
             if from_pressure { self.extensions.without_valve() } else { self.extensions.clone() };
         HostExtendedModel::try_new(&self.parameters, &extensions)
+    }
+
+    /// The same, with the usual lead limit in the model's unit where a valve's lag has it in bar, as one
+    /// that was found in a recording has.
+    #[must_use]
+    pub fn with_usual_lead_limit(mut self) -> Self {
+        let usual = extensions::lead_limit(&self.names());
+        if let Some(lag) = &mut self.extensions.valve_lag
+            && lag.lead_limit == LEAD_LIMIT
+        {
+            lag.lead_limit = usual;
+        }
+        self
     }
 
     /// The causes that the model is extended by, by their names in the file.

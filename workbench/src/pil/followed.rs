@@ -37,7 +37,7 @@ pub fn complaint(run: &Run, limits: (f32, f32)) -> Option<String> {
             / run.samples.len() as f64;
         if share > MUCH {
             reasons.push(format!(
-                "the command was at its {name} limit, {limit} bar, for {:.0} % of the time: is the reference within reach?",
+                "The command was at its {name} limit, {limit} bar, for {:.0} % of the time: is the reference within reach?",
                 100.0 * share
             ));
         }
@@ -45,32 +45,32 @@ pub fn complaint(run: &Run, limits: (f32, f32)) -> Option<String> {
     let moved_mm = span(|sample| sample.measured.contraction_mm);
     if moved_mm < MUCH * reference_mm {
         reasons.push(format!(
-            "the contraction moved by {moved_mm:.2} mm only: is the sensor connected, the muscle fixed at both ends?"
+            "The contraction moved by {moved_mm:.2} mm only: is the sensor connected, the muscle fixed at both ends?"
         ));
     }
     let command_bar = span(|sample| sample.command_bar.into());
     let lack_bar = rms(|sample| f64::from(sample.command_bar) - sample.measured.pressure_bar);
-    if lack_bar > MUCH * command_bar {
+    if command_bar > 0.0 && lack_bar > MUCH * command_bar {
         reasons.push(format!(
-            "the pressure was {lack_bar:.2} bar (RMS) off the command: supply, leaks, or a reference faster than the valve?"
+            "The pressure was {lack_bar:.2} bar (RMS) off the command: supply, leaks, or a reference faster than the valve?"
         ));
     }
     let feedforward_bar = span(|sample| sample.feedforward_bar.into());
     let feedback_bar = rms(|sample| sample.feedback_bar.into());
     if feedforward_bar > 0.0 && feedback_bar > MUCH * feedforward_bar {
         reasons.push(format!(
-            "the feedback put {feedback_bar:.2} bar (RMS) on the feed-forward: is the model that of this muscle?"
+            "The feedback put {feedback_bar:.2} bar (RMS) on the feed-forward: is the model that of this muscle?"
         ));
     }
     if reasons.is_empty() {
         reasons.push(
-            "the model, or the gains, may not be those of this muscle: see --mode feedforward".to_owned(),
+            "The model, or the gains, may not be those of this muscle: see --mode feedforward.".to_owned(),
         );
     }
     Some(format!(
-        "the muscle did not follow: RMSE {rmse_mm:.2} mm is {:.0} % of the reference's range, {reference_mm:.2} mm; {}",
+        "the muscle did not follow: RMSE {rmse_mm:.2} mm is {:.0} % of the reference's range, {reference_mm:.2} mm. {}",
         100.0 * rmse_mm / reference_mm,
-        reasons.join("; ")
+        reasons.join(" ")
     ))
 }
 
@@ -125,7 +125,7 @@ mod tests {
             complaint_of(|mm| (0.5 * mm, mm / 20.0, mm / 20.0, 0.0)),
             "29 % of the reference's range, 60.00 mm",
         );
-        says(complaint_of(|_| (0.0, 3.0, 3.0, 0.0)), "the contraction moved by 0.00 mm only");
+        says(complaint_of(|_| (0.0, 3.0, 3.0, 0.0)), "The contraction moved by 0.00 mm only");
         says(complaint_of(|mm| (0.5 * mm, 0.0, mm / 20.0, 0.0)), "bar (RMS) off the command");
         says(
             complaint_of(|mm| (0.5 * mm, mm / 10.0, mm / 20.0, mm / 20.0)),

@@ -31,7 +31,7 @@ fn main() {
         ("a_plant_that_answers_twice_is_an_error", twice),
         ("a_plant_beyond_its_sensors_is_an_error", beyond),
         ("gains_that_the_board_refuses_are_an_error", bad_gain),
-        ("ctrl_c_leaves_neither_process_nor_file", interrupted),
+        ("ctrl_c_leaves_no_process_and_the_log_so_far", interrupted),
         ("the_emulators_death_is_an_error_with_the_firmwares_log", emulator_killed),
         ("the_emulator_by_hand_answers_at_its_port", by_hand),
     ];
@@ -209,6 +209,7 @@ fn interrupted() {
     assert_eq!(output.status.code(), Some(130));
     assert_none_is_left(&bench);
     assert!(!bench.path("log.csv").exists() && !bench.path("figures.json").exists(), "something was written");
+    assert!(bench.read("log.csv.part").lines().count() > 1, "a row at least");
 }
 
 fn emulator_killed() {

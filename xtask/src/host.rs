@@ -11,9 +11,6 @@ use crate::{firmware, run, setup};
 /// The environment variable by which tests and the workbench find the firmware.
 const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
 
-/// The one by which a build of the workbench finds the firmware that it takes in.
-const BUILT_IN_VARIABLE: &str = "MGPI_BUILT_IN_FIRMWARE";
-
 /// The one by which tests find the Python with Modbus clients.
 const BUS_PYTHON_VARIABLE: &str = "MGPI_BUS_PYTHON";
 
@@ -47,7 +44,6 @@ pub enum Build {
 /// When cargo fails.
 pub fn install(root: Option<&Path>, build: Build) -> Result<()> {
     let mut cargo = run::cargo(&["install", "--path", "workbench", "--locked", "--force"]);
-    cargo.env(BUILT_IN_VARIABLE, firmware::emulated_elf());
     if build == Build::Tests {
         cargo.arg("--debug");
     }

@@ -1,8 +1,13 @@
 //! A log that grows in a file beside its place, under its name with `.part` behind it, so that an interruption loses nothing.
+//!
+//! A thread of its own writes: a disk that is busy may keep a writer waiting for longer than a board bears its host to be silent.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::{self, JoinHandle};
 
 use thiserror::Error;
 
@@ -20,8 +25,10 @@ pub enum PartError {
 #[derive(Debug)]
 pub struct Part {
     path: PathBuf,
-    writer: BufWriter<File>,
     rows: usize,
+    /// To the writer; none behind the last row.
+    sender: Option<Sender<String>>,
+    writer: Option<JoinHandle<io::Result<()>>>,
 }
 
 impl Part {
@@ -52,26 +59,38 @@ impl Part {
     /// It cannot be written.
     pub fn write(log: &Path, head: &str) -> Result<Self, PartError> {
         let path = Self::path(log);
-        let begun = File::create(&path).map(BufWriter::new).and_then(|mut writer| {
-            writer.write_all(head.as_bytes())?;
-            Ok(writer)
-        });
-        let writer = begun.map_err(failed(&path))?;
-        Ok(Self { path, writer, rows: 0 })
+        let mut file = File::create(&path).map_err(failed(&path))?;
+        file.write_all(head.as_bytes()).map_err(failed(&path))?;
+        let (sender, receiver) = channel();
+        let writer = thread::spawn(move || write_all(file, &receiver));
+        Ok(Self { path, rows: 0, sender: Some(sender), writer: Some(writer) })
     }
 
-    /// Adds rows, and gives them to the file.
+    /// Adds rows, which are on their way to the file then.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// Earlier ones could not be written.
     pub fn add(&mut self, rows: &str) -> Result<(), PartError> {
         self.rows += rows.lines().count();
-        let written = self.writer.write_all(rows.as_bytes()).and_then(|()| self.writer.flush());
-        written.map_err(failed(&self.path))
+        match self.sender.as_ref().map(|sender| sender.send(rows.to_owned())) {
+            Some(Ok(())) => Ok(()),
+            // A writer that does not listen has failed.
+            _ => self.end(),
+        }
+    }
+
+    /// Waits until all is written.
+    fn end(&mut self) -> Result<(), PartError> {
+        self.sender = None;
+        let written =
+            self.writer.take().map(|writer| writer.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        written.unwrap_or(Ok(())).map_err(failed(&self.path))
     }
 
     /// Leaves it where it is; answers the place, if there are rows.
-    pub fn keep(self) -> Option<PathBuf> {
+    pub fn keep(mut self) -> Option<PathBuf> {
+        // What could be written is there.
+        let _ = self.end();
         if self.rows > 0 {
             return Some(self.path);
         }
@@ -85,9 +104,14 @@ impl Part {
     /// # Errors
     /// It cannot be read.
     pub fn finish(mut self) -> Result<Finished, PartError> {
-        let read = self.writer.flush().and_then(|()| fs::read(&self.path));
-        Ok(Finished { content: read.map_err(failed(&self.path))?, path: self.path })
+        self.end()?;
+        Ok(Finished { content: fs::read(&self.path).map_err(failed(&self.path))?, path: self.path })
     }
+}
+
+/// Writes rows as they come, to the last.
+fn write_all(mut file: File, rows: &Receiver<String>) -> io::Result<()> {
+    rows.iter().try_for_each(|rows| file.write_all(rows.as_bytes()))
 }
 
 fn failed(path: &Path) -> impl FnOnce(io::Error) -> PartError {
@@ -132,8 +156,9 @@ mod tests {
         assert!(begin(false).expect_err("refused").to_string().contains("--force overwrites it"));
         let mut part = begin(true).expect("forced");
         part.add("0,2\n").expect("written");
+        part.add("1,3\n").expect("written");
         let finished = part.finish().expect("read");
-        assert_eq!(finished.content, b"time_s,x\n0,2\n");
+        assert_eq!(finished.content, b"time_s,x\n0,2\n1,3\n");
         finished.remove();
         assert!(!Part::path(&log).exists());
     }

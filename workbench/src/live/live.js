@@ -64,6 +64,7 @@ const end = () => {
   hasEnded = true;
   events.close();
   hear(false);
+  id("pause").disabled = true;
   setState("Ended", "ended");
   problem("The run has ended: this page no longer shows or stops the board. What it has seen can still be saved.");
 };

@@ -26,7 +26,7 @@ figure > svg { width: 100%; height: auto; margin-top: auto }
 .tools { display: flex; gap: .4rem; justify-content: flex-end; margin-bottom: .6rem }
 .tools button { font: inherit; font-size: .8rem; min-width: 2.75rem; padding: .2rem .5rem; border: 1px solid var(--rule);
   border-radius: .3rem; background: none; color: var(--ink); cursor: pointer } .tools button:disabled { opacity: .4; cursor: default }
-.stack { max-width: 56rem; display: grid; gap: .4rem } .stack > figure:not(:last-child) .tools { margin-bottom: 0 }
+.stack { max-width: 44rem; display: grid; gap: .4rem } .stack > figure:not(:last-child) .tools { margin-bottom: 0 }
 .verdict.warning { border-left-color: #D55E00 }
 .plots > div { display: grid; grid-template-rows: subgrid; grid-row: span 2; break-inside: avoid } .plots > div > p { margin-top: 0 }
 figcaption { font-weight: 600 } .legend { font-weight: 400 }

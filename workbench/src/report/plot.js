@@ -77,9 +77,11 @@ class Plot {
     })).filter(line => line.pieces.length);
     return this.read;
   }
-  // Whether every line only goes to the right, so that it has one value at a place.
+  // Whether every line only goes to the right, and none straight up, so that it has one value at a place.
   get isFunction() {
-    this.rises ??= this.lines.every(({ pieces }) => pieces.flat().every(([x], i, all) => i === 0 || all[i - 1][0] <= x));
+    this.rises ??= this.lines.every(({ pieces }) =>
+      pieces.flat().every(([x], i, all) => i === 0 || all[i - 1][0] <= x)
+      && pieces.every(piece => piece.length === 1 || piece[0][0] < piece[piece.length - 1][0]));
     return this.rises;
   }
   onAxes(x, y) {

@@ -28,7 +28,7 @@ const TOLERANCE: f64 = 0.05;
 /// Most numbers at the horizontal axis.
 const TICKS: usize = 7;
 /// Height that a number at the vertical axis has at least. Unit: pixels.
-const TICK_HEIGHT: f64 = 54.0;
+const TICK_HEIGHT: f64 = 40.0;
 const FONT: &str = "sans-serif";
 const FONT_SIZE: f64 = 18.0;
 /// What half the height of a letter is. Unit: pixels.

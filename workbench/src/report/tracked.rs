@@ -76,7 +76,7 @@ fn figures(runs: &[Named], stroke: Stroke) -> Markup {
     html! {
         (bars("How far the muscle is from its reference (mm)", &["root mean square", "largest"], &groups, None))
         ul { @for (run, [rmse, _]) in runs.iter().zip(&figures) {
-            li { (run.name) ": " (format!("{:.2}", 100.0 * rmse / stroke.mm)) " % of the stroke" }
+            li { (run.name) ": root mean square " (format!("{:.2}", 100.0 * rmse / stroke.mm)) " % of " (stroke.whose) }
         } }
     }
 }

@@ -145,7 +145,7 @@ impl<'a> OverAxis<'a> {
             y: view.error_axis(),
             lines: vec![
                 Line { name: "", style: Style::Ink, x: &self.bars.0, y: &self.bars.1 },
-                Line { name: "", style: Style::Measured, x: &self.at, y: &self.error },
+                Line { name: "mean error", style: Style::Measured, x: &self.at, y: &self.error },
             ],
             ..Plot::default()
         }

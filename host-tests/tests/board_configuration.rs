@@ -250,7 +250,7 @@ fn a_muscle_that_does_not_follow_is_said_in_words_and_in_the_figures() {
     let output = bench.run("track --reference ref.csv --json figures.json");
     let said = String::from_utf8(output.stderr).expect("UTF-8");
     assert!(output.status.success() && said.contains("the muscle did not follow: RMSE "), "{said}");
-    assert!(said.contains("the command was at its upper limit, 1 bar, for "), "{said}");
+    assert!(said.contains("The command was at its upper limit, 1 bar, for "), "{said}");
     let figures: serde_json::Value = serde_json::from_str(&bench.read("figures.json")).expect("JSON");
     assert_eq!(figures["tracking"]["followed"], false);
     assert!(said.contains(figures["tracking"]["not_followed_because"].as_str().expect("words")));

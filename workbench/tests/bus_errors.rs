@@ -69,6 +69,13 @@ fn noise_is_no_answer() {
 }
 
 #[test]
+fn what_answers_another_function_is_no_refusal() {
+    // Where an exception has its number stands the address of a writing.
+    let message = refused_by(|_| framed(&[1, 16, 7, 0, 0]));
+    assert!(message.contains("damaged answers only"), "{message}");
+}
+
+#[test]
 fn another_device_is_not_taken_for_the_board() {
     let message = refused_by(|_| framed(&[1, 0x83, 2]));
     assert!(message.contains("no valve board answers, but something else"), "{message}");

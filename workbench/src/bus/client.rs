@@ -37,6 +37,11 @@ const WRITTEN: usize = 8;
 /// The bit that marks the function of an exception.
 const EXCEPTION: u8 = 0x80;
 
+/// Whether an answer, as far as it has come, is an exception.
+fn is_exception(answer: &[u8]) -> bool {
+    answer.get(1).is_some_and(|function| function & EXCEPTION != 0)
+}
+
 /// Why registers were not read or written.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
@@ -199,7 +204,8 @@ impl Client {
                     }
                     return Ok(answer);
                 }
-                Err(exception) if exception.is_modbus_error() => {
+                // What answers another function is no refusal: a late answer to a question before.
+                Err(exception) if exception.is_modbus_error() && is_exception(&answer) => {
                     return Err(BusError::Refused { question: question(), exception });
                 }
                 Ok(()) => damage = Some(ErrorKind::FrameBroken),
@@ -232,8 +238,8 @@ impl Client {
         let mut answer = Vec::with_capacity(expected);
         let mut buffer = [0; 256];
         loop {
-            let is_exception = answer.get(1).is_some_and(|function| function & EXCEPTION != 0);
-            let missing = if is_exception { SHORTEST } else { expected }.saturating_sub(answer.len());
+            let whole = if is_exception(&answer) { SHORTEST } else { expected };
+            let missing = whole.saturating_sub(answer.len());
             if missing == 0 {
                 return Ok(answer);
             }

@@ -35,13 +35,13 @@ table { border-collapse: collapse; font-variant-numeric: tabular-nums }
 th, td { text-align: right; padding: .15rem .8rem; border-bottom: 1px solid var(--rule) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
 th[colspan] { text-align: center }
-.wide { overflow-x: auto } .wide th, .wide td { padding: .15rem .35rem; min-width: 4.5rem } .best { font-weight: 600 } td:first-child { white-space: nowrap }
+.wide { overflow-x: auto } .wide th, .wide td { padding: .15rem .35rem } .best { font-weight: 600 } td:first-child { white-space: nowrap }
 .bars { max-width: 52rem } .bars ul { list-style: none; margin: .4rem 0; padding: 0 }
 .bars li { display: grid; grid-template-columns: minmax(7rem, 20rem) 1fr 4.6rem; gap: .1rem .6rem; align-items: center;
   break-inside: avoid; padding: .15rem 0 }
 .bars li > * { grid-column: 3 } .bars li > svg { grid-column: 2; width: 100%; overflow: visible }
 .bars .name { grid-column: 1; grid-row: span 2; overflow-wrap: anywhere }
-@media (max-width: 40rem) { .bars li { grid-template-columns: 1fr 4.6rem } .bars li > * { grid-column: 2 }
+@media (max-width: 40rem) { .wide th, .wide td { min-width: 4.5rem } .bars li { grid-template-columns: 1fr 4.6rem } .bars li > * { grid-column: 2 }
   .bars li > svg { grid-column: 1 } .bars .name { grid-column: 1 / -1; grid-row: auto } } .verdict { font-size: 1.15rem; font-weight: 600; border-left: .3rem solid; padding-left: .8rem }
 dl { max-width: 42rem } dt { font-style: italic } dt.best { font-style: normal } dd { margin: 0 0 .6rem } code { overflow-wrap: anywhere }
 @media print { .hint, .tools, .readout { display: none } body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr }

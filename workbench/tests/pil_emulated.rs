@@ -30,7 +30,7 @@ fn main() {
         ("a_plant_that_dies_is_an_error_with_its_last_words", dying),
         ("a_plant_that_answers_twice_is_an_error", twice),
         ("a_plant_beyond_its_sensors_is_an_error", beyond),
-        ("gains_that_the_board_refuses_are_an_error", bad_gain),
+        ("gains_that_the_board_does_not_take_are_an_error", bad_gain),
         ("ctrl_c_leaves_no_process_and_the_log_so_far", interrupted),
         ("the_emulators_death_is_an_error_with_the_firmwares_log", emulator_killed),
         ("the_emulator_by_hand_answers_at_its_port", by_hand),
@@ -133,7 +133,7 @@ fn three_runs() {
 
     let figures: serde_json::Value = serde_json::from_str(&bench.read("figures.json")).expect("JSON");
     let keys: Vec<&String> = figures.as_object().expect("an object").keys().collect();
-    assert_eq!(keys, ["feedback_only", "feedforward_only", "overruns", "ticks", "tracking"]);
+    assert_eq!(keys, ["feedback_only", "feedforward_only", "model", "overruns", "ticks", "tracking"]);
     assert_eq!((&figures["ticks"], &figures["overruns"]), (&501.into(), &0.into()));
     // The plant stands at 10 mm, the reference goes from 0 to 50 mm and back.
     for run in ["tracking", "feedforward_only", "feedback_only"] {
@@ -198,7 +198,7 @@ fn beyond() {
 
 fn bad_gain() {
     let message = refusal(STIFF, &["--kp=-1"]);
-    assert!(message.contains("the board refuses: kp"), "{message}");
+    assert!(message.contains("kp_bar_per_mm is to be -1; the board takes 0 to 10"), "{message}");
 }
 
 fn interrupted() {

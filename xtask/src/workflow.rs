@@ -43,7 +43,8 @@ pub fn workflow() -> Result<()> {
         board(&["capture", "--duration-s", CAPTURE_S, "--every", EVERY, "-o", &recording])
     })?;
     let track = |model: &str, name: &str| -> Result<f64> {
-        board(&["deploy", model])?;
+        // A model that is as poor as the first one is deployed by force only.
+        board(&["deploy", model, "--force"])?;
         let (log, json) = (file(&format!("{name}.csv")), file(&format!("{name}.json")));
         board(&["track", "--reference", &reference, "-o", &log, "--json", &json])?;
         rmse_mm(&json)

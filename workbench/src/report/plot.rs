@@ -27,8 +27,6 @@ const FREE: (f64, f64, f64, f64) = (92.0, 10.0, 20.0, 66.0);
 const TOLERANCE: f64 = 0.05;
 /// Most numbers at the horizontal axis.
 const TICKS: usize = 7;
-/// Height that a number at the vertical axis has at least. Unit: pixels.
-const TICK_HEIGHT: f64 = 40.0;
 const FONT: &str = "sans-serif";
 const FONT_SIZE: f64 = 18.0;
 /// What half the height of a letter is. Unit: pixels.
@@ -110,7 +108,10 @@ impl Height {
 
     /// Most numbers at the vertical axis.
     fn ticks(self) -> usize {
-        (self.area().3 / TICK_HEIGHT) as usize
+        match self {
+            Self::Whole => 6,
+            Self::Low => 4,
+        }
     }
 }
 

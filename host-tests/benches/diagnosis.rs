@@ -39,6 +39,7 @@ fn columns(case: &Case) -> Columns {
         load_n: Some(of(|row| row.measured.load_n)),
         temperature_c: Some(of(|row| row.measured.temperature_c)),
         past_unknown_until_s: None,
+        smoothing: None,
     }
 }
 

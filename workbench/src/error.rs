@@ -72,9 +72,9 @@ pub enum Error {
         /// Why.
         source: DiagnosisError,
     },
-    /// The named causes cannot be made into a model.
-    #[error("{}: no model with the named causes runs through the recording", .0.display())]
-    NotExtended(PathBuf),
+    /// No model of a recording runs through another one.
+    #[error("{}: the model does not run through the recording", .0.display())]
+    NotSimulated(PathBuf),
     /// No model can be made of a recording.
     #[error("{}, {columns}: {source}", file.display())]
     Identification {

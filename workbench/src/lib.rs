@@ -33,6 +33,7 @@ pub mod plan;
 pub mod recording;
 pub mod report;
 pub mod simulation;
+pub mod smoothing;
 pub mod table;
 pub mod turning;
 pub mod unit;

@@ -145,3 +145,47 @@ fn a_given_model_of_another_muscle_is_said_to_be_that() {
     let json: Value = serde_json::from_str(&bench.read("d.json")).expect("JSON");
     assert_eq!(json["given_model"]["is_of_another_muscle"], true);
 }
+
+/// The error that `simulate` says a model has. Unit: mm.
+fn simulated_rmse(bench: &Bench, model: &str) -> f64 {
+    let said = bench.succeeds(&format!("simulate {model} --input rec.csv -o s.csv --force"));
+    let figure = said.split("RMSE ").nth(1).and_then(|rest| rest.split(' ').next());
+    figure.expect("an error").parse().expect("a number")
+}
+
+#[test]
+fn the_model_that_is_written_is_named_and_no_worse_than_that_of_identify() {
+    let bench = bench();
+    let said = bench.succeeds("diagnose rec.csv -o written.toml --json d.json");
+    bench.succeeds("identify rec.csv -o identified.toml --no-holdout");
+    let json: Value = serde_json::from_str(&bench.read("d.json")).expect("JSON");
+    let [ours, theirs] = ["written.toml", "identified.toml"].map(|model| simulated_rmse(&bench, model));
+    assert!(ours <= 1.001 * theirs, "{ours} {theirs}");
+    let rmse = json["written"]["errors"]["rmse_mm"].as_f64().expect("an error");
+    assert!((rmse / ours - 1.0).abs() < 0.01, "{rmse} {ours}");
+    assert!(said.contains("written       written.toml: mgpi"), "{said}");
+    let without = bench.succeeds("diagnose rec.csv");
+    assert_eq!(without.lines().nth(1), said.lines().nth(1));
+    assert!(without.contains("best model    mgpi"), "{without}");
+}
+
+#[test]
+fn an_output_that_falls_is_unexplained_with_its_size_and_no_cause_is_named() {
+    let bench = bench();
+    let negated = |(row, line): (usize, &str)| match line.rsplit_once(',') {
+        Some((before, last)) if row > 0 => match last.parse::<f64>() {
+            Ok(output) => format!("{before},{}", -output),
+            Err(_) => line.to_owned(),
+        },
+        _ => line.to_owned(),
+    };
+    let falls: Vec<String> = bench.read("rec.csv").lines().enumerate().map(negated).collect();
+    bench.write("falls.csv", falls.join("\n"));
+    let said = bench.succeeds("diagnose falls.csv --json d.json");
+    let json: Value = serde_json::from_str(&bench.read("d.json")).expect("JSON");
+    assert_eq!(json["verdict"], "unexplained", "{said}");
+    assert_eq!(json["causes"], serde_json::json!([]));
+    assert!(said.contains("% of the stroke") && !said.contains("with the causes"), "{said}");
+    assert_eq!(json["unexplained"]["seen"], "poor_model");
+    assert!(json["unexplained"]["percent_of_stroke"].as_f64().expect("a share") > 10.0, "{said}");
+}

@@ -6,13 +6,11 @@ use std::time::Instant;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::diagnosed_json;
 use super::search::Columns as Chosen;
-use crate::diagnosis::anatomy::examinable::Inseparable;
+use super::{diagnosed_json, diagnosed_summary};
 use crate::diagnosis::extend::heldout::on_another;
-use crate::diagnosis::extend::{Extended, Extension, HeldOutGain, Operator};
-use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, unknown_past};
-use crate::diagnosis::{Columns, Diagnosis, Verdict, diagnose_and_extend};
+use crate::diagnosis::extend::{Extension, Operator, Written};
+use crate::diagnosis::{Columns, diagnose_and_extend};
 use crate::identification::HostModel;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
@@ -28,7 +26,7 @@ pub struct Arguments {
     /// The recording; load_n, temperature_c and, beside pressure_bar, command_bar are used where they are there
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
-    /// Also write the operator model, extended by the named causes, for simulate, pil and the board
+    /// Also write the model, extended by the named causes where that is better, for simulate, pil and the board
     #[arg(short = 'o', value_name = "EXTENDED.toml")]
     model_file: Option<PathBuf>,
     /// An operator model to begin with; one of too poor a form, or of another muscle, is said to be that
@@ -72,47 +70,45 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let (diagnosis, extended) = with_bar(|progress| diagnose_and_extend(&columns, given.as_ref(), progress))
         .map_err(|source| Error::Diagnosis { file: file.clone(), source })?;
     let seconds = begin.elapsed().as_secs_f64();
-    let gain = extended.as_ref().and_then(|extended| match &other {
-        Some((columns, _)) => on_another(columns, extended),
-        None => Some(extended.heldout),
-    });
-    let gained = extended.as_ref().zip(gain.as_ref());
-    if let Some((model_file, extended)) = model_file.as_ref().zip(extended.as_ref()) {
-        let gain = gain.as_ref().map(|gain| (gain, other.as_ref().map(|(_, other)| other)));
-        outputs.stage(model_file, to_file(&recording, extended, gain)?.to_toml().as_bytes())?;
+    let others = other.as_ref().map(|(columns, _)| columns);
+    let gain = others.map_or(Some(extended.heldout), |columns| on_another(columns, &extended));
+    let written = extended.written(&columns, others);
+    let (gain, written) = gain
+        .zip(written)
+        .ok_or_else(|| Error::NotSimulated(validate.clone().unwrap_or_else(|| file.clone())))?;
+    if let Some(model_file) = model_file {
+        let other = other.as_ref().map(|(_, other)| other);
+        outputs.stage(model_file, to_file(&recording, &written, other)?.to_toml().as_bytes())?;
     }
     if let Some(report) = report {
-        let gained = gained.map(|(extended, gain)| diagnosed::Gained {
-            extended,
-            gain,
+        let gained = diagnosed::Gained {
+            extended: &extended,
+            gain: &gain,
+            written: &written,
             other: validate.as_ref().map(|file| file.display().to_string()),
-        });
-        let page = diagnosed::to_html(&diagnosis, &columns, &recording, gained.as_ref());
-        outputs.stage(report, page.as_bytes())?;
+        };
+        outputs
+            .stage(report, diagnosed::to_html(&diagnosis, &columns, &recording, Some(&gained)).as_bytes())?;
     }
+    let found = (&extended, &gain, &written);
     if let Some(json) = json {
-        let text = format!("{:#}\n", diagnosed_json::to_json(&diagnosis, gained, unit, seconds));
+        let text = format!("{:#}\n", diagnosed_json::to_json(&diagnosis, found, unit, seconds));
         outputs.stage(json, text.as_bytes())?;
     }
     outputs.commit()?;
-    print_summary(file, &diagnosis, gained, unit, seconds);
-    // Said last: what is wrong with the recording is known all the same.
-    if model_file.is_some() && extended.is_none() { Err(Error::NotExtended(file.clone())) } else { Ok(()) }
+    diagnosed_summary::print((file, model_file.as_deref()), (&diagnosis, &recording), found, seconds);
+    Ok(())
 }
 
-/// The extended model's file; its gain may be that on another recording.
-fn to_file(
-    recording: &Recording,
-    extended: &Extended,
-    gain: Option<(&HeldOutGain, Option<&Recording>)>,
-) -> Result<ModelFile, Error> {
-    let Extension { parameters, density, extensions } = &extended.model;
-    let heldout = gain.map(|(gain, other)| HeldOut {
+/// The file of the model that is written; what it gains may be told by another recording.
+fn to_file(recording: &Recording, written: &Written, other: Option<&Recording>) -> Result<ModelFile, Error> {
+    let Extension { parameters, density, extensions } = &written.model;
+    let heldout = Some(HeldOut {
         recording: other.unwrap_or(recording).source(),
-        from_s: other.is_none().then_some(gain.from_s),
-        figures: gain.after,
+        from_s: other.is_none().then_some(written.gain.from_s),
+        figures: written.gain.after,
     });
-    let training = recording.figures(&extended.simulated);
+    let training = recording.figures(&written.simulated);
     Ok(ModelFile {
         input: recording.drive.input.channel.clone(),
         output: recording.output.channel.clone(),
@@ -128,15 +124,16 @@ fn to_file(
             limit: Limit::of(recording, &training, heldout.as_ref().map(|heldout| &heldout.figures)),
             training,
             heldout,
-            starts: extended.starts,
-            termination: extended.termination.to_string(),
+            starts: written.starts,
+            termination: written.termination.to_string(),
             standard_errors: Vec::new(),
         }),
     }
     .with_usual_lead_limit())
 }
 
-/// The columns of a recording that a diagnosis looks at, and the recording that they are from; no row is scored whose past is unknown.
+/// The columns of a recording that a diagnosis looks at, and the recording that they are from; no row is scored whose past is unknown, and
+/// a noisy input is smoothed.
 ///
 /// # Errors
 /// The recording is not what it should be.
@@ -167,9 +164,12 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
         output: output.values.clone(),
         scored: drive.scored.clone(),
         past_unknown_until_s: None,
+        smoothing: None,
     }
+    .with_smooth_input()
     .with_known_past();
     recording.drive.scored.clone_from(&columns.scored);
+    recording.drive.input.values.clone_from(&columns.input);
     recording.drive.notes.extend(notes);
     recording.drive.announce();
     Ok((columns, recording))
@@ -187,70 +187,4 @@ fn with_bar<T>(work: impl FnOnce(&(dyn Fn(f64, &str) + Sync)) -> T) -> T {
     });
     bar.finish_and_clear();
     result
-}
-
-fn print_summary(
-    file: &Path,
-    diagnosis: &Diagnosis,
-    gained: Option<(&Extended, &HeldOutGain)>,
-    unit: Unit,
-    seconds: f64,
-) {
-    say!("{}: {}", file.display(), diagnosis.verdict.name());
-    say!("{}", in_a_sentence(diagnosis, unit));
-    if let Some((extended, gain)) = gained {
-        if let Some(given) = extended.given.filter(|given| given.is_of_another_muscle()) {
-            say!(
-                "another muscle  the given model errs by {:.3} {unit}, its form fitted to this recording by {:.3} {unit}",
-                given.rmse,
-                given.refitted_rmse
-            );
-        }
-        let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
-        say!("running free  RMSE {before:.3} {unit} without, {after:.3} {unit} with the causes");
-        say!(
-            "held out      RMSE {:.3} {unit} without, {:.3} {unit} with the causes (+- {:.3}); noise {:.3} {unit}",
-            gain.before.rmse,
-            gain.after.rmse,
-            gain.gain_error,
-            gain.noise_floor
-        );
-        if !diagnosis.causes.is_empty() && !gain.is_sure() {
-            say!(
-                "no sure gain  on rows that it has not seen the extended model is no better than chance makes it: try it on \
-                 another recording (--validate) before it is used for one"
-            );
-        }
-    }
-    for named in &diagnosis.causes {
-        let parameters: Vec<String> =
-            named.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
-        say!("{:<22}{}", named.cause.name(), parameters.join(", "));
-        for words in &named.evidence {
-            say!("{:<22}{words}", "");
-        }
-    }
-    for set in &diagnosis.alternatives {
-        let names: Vec<&str> = set.iter().map(|cause| cause.name()).collect();
-        say!("as well       {}", names.join(" and "));
-    }
-    if let Some(past) = unknown_past(diagnosis) {
-        say!("not scored    {past}");
-    }
-    let Inseparable { causes, why } = &diagnosis.inseparable;
-    if !causes.is_empty() {
-        let names: Vec<&str> = causes.iter().map(|cause| cause.name()).collect();
-        say!("not told apart {}: {}", names.join(", "), why.join("; "));
-    }
-    if let Some(words) = unexamined(diagnosis) {
-        say!("not excluded  {words}");
-    }
-    if let Some(command) = experiment(diagnosis) {
-        let what = if diagnosis.verdict == Verdict::Unexplained { "to see it" } else { "to separate" };
-        say!("{what:<14}{command}");
-    }
-    for judged in diagnosis.examinable.iter().filter(|judged| !judged.examinable) {
-        say!("not examined  {}: {}", judged.cause, judged.why);
-    }
-    say!("{seconds:.1} s");
 }

@@ -2,19 +2,20 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::diagnosis::Diagnosis;
 use crate::diagnosis::cause::Cause;
-use crate::diagnosis::extend::{Extended, HeldOutGain};
+use crate::diagnosis::extend::{Extended, HeldOutGain, Written};
+use crate::diagnosis::poor::Poor;
 use crate::diagnosis::reject::Unexplained;
 use crate::diagnosis::stuck::Stuck;
 use crate::diagnosis::words::experiment;
+use crate::diagnosis::{Diagnosis, Named, Smoothing};
 use crate::unit::Unit;
 
-/// A diagnosis; the keys of errors carry the output's unit. The errors are those of the models that run free, if there
-/// are any: `heldout` on the rows behind the split, or on another recording.
+/// A diagnosis; the keys of errors carry the output's unit. The errors are those of simulated models: `heldout` on the rows behind
+/// the split, or on another recording; `written` is the model that `-o` writes, beside the plain one.
 pub fn to_json(
     diagnosis: &Diagnosis,
-    extended: Option<(&Extended, &HeldOutGain)>,
+    (extended, gain, written): (&Extended, &HeldOutGain, &Written),
     unit: Unit,
     seconds: f64,
 ) -> Value {
@@ -24,31 +25,46 @@ pub fn to_json(
         Value::Object(named.collect())
     };
     let names = |set: &Vec<Cause>| -> Vec<&str> { set.iter().map(|cause| cause.name()).collect() };
-    let causes = diagnosis.causes.iter().map(|named| {
-        json!({
-            "name": named.cause.name(),
-            "parameters": parameters(&named.parameters),
-            "share_of_residual": named.share,
-            "evidence": named.evidence,
-        })
-    });
-    let (before, after) = extended.map_or(diagnosis.rmse, |(it, _)| (it.baseline_rmse, it.extended_rmse));
-    let gained = extended.map(|(_, gain)| {
+    let causes = |all: &[Named]| -> Vec<Value> {
+        let cause = |named: &Named| {
+            json!({
+                "name": named.cause.name(),
+                "parameters": parameters(&named.parameters),
+                "share_of_residual": named.share,
+                "evidence": named.evidence,
+            })
+        };
+        all.iter().map(cause).collect()
+    };
+    let gained = |gain: &HeldOutGain| {
         keyed(&[
             ("before_rmse", gain.before.rmse),
             ("after_rmse", gain.after.rmse),
             ("noise_floor", gain.noise_floor),
             ("gain_error", gain.gain_error),
         ])
-    });
+    };
     json!({
         "verdict": diagnosis.verdict.name(),
-        "causes": causes.collect::<Vec<_>>(),
+        "causes": causes(&diagnosis.causes),
+        "best_fit": causes(&diagnosis.best_fit),
         "alternatives": diagnosis.alternatives.iter().map(names).collect::<Vec<_>>(),
-        "baseline": keyed(&[("rmse", before)]),
-        "extended": keyed(&[("rmse", after)]),
-        "heldout": gained,
-        "given_model": extended.and_then(|(it, _)| it.given).map(|given| json!({
+        "baseline": keyed(&[("rmse", extended.baseline_rmse)]),
+        "extended": keyed(&[("rmse", extended.extended_rmse)]),
+        "heldout": gained(gain),
+        "written": json!({
+            "kind": written.model.parameters.kind().to_string(),
+            "extensions": written.extensions().iter().map(|(cause, _)| cause.name()).collect::<Vec<_>>(),
+            "errors": keyed(&[("rmse", written.rmse), ("plain_rmse", written.plain_rmse)]),
+            "heldout": gained(&written.gain),
+            "from_command": written.from_command,
+            "termination": written.termination.to_string(),
+        }),
+        "input_smoothing": diagnosis.smoothing.map(|Smoothing { noise, left }| json!({
+            "noise": noise,
+            "left": left,
+        })),
+        "given_model": extended.given.map(|given| json!({
             "errors": keyed(&[
                 ("rmse", given.rmse),
                 ("refitted_rmse", given.refitted_rmse),
@@ -56,7 +72,7 @@ pub fn to_json(
             ]),
             "is_of_another_muscle": given.is_of_another_muscle(),
         })),
-        "share_of_gain": extended.and_then(|(_, gain)| gain.share()),
+        "share_of_gain": gain.share(),
         "pure_error": diagnosis.pure_error.map(|(before, after)| keyed(&[("before", before), ("after", after)])),
         "past_unknown_until_s": diagnosis.past_unknown_until_s,
         "figures_of_misfit": diagnosis.anatomy,
@@ -95,6 +111,14 @@ fn unexplained(seen: &Unexplained) -> Value {
         Unexplained::Stuck(Stuck { rows, longest_s }) => {
             json!({"seen": "stuck", "rows": rows, "longest_s": longest_s})
         }
+        Unexplained::Poor(Poor { rmse, percent_of_stroke, better, better_rmse }) => json!({
+            "seen": "poor_model",
+            "rmse": rmse,
+            "percent_of_stroke": percent_of_stroke,
+            "better": better.name(),
+            "better_rmse": better_rmse,
+        }),
+        Unexplained::NotSimulated => json!({"seen": "not_simulated"}),
         Unexplained::NoGain { before, after } => {
             json!({"seen": "no_gain", "before_rmse": before, "after_rmse": after})
         }

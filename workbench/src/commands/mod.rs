@@ -8,6 +8,7 @@ pub mod completions;
 pub mod deploy;
 pub mod diagnose;
 mod diagnosed_json;
+mod diagnosed_summary;
 pub mod emulate;
 mod gains;
 mod identified_json;

@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::reading::Reading;
 use crate::Error;
-use crate::identification::IdentificationError;
+use crate::identification::{self, IdentificationError};
 use crate::recording::{Choice, Recording};
 use crate::worth::{Grade, Worth};
 
@@ -34,10 +34,10 @@ pub struct Columns {
 #[derive(Args, Debug)]
 pub struct Effort {
     /// Number of starts of the search
-    #[arg(long, default_value_t = 24, value_name = "N")]
+    #[arg(long, default_value_t = identification::STARTS, value_name = "N")]
     pub starts: usize,
     /// Seed of the starts
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(long, default_value_t = identification::SEED, value_name = "N")]
     pub seed: u64,
     /// Threads, 0 for one a core
     #[arg(long, default_value_t = 0, value_name = "N")]

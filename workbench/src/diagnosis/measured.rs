@@ -10,13 +10,12 @@ const MEASURES: f64 = 1.5;
 
 /// Measures the named causes anew, and drops those that no longer show in rows `step_s` apart. Of a lag before a mass (`is_third_order`)
 /// the search has more to say than the extended model, which has no more than the second order.
-pub fn measure(diagnosis: &mut Diagnosis, extended: Option<&Extended>, is_third_order: bool, step_s: f64) {
+pub fn measure(diagnosis: &mut Diagnosis, extended: &Extended, is_third_order: bool, step_s: f64) {
     // A model that gains nothing, or is much farther from the muscle than the search has come, has nothing to say about them.
-    let gaining = extended.filter(|extended| {
-        extended.extended_rmse < extended.baseline_rmse
-            && extended.extended_rmse < MEASURES * diagnosis.heldout.1
-    });
-    let measured = gaining.and_then(extend::physical::parameters).unwrap_or_default();
+    let Extended { baseline_rmse: before, extended_rmse: after, .. } = *extended;
+    let is_near = after < before && after < MEASURES * diagnosis.heldout.1;
+    let measured =
+        is_near.then(|| extend::physical::parameters(&extended.model)).flatten().unwrap_or_default();
     let is_simpler = |cause| is_third_order && matches!(cause, Cause::ViscousLag | Cause::Inertia);
     for (cause, parameters) in measured.into_iter().filter(|(cause, _)| !is_simpler(*cause)) {
         if let Some(named) = diagnosis.causes.iter_mut().find(|named| named.cause == cause) {
@@ -29,7 +28,7 @@ pub fn measure(diagnosis: &mut Diagnosis, extended: Option<&Extended>, is_third_
         diagnosis.alternatives.clear();
         diagnosis.unexamined.clear();
     }
-    for named in diagnosis.causes.iter_mut().filter(|named| extended.is_some() && is_simpler(named.cause)) {
+    for named in diagnosis.causes.iter_mut().filter(|named| is_simpler(named.cause)) {
         named.evidence.push(
             "the lag comes before the mass; the extended model has one equation of second order for both"
                 .into(),

@@ -23,6 +23,9 @@
 //! | `overlooked` | a fast cause that the search does not see |
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`], [`stuck`] | what is wrong but none of the causes |
+//! | `proven` | whether what is named holds in a model that is simulated |
+//! | [`poor`], [`trivial`] | whether the model that is written describes the recording |
+//! | `noisy_input` | the input smoothed where its noise would pass for movement |
 //! | [`physical`] | the parameters in units that people measure in |
 //! | [`mod@extend`] | the operator model extended by the named causes, running free, and its gain |
 //! | `measured` | the named causes' parameters as that has them |
@@ -51,9 +54,12 @@ pub mod free_run;
 pub mod gain;
 mod history;
 mod measured;
+mod noisy_input;
 pub mod output;
 mod overlooked;
 pub mod physical;
+pub mod poor;
+mod proven;
 pub mod pure_error;
 pub mod race;
 mod rates;
@@ -68,6 +74,7 @@ pub mod signals;
 pub mod stuck;
 mod swing;
 mod thinning;
+pub mod trivial;
 mod unexamined;
 pub mod valve;
 pub mod verdict;
@@ -78,6 +85,7 @@ mod tests;
 
 use thiserror::Error;
 
+use crate::identification::IdentificationError;
 use crate::numbers::{range, root_mean_square};
 use anatomy::examinable::{Examinable, Inseparable, ValveView, examinable, inseparable};
 use anatomy::excitation::Excitation;
@@ -87,8 +95,11 @@ use candidate::Candidate;
 use cause::Cause;
 use extend::{Extended, Extender, Operator, Plain};
 use measured::measure;
+pub use noisy_input::Smoothing;
 use overlooked::{Overlooked, overlooked};
-use reject::{Unexplained, no_gain, unexplained};
+use poor::poor;
+use proven::{Proven, proven};
+use reject::{Unexplained, unexplained};
 use rivals::{Settled, settled};
 use scored::Scored;
 use search::Search;
@@ -118,6 +129,8 @@ pub struct Columns {
     pub temperature_c: Option<Vec<f64>>,
     /// No row before is scored since its past is unknown, see [`Self::with_known_past`]; None where all pasts are known. Unit: s.
     pub past_unknown_until_s: Option<f64>,
+    /// How the input was smoothed, see [`Self::with_smooth_input`]; None where it is as measured.
+    pub smoothing: Option<Smoothing>,
 }
 
 impl Columns {
@@ -147,6 +160,9 @@ pub enum DiagnosisError {
     /// The baseline cannot be fitted.
     #[error("no baseline can be fitted to the recording")]
     NoBaseline,
+    /// No operator model can be identified, or simulated.
+    #[error("no operator model can be made of the recording: {0}")]
+    NoModel(IdentificationError),
 }
 
 /// A diagnosis. Errors in the output's unit.
@@ -154,8 +170,10 @@ pub enum DiagnosisError {
 pub struct Diagnosis {
     /// What it comes to.
     pub verdict: Verdict,
-    /// The named causes.
+    /// The named causes; none where the verdict names none.
     pub causes: Vec<Named>,
+    /// The causes that fit best where they do not explain the recording.
+    pub best_fit: Vec<Named>,
     /// Other sets of causes that do as well.
     pub alternatives: Vec<Vec<Cause>>,
     /// What is seen and not explained.
@@ -187,6 +205,15 @@ pub struct Diagnosis {
     pub valve: Option<ValveFit>,
     /// Rows before are not scored since their past is unknown, if there are such. Unit: s.
     pub past_unknown_until_s: Option<f64>,
+    /// How the input was smoothed, if it was.
+    pub smoothing: Option<Smoothing>,
+}
+
+impl Diagnosis {
+    /// Takes back that the named causes explain the recording.
+    fn take_back(&mut self, why: Unexplained) {
+        (self.verdict, self.unexplained) = (Verdict::Unexplained, Some(why));
+    }
 }
 
 /// Diagnoses a recording. `progress` is called with a share of the work and what is being done.
@@ -197,12 +224,12 @@ pub fn diagnose(
     columns: &Columns,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<Diagnosis, DiagnosisError> {
-    Ok(diagnose_and(columns, progress, |_, _, _| Beyond { there: (), is_needless: false })?.0)
+    Ok(diagnose_and_extend(columns, None, progress)?.0)
 }
 
-/// The same, and the operator model extended by what is named; None where there is none that runs through the recording.
-/// The named causes' parameters are then those of that model, if it is near enough, but for a lag before a mass: of the two it has no more than
-/// the second order. A given operator model is gone on from, unless its form is too poor: that is then named too.
+/// The same, and the operator model extended by what is named. The named causes' parameters are then those of that model, if it is
+/// near enough, but for a lag before a mass: of the two it has no more than the second order. A given operator model is gone on
+/// from, unless its form is too poor: that is then named too.
 ///
 /// # Errors
 /// See [`DiagnosisError`].
@@ -210,51 +237,7 @@ pub fn diagnose_and_extend(
     columns: &Columns,
     given: Option<&Operator>,
     progress: &(dyn Fn(f64, &str) + Sync),
-) -> Result<(Diagnosis, Option<Extended>), DiagnosisError> {
-    let (mut diagnosis, (extended, is_third_order)) =
-        diagnose_and(columns, progress, |found, valve, extender| {
-            let progress = |share| progress(0.8 + 0.2 * share, "the extended model");
-            let extend = |set: &Candidate| extender?.extend(set, valve, given, &progress);
-            let extended = extend(found);
-            let is_needless = !found.causes.is_empty() && extended.as_ref().and_then(no_gain).is_some();
-            match extender.map(|extender| extender.search).filter(|_| is_needless) {
-                Some(search) if unexplained(search, &search.baseline).is_none() => {
-                    Beyond { there: (extend(&search.baseline), false), is_needless }
-                }
-                _ => Beyond { there: (extended, found.is_third_order()), is_needless: false },
-            }
-        })?;
-    measure(&mut diagnosis, extended.as_ref(), is_third_order, anatomy::steps(&columns.time_s).0);
-    if matches!(diagnosis.verdict, Verdict::Explained | Verdict::Confounded)
-        && let Some(no_gain) = extended.as_ref().and_then(no_gain)
-    {
-        diagnosis.verdict = Verdict::Unexplained;
-        diagnosis.unexplained = Some(no_gain);
-    }
-    if let Some(extended) = &extended
-        && let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor())
-    {
-        diagnosis.causes.push(Named::shape(given, &extended.model.parameters));
-        if diagnosis.verdict == Verdict::Adequate {
-            diagnosis.verdict = Verdict::Explained;
-        }
-    }
-    Ok((diagnosis, extended))
-}
-
-/// What is gone on to from what was found.
-struct Beyond<T> {
-    there: T,
-    /// Whether the causes that were found are needless: they gain nothing, and nothing is left unexplained without them.
-    is_needless: bool,
-}
-
-/// Diagnoses a recording, and goes on from what was found, with what extends the operator model, if one runs through the recording.
-fn diagnose_and<T>(
-    columns: &Columns,
-    progress: &(dyn Fn(f64, &str) + Sync),
-    go_on: impl FnOnce(&Candidate, Option<&ValveFit>, Option<&Extender<'_>>) -> Beyond<T>,
-) -> Result<(Diagnosis, T), DiagnosisError> {
+) -> Result<(Diagnosis, Extended), DiagnosisError> {
     check(columns)?;
     progress(0.0, "preparing");
     let mut signals = Signals::new(columns);
@@ -286,26 +269,30 @@ fn diagnose_and<T>(
     let beside = || (examine(columns, input_noise), Plain::new(columns, &scored_rows));
     let ((valve, plain), searched) = rayon::join(beside, searched);
     let (search, (best, sizes)) = searched.ok_or(DiagnosisError::NoBaseline)?;
-    let extender = plain.and_then(|plain| Extender::new(columns, &search, plain));
-    let Settled { set: best, alternatives, evidence } = settled(&search, (&best, &sizes), extender.as_ref());
+    let extender = Extender::new(columns, &search, plain.map_err(DiagnosisError::NoModel)?);
+    let Settled { set: best, alternatives, evidence } = settled(&search, (&best, &sizes), &extender);
     // No choice of the search, so its rivals are those of the width alone.
     let best = best.with_viscosity(&sizes).unwrap_or(best);
     progress(0.8, "what is left");
     let unexplained = unexplained(&search, &best);
     let is_silent = best.causes.is_empty() && unexplained.is_none();
-    let look = |extender: &Extender<'_>| overlooked(&search, sizes.first()?, extender);
-    let (best, alternatives, evidence) = match extender.as_ref().filter(|_| is_silent).and_then(look) {
+    let look = || overlooked(&search, sizes.first()?, &extender);
+    let (best, alternatives, evidence) = match is_silent.then(look).flatten() {
         Some(Overlooked { set, alternatives, evidence }) => (set, alternatives, Some(evidence)),
         None => (best, alternatives, evidence),
     };
     // Where nothing is named, nothing of the muscle extends the model.
     let named = if unexplained.is_some() { &search.baseline } else { &best };
-    let Beyond { there, is_needless } = go_on(named, valve.as_ref(), extender.as_ref());
+    let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
+    let Proven { extended, refuted, is_needless } =
+        proven(&extender, (named, valve.as_ref()), given, &simulating)?;
+    let unexplained = unexplained.or(refuted);
+    let is_third_order = !is_needless && named.is_third_order();
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
     let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();
-    let (best, mut alternatives, evidence) = match is_needless {
-        true => (search.baseline.clone(), Vec::new(), None),
-        false => (best, alternatives, evidence),
+    let (best, mut alternatives, evidence, valve) = match is_needless {
+        true => (search.baseline.clone(), Vec::new(), None, None),
+        false => (best, alternatives, evidence, valve),
     };
     if unexplained.is_none() && !unexamined.is_empty() {
         alternatives.push(unexamined.clone());
@@ -316,8 +303,24 @@ fn diagnose_and<T>(
     if let Some(named) = diagnosis.causes.first_mut() {
         named.evidence.extend(evidence);
     }
-    let past_unknown_until_s = columns.past_unknown_until_s;
-    Ok((Diagnosis { inseparable, unexamined, past_unknown_until_s, ..diagnosis }, there))
+    diagnosis.inseparable = inseparable;
+    diagnosis.unexamined = unexamined;
+    measure(&mut diagnosis, &extended, is_third_order, anatomy::steps(&columns.time_s).0);
+    if diagnosis.verdict != Verdict::Unexplained
+        && let Some(poor) = poor(&search, columns, &extended)
+    {
+        diagnosis.take_back(Unexplained::Poor(poor));
+    }
+    if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
+        diagnosis.causes.push(Named::shape(given, &extended.model.parameters));
+        if diagnosis.verdict == Verdict::Adequate {
+            diagnosis.verdict = Verdict::Explained;
+        }
+    }
+    if diagnosis.verdict == Verdict::Unexplained {
+        diagnosis.best_fit = std::mem::take(&mut diagnosis.causes);
+    }
+    Ok((diagnosis, extended))
 }
 
 fn conclude(
@@ -352,6 +355,7 @@ fn conclude(
     Ok(Diagnosis {
         verdict,
         causes,
+        best_fit: Vec::new(),
         alternatives,
         unexplained,
         examinable,
@@ -366,7 +370,8 @@ fn conclude(
         rows,
         anatomy,
         valve,
-        past_unknown_until_s: None,
+        past_unknown_until_s: columns.past_unknown_until_s,
+        smoothing: columns.smoothing,
     })
 }
 

@@ -7,7 +7,8 @@
 //!   loses pressure, say, does so as well, but does not settle.
 //! - Single rows far off their neighbours.
 //! - A reading that hangs while the muscle goes on.
-//! - Causes that gain next to nothing where a model with them runs free.
+//! - Causes that gain next to nothing where a model with them runs free, or with which none does.
+//! - A model that is written and describes nothing (`poor`).
 //!
 //! They do not take part in the search: a free curve also beats each single cause of a true pair.
 
@@ -17,6 +18,7 @@ use super::candidate::Candidate;
 use super::effect::Effect;
 use super::extend::{Extended, HeldOutGain};
 use super::fit::fit;
+use super::poor::Poor;
 use super::screen::Screen;
 use super::search::{EVIDENCE, Search};
 use super::signals::Signals;
@@ -74,6 +76,10 @@ pub enum Unexplained {
     },
     /// One value is read while the muscle goes on.
     Stuck(Stuck),
+    /// The model that is written does not describe the recording.
+    Poor(Poor),
+    /// No model with the causes that fit best can be simulated.
+    NotSimulated,
     /// The causes that fit best gain nothing where a model with them runs free. Root mean square errors, output unit.
     NoGain {
         /// Of the model without them, over the scored rows.
@@ -91,16 +97,15 @@ pub fn unexplained(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> 
         .or_else(|| not_repeatable(search, set))
 }
 
-/// That a model with the named causes runs no better than one without; those of a valve are judged where they act.
+/// That a simulated model with the named causes is no better than one without: it has to be better over all samples and, by more than
+/// the standard error, over those that took no part in the fit; and by [`GAIN`] over one or the other.
 pub fn no_gain(extended: &Extended) -> Option<Unexplained> {
-    if extended.valve_is_named {
-        return None;
-    }
     let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
     let HeldOutGain { before: held_before, after: held_after, .. } = &extended.heldout;
-    let gains = |before: f64, after: f64| after < (1.0 - GAIN) * before;
-    let none = !gains(before, after) && !gains(held_before.rmse, held_after.rmse);
-    none.then_some(Unexplained::NoGain { before, after })
+    let is_much = |before: f64, after: f64| after < (1.0 - GAIN) * before;
+    let gains = extended.gains(&extended.heldout)
+        && (is_much(before, after) || is_much(held_before.rmse, held_after.rmse));
+    (!gains).then_some(Unexplained::NoGain { before, after })
 }
 
 fn outliers(signals: &Signals) -> Option<Unexplained> {

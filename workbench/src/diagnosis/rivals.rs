@@ -46,19 +46,18 @@ pub struct Settled {
     pub evidence: Option<String>,
 }
 
-/// Settles between a set and its rivals among those that were looked at: by the operator model that runs free with each, if there
-/// is one and it can, else by the search alone.
+/// Settles between a set and its rivals among those that were looked at: by the operator model that runs free with each, if
+/// it can, else by the search alone.
 pub fn settled(
     search: &Search<'_>,
     (best, sizes): (&Candidate, &[Vec<Candidate>]),
-    extender: Option<&Extender<'_>>,
+    extender: &Extender<'_>,
 ) -> Settled {
     let by_cost = |one: &&Candidate, other: &&Candidate| one.cost().total_cmp(&other.cost());
     let mut alike: Vec<&Candidate> = sizes.iter().flatten().filter(|set| is_rival(best, set)).collect();
     alike.sort_by(by_cost);
     let larger = sizes.iter().flatten().filter(|set| is_larger_rival(best, set)).min_by(by_cost);
-    let free = extender.and_then(|extender| running_free(search, (best, &alike, larger), extender));
-    free.unwrap_or_else(|| {
+    running_free(search, (best, &alike, larger), extender).unwrap_or_else(|| {
         let is_as_good = |set: &&&Candidate| {
             set.causes.len() <= best.causes.len()
                 && (set.cost() - best.cost()).max(set.evidence(best)) < APART

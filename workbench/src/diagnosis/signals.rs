@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use super::Columns;
-use super::anatomy::noise::{self, NoiseFloor};
+use super::anatomy::noise::NoiseFloor;
 use super::anatomy::spectrum::InputLines;
 use super::anatomy::steps;
 use super::effect::Rate;
@@ -133,7 +133,7 @@ impl Signals {
         let [smooth, rate, acceleration, _] = local_cubic(time_s, output, step_s, WINDOW);
         let [_, _, _, jerk] = local_cubic(time_s, output, step_s, JERK_WINDOW);
         let noise_floor = columns.noise_floor();
-        let (noise, input_noise) = (noise_floor.deviation, noise::floor(time_s, input).deviation);
+        let (noise, input_noise) = (noise_floor.deviation, columns.input_noise());
         let speeds = [speed(time_s, input, step_s, input_noise), speed(time_s, output, step_s, noise)];
         let (low, high) = quantiles(output, 0.02);
         let knots = std::array::from_fn(|knot| low + (high - low) * knot as f64 / (TENTS - 1) as f64);

@@ -2,11 +2,10 @@
 
 use std::f64::consts::PI;
 
-use model_core::envelope::EnvelopeParameters;
-
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::extend::Given;
+use super::extend::start::knots;
 use super::physical::{self, DAMPED, Parameters};
 use super::reject::Unexplained;
 use super::search::Search;
@@ -91,12 +90,8 @@ impl Named {
 /// How many of what an operator has; no knots where its envelope is a tanh.
 fn sizes(parameters: &HostParameters) -> Parameters {
     let HostParameters::Cascade(cascade) = parameters else { return Vec::new() };
-    let knots = match &cascade.envelope {
-        EnvelopeParameters::PiecewiseLinear(envelope) => Some(envelope.values.len()),
-        EnvelopeParameters::Tanh(_) | EnvelopeParameters::Identity => None,
-    };
     [
-        ("envelope_knots", knots),
+        ("envelope_knots", knots(&cascade.envelope)),
         ("plays", Some(cascade.plays.thresholds.len())),
         ("dead_zones", Some(cascade.dead_zones.thresholds.len())),
     ]

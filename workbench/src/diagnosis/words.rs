@@ -1,9 +1,16 @@
 //! A diagnosis in words: the verdict in a sentence, and the experiment that is left to be made.
 
+use std::fmt::Display;
+
 use super::cause::Cause;
+use super::extend::Written;
+use super::physical::Parameters;
+use super::poor::Poor;
 use super::reject::Unexplained;
 use super::stuck::Stuck;
 use super::{Diagnosis, Verdict};
+use crate::report::bars::significant;
+use crate::report::diagnosed::quantity;
 use crate::unit::Unit;
 
 /// The verdict in a sentence.
@@ -32,6 +39,14 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
             Some(Unexplained::Stuck(Stuck { rows, longest_s })) => format!(
                 "{none}: in {rows} rows the same value is read again while the muscle goes on, for up to {longest_s:.2} s."
             ),
+            Some(Unexplained::Poor(Poor { rmse, percent_of_stroke, better, better_rmse })) => format!(
+                "The operator model is off by {rmse:.3} {unit}, {percent_of_stroke:.1} % of the stroke, and {} by {better_rmse:.3} \
+                 {unit}: this kind of model does not describe the recording.",
+                better.words()
+            ),
+            Some(Unexplained::NotSimulated) => {
+                format!("{none}: no model with those that fit best can be simulated.")
+            }
             Some(Unexplained::NoGain { before, after }) => format!(
                 "{none}: with those that fit best a model errs by {after:.3} {unit} where it runs free, \
                  without them by {before:.3}."
@@ -96,4 +111,26 @@ pub fn experiment(diagnosis: &Diagnosis) -> Option<String> {
     names.sort_unstable();
     names.dedup();
     (!names.is_empty()).then(|| format!("mgpi plan --causes {} -o plan.csv", names.join(",")))
+}
+
+/// The model that is written, and what it is worth beside the plain one.
+pub fn written(written: &Written, unit: impl Display) -> String {
+    let Written { model, rmse, plain_rmse, from_command, .. } = written;
+    let from = if *from_command { " from the command" } else { "" };
+    let kind = model.parameters.kind();
+    if !written.is_extended() {
+        return format!("{kind} without extensions; {rmse:.3} {unit}");
+    }
+    let extensions: Vec<String> = written.extensions().iter().map(extension).collect();
+    format!(
+        "{kind} with {}; {rmse:.3} {unit} instead of {plain_rmse:.3} {unit}{from}",
+        extensions.join(" and ")
+    )
+}
+
+/// A cause with the first of its parameters.
+fn extension((cause, parameters): &(Cause, Parameters)) -> String {
+    let Some((name, value)) = parameters.first() else { return cause.name().to_owned() };
+    let (words, unit) = quantity(name);
+    format!("{} ({words} {} {unit})", cause.name(), significant(*value))
 }

@@ -82,6 +82,10 @@ pub type HostExtendedModel = ExtendedModel<f64, PLAYS, DEAD_ZONES>;
 const FREED: usize = 3;
 /// The share by which the sum of squares of a fresh muscle has to be smaller to be believed.
 const CLEARLY: f64 = 0.02;
+/// Number of starts, unless the user has it otherwise.
+pub const STARTS: usize = 24;
+/// Seed of the starts, unless the user has it otherwise.
+pub const SEED: u64 = 1;
 /// The share of the sum of squares that a search which is at its end gains no more.
 pub const CONVERGED: f64 = 1e-9;
 /// What every start gets, and then the better half of them once more.

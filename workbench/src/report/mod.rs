@@ -18,7 +18,7 @@
 //! | [`paper_figures`] | report of `mgpi report`: Figs. 8 and 11 to 13 of the paper from own data |
 
 mod axis;
-mod bars;
+pub mod bars;
 pub mod comparison;
 pub mod diagnosed;
 pub mod identified;

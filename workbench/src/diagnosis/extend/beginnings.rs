@@ -4,6 +4,7 @@ use model_core::ExtensionParameters;
 
 use super::Extension;
 use super::refine::Task;
+use crate::identification::Termination;
 
 /// An extended model with more than this share of the plain one's error is tried from another start too.
 const LITTLE: f64 = 0.5;
@@ -33,4 +34,17 @@ pub fn plainer(task: &Task<'_>, plain: Extension, other: &Extension) -> Extensio
     let errs_less = |from_other: &Extension| Some(task.rms(from_other)? < task.rms(&plain)?);
     let from_other = task.refined(begin).map(|(from_other, _)| from_other);
     from_other.filter(|from_other| errs_less(from_other).unwrap_or(false)).unwrap_or(plain)
+}
+
+/// An extended model that the rows before the split have taught, continued with all rows; from the plain model's operator too, where
+/// it is no better than that.
+pub fn continued(whole: &Task<'_>, taught: Extension, plain: &Extension) -> Option<(Extension, Termination)> {
+    let other = Extension { extensions: taught.extensions.clone(), ..plain.clone() };
+    let model = whole.refined(taught)?;
+    if model.0.rmse(whole.columns) < plain.rmse(whole.columns) {
+        return Some(model);
+    }
+    let other =
+        whole.refined(other).filter(|other| other.0.rmse(whole.columns) < model.0.rmse(whole.columns));
+    Some(other.unwrap_or(model))
 }

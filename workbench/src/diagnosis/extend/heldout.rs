@@ -53,8 +53,21 @@ pub fn gain(
         Some(scored.iter().map(|&row| columns.output[row] - simulated[row]).collect())
     };
     let (before, after) = (errors(before)?, errors(after)?);
+    let gain_error = standard_error(&before, &after);
     let figures = |errors: &[f64]| Figures::of(errors, &vec![0.0; errors.len()], &vec![true; errors.len()]);
-    let length = scored.len().div_ceil(BLOCKS);
+    Some(HeldOutGain {
+        from_s: columns.time_s[first],
+        before: figures(&before),
+        after: figures(&after),
+        noise_floor,
+        gain_error,
+    })
+}
+
+/// Standard error of the difference of two root mean square errors at the same samples, from blocks of them in time: each is a
+/// tenth of the samples, far longer than residuals are alike.
+pub fn standard_error(before: &[f64], after: &[f64]) -> f64 {
+    let length = before.len().div_ceil(BLOCKS).max(1);
     let differences: Vec<f64> = before
         .chunks(length)
         .zip(after.chunks(length))
@@ -63,18 +76,16 @@ pub fn gain(
     let count = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / count;
     let squares: f64 = differences.iter().map(|difference| (difference - mean).powi(2)).sum();
-    Some(HeldOutGain {
-        from_s: columns.time_s[first],
-        before: figures(&before),
-        after: figures(&after),
-        noise_floor,
-        gain_error: (squares / (count * (count - 1.0).max(1.0))).sqrt(),
-    })
+    (squares / (count * (count - 1.0).max(1.0))).sqrt()
 }
 
 /// The gain on another recording, which took no part in anything; None as for [`gain`].
 pub fn on_another(columns: &Columns, extended: &Extended) -> Option<HeldOutGain> {
+    on_all(&extended.seen_from(columns), (&extended.plain, &extended.model))
+}
+
+/// The gain of the second model over the first on all scored rows of a recording; None as for [`gain`].
+pub(super) fn on_all(columns: &Columns, models: (&Extension, &Extension)) -> Option<HeldOutGain> {
     let rows: Vec<usize> = (0..columns.scored.len()).filter(|&row| columns.scored[row]).collect();
-    let noise_floor = columns.noise_floor().deviation;
-    gain(&extended.seen_from(columns), &rows, (&extended.plain, &extended.model), noise_floor)
+    gain(columns, &rows, models, columns.noise_floor().deviation)
 }

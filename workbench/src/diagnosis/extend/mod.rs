@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `beginnings` | the better of what two beginnings come to |
 //! | `carry` | from the effects of the search to the nearest extensions of the model |
+//! | `plain` | the model without extensions |
 //! | `start` | the operator to begin with, identified from what the operators see in the search |
 //! | `variables` | operator and extensions as numbers that a search can move |
 //! | `slow` | what stays near where the search has it |
@@ -16,12 +17,14 @@
 //! | `thinned` | the rows that derivatives are taken on |
 //! | [`given`] | what is said of an operator model that the user has |
 //! | [`heldout`] | the gain on rows that took no part in the fit |
+//! | [`written`] | which model is written, and what it is worth beside the plain one |
 //! | [`physical`] | the extensions' parameters in the units that people measure in |
 //!
 //! # Contract
 //! What is fitted has seen nothing of the output but the scored rows before the split, when the models are compared behind
 //! it; then it goes on from there with all rows. The model without extensions is fitted in the same way, of the same size, from the
-//! extended one's operator too, but that its operator, which sees what was recorded, is free to rise as unevenly as that says.
+//! extended one's operator too, but that its operator, which sees what was recorded, is free to rise as unevenly as that says; with
+//! all rows it is never worse than what `mgpi identify` finds.
 //!
 //! # Limits
 //! The causes, and where the fit begins, come from the whole recording, but for what stays near there (`slow`); a gain that is free
@@ -33,6 +36,7 @@ mod compensating;
 pub mod given;
 pub mod heldout;
 pub mod physical;
+mod plain;
 mod refine;
 mod rests;
 mod roughness;
@@ -41,6 +45,7 @@ mod slow;
 pub(super) mod start;
 mod thinned;
 mod variables;
+pub mod written;
 
 use std::borrow::Cow;
 use std::sync::{Mutex, PoisonError};
@@ -54,14 +59,16 @@ use super::search::Search;
 use super::valve::ValveFit;
 use crate::figures::Figures;
 use crate::identification::{Density, HostExtendedModel, HostParameters, Termination};
-use crate::numbers::root_mean_square;
+use crate::numbers::{range, root_mean_square};
 use crate::simulation::Rows;
-use beginnings::{nearer, plainer};
+use beginnings::{continued, nearer, plainer};
 use compensating::compensating;
 pub use given::Given;
 pub use heldout::HeldOutGain;
+pub use plain::Plain;
 use refine::Task;
 use slow::Slow;
+pub use written::Written;
 
 /// The share of the scored rows that the compared models are fitted to.
 const TAUGHT: f64 = 2.0 / 3.0;
@@ -76,6 +83,16 @@ pub struct Operator {
 }
 
 impl Operator {
+    /// The same, valid for all inputs of a recording too.
+    fn valid_for(mut self, columns: &Columns) -> Self {
+        if let HostParameters::Cascade(cascade) = &mut self.parameters {
+            let (low, high) = range(&columns.input);
+            cascade.input_min = cascade.input_min.min(low);
+            cascade.input_max = cascade.input_max.max(high);
+        }
+        self
+    }
+
     fn with(&self, extensions: ExtensionParameters<f64>) -> Extension {
         Extension { parameters: self.parameters.clone(), density: self.density, extensions }
     }
@@ -109,10 +126,8 @@ pub struct Extended {
     pub extended_rmse: f64,
     /// What it gains behind the split, by models of the rows before.
     pub heldout: HeldOutGain,
-    /// Starts of the operator.
-    pub starts: usize,
-    /// How the last refinement ended.
-    pub termination: Termination,
+    /// How the last refinement ended, of the model with the extensions and of that without.
+    terminations: (Termination, Termination),
     /// What is said of the operator model that was given, if one was.
     pub given: Option<Given>,
     /// Whether one of the causes is the valve's: the gain is then counted from the command.
@@ -144,7 +159,7 @@ struct Counted {
 }
 
 /// The rows that the compared models are fitted to, and those that they are compared on.
-fn split<T>(scored: &[T]) -> (&[T], &[T]) {
+pub(super) fn split<T>(scored: &[T]) -> (&[T], &[T]) {
     scored.split_at((TAUGHT * scored.len() as f64) as usize)
 }
 
@@ -154,6 +169,12 @@ impl Extension {
     pub fn answer(&self, columns: &Columns) -> Option<Vec<f64>> {
         let model = HostExtendedModel::try_new(&self.parameters, &self.acting(columns)).ok()?;
         rows(columns).answer(&model).ok()
+    }
+
+    /// Root mean square error over all rows of a recording that are scored; infinite where the model refuses a row. Output unit.
+    fn rmse(&self, columns: &Columns) -> f64 {
+        let rmse = |simulated: Vec<f64>| Figures::of(&columns.output, &simulated, &columns.scored).rmse;
+        self.answer(columns).map(rmse).filter(|rmse| rmse.is_finite()).unwrap_or(f64::INFINITY)
     }
 
     /// The extensions behind the input of a recording.
@@ -219,28 +240,6 @@ fn rows(columns: &Columns) -> Rows<'_> {
     }
 }
 
-/// The model without extensions.
-#[derive(Clone, Debug)]
-pub struct Plain {
-    /// Fitted to the first of the scored rows: what an extended one is compared with.
-    taught: Extension,
-    /// Fitted to all of them, from there.
-    whole: Extension,
-    termination: Termination,
-}
-
-impl Plain {
-    /// Of a recording; None where none runs through it.
-    pub fn new(columns: &Columns, scored: &[usize]) -> Option<Self> {
-        let (taught, _) = split(scored);
-        let operator = start::operator(&start::Seen::plain(columns), taught)?;
-        let model = operator.with(ExtensionParameters::default());
-        let (taught, _) = Task::alone(columns, taught).refined(model)?;
-        let (whole, termination) = Task::alone(columns, scored).refined(taught.clone())?;
-        Some(Self { taught, whole, termination })
-    }
-}
-
 /// Where the operator model of a recording is extended by sets of causes.
 pub struct Extender<'a> {
     columns: &'a Columns,
@@ -255,11 +254,11 @@ pub struct Extender<'a> {
 }
 
 impl<'a> Extender<'a> {
-    /// From the plain model; None where that does not run through the recording.
-    pub fn new(columns: &'a Columns, search: &'a Search<'a>, plain: Plain) -> Option<Self> {
+    /// From the plain model.
+    pub fn new(columns: &'a Columns, search: &'a Search<'a>, plain: Plain) -> Self {
         let scored = search.signals.scored();
-        let without = Task::alone(columns, &scored).rms(&plain.whole)?;
-        Some(Self { columns, search, scored, plain, without, starts: Mutex::default() })
+        let without = Task::alone(columns, &scored).rms(&plain.whole).unwrap_or(f64::INFINITY);
+        Self { columns, search, scored, plain, without, starts: Mutex::default() }
     }
 
     /// The error of the model with the causes of a set over all scored rows; None where no such model runs through them. Output unit.
@@ -311,7 +310,8 @@ impl<'a> Extender<'a> {
             return Some(operator.clone());
         }
         let kept: Vec<usize> = self.search.signals.rows.iter().map(|row| row.at).collect();
-        let operator = start::operator(&start::Seen::of(self.search, set), split(&kept).0)?;
+        let operator = start::operator(&start::Seen::of(self.search, set), split(&kept).0).ok()?;
+        let operator = operator.valid_for(self.columns);
         starts().push((set.causes.clone(), set.cost(), operator.clone()));
         Some(operator)
     }
@@ -330,7 +330,8 @@ impl<'a> Extender<'a> {
         let (taught, untaught) = split(scored);
         let [before, whole] =
             [taught, &scored[..]].map(|scored| Task { rests_once: true, ..self.task(set, scored) });
-        let Plain { taught: mut plain, whole: mut plain_of_all, mut termination } = self.plain.clone();
+        let Plain { taught: mut plain, whole: mut plain_of_all, termination: mut plain_ended } =
+            self.plain.clone();
 
         let mut extensions = carry::extensions(columns, search, set);
         let slow = Slow::of(&extensions);
@@ -353,7 +354,7 @@ impl<'a> Extender<'a> {
                 let (given, refitted) = given::judge(&before, operator, (&plain, &extended), before_it)?;
                 if !given.is_too_poor() {
                     (plain, _) = before.refined(operator.with(ExtensionParameters::default()))?;
-                    (plain_of_all, termination) = whole.refined(plain.clone())?;
+                    (plain_of_all, plain_ended) = whole.refined(plain.clone())?;
                     extended = refitted;
                 }
                 Some(given)
@@ -367,25 +368,27 @@ impl<'a> Extender<'a> {
         let reached = whole.reached;
         let counted = Counted { scored: scored.clone(), reached, plain, extended: extended.clone() };
         let mut model = Extension { extensions: extended.extensions.clone(), ..plain_of_all.clone() };
+        let mut ended = plain_ended;
         if !set.causes.is_empty() {
             slow.put(&mut extended.extensions);
-            (model, termination) = whole.refined(extended)?;
-            plain_of_all = plainer(&Task::alone(columns, scored), plain_of_all, &model);
+            (model, ended) = continued(&whole, extended, &plain_of_all)?;
+            let plainer = plainer(&Task::alone(columns, scored), plain_of_all.clone(), &model);
+            if plainer.rmse(columns) < plain_of_all.rmse(columns) {
+                plain_of_all = plainer;
+            }
         }
         let model = compensating(model);
         let (simulated, plain_simulated) = (model.answer(&seen)?, plain_of_all.answer(&seen)?);
-        let rmse = |simulated: &[f64]| Figures::of(&columns.output, simulated, &columns.scored).rmse;
         progress(1.0);
         Some(Extended {
-            baseline_rmse: rmse(&plain_simulated),
-            extended_rmse: rmse(&simulated),
+            baseline_rmse: plain_of_all.rmse(&seen),
+            extended_rmse: model.rmse(&seen),
             model,
             simulated,
             plain: plain_of_all,
             plain_simulated,
             heldout,
-            starts: start::STARTS,
-            termination,
+            terminations: (ended, plain_ended),
             given,
             valve_is_named,
             counted,

@@ -6,15 +6,15 @@ use model_core::ExtensionParameters;
 use model_core::extension::profile::Profile;
 use model_core::extension::{ProfileParameters, RateDependentThresholdsParameters, Site};
 
-use super::Extended;
+use super::Extension;
 use crate::diagnosis::cause::Cause;
 use crate::diagnosis::effect::{Driver, Rate};
 use crate::diagnosis::physical::{self, Loop, Parameters};
 
 /// The parameters of the muscle's effects: a model that runs free is not misled by the noise of measured rates, and its operator
 /// takes up less of what the effects do. None where there is no loop to take them from.
-pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
-    let turn = Loop::of_operator(&extended.model.parameters)?;
+pub fn parameters(model: &Extension) -> Option<Vec<(Cause, Parameters)>> {
+    let turn = Loop::of_operator(&model.parameters)?;
     let ExtensionParameters {
         transport_delay,
         load,
@@ -28,7 +28,7 @@ pub fn parameters(extended: &Extended) -> Option<Vec<(Cause, Parameters)>> {
         periodic_disturbance,
         sites,
         ..
-    } = &extended.model.extensions;
+    } = &model.extensions;
     let mut all = Vec::new();
     if let Some(delay) = transport_delay {
         all.push((Cause::TransportDelay, vec![("delay_s", delay.delay_s)]));

@@ -1,9 +1,11 @@
 //! The operator to begin with: identified from what the operators see in the search.
 //!
 //! A few searches on a thinned recording, since all is refined together afterwards. Envelopes of both forms are tried: many
-//! muscles have the paper's, which has four unknowns, and next to none is drawn by few straight lines as well.
+//! muscles have the paper's, which has four unknowns, and next to none is drawn by few straight lines as well. The operator
+//! without effects is identified from all samples too, as `mgpi identify` does it: no model that is written is worse.
 
 use model_core::Kind;
+use model_core::envelope::EnvelopeParameters;
 
 use super::Operator;
 use crate::comparison::choice::penalised;
@@ -16,9 +18,12 @@ use crate::diagnosis::free_run::free_run;
 use crate::diagnosis::output;
 use crate::diagnosis::search::Search;
 use crate::figures::Figures;
-use crate::identification::{Loss, Options, Problem, Weights, identify};
+use crate::identification::{
+    self, CONVERGED, HostParameters, IdentificationError, Loss, Options, Problem, Termination, Weights,
+    identify,
+};
 
-/// Rows that are looked at, about.
+/// Samples that are scored, about, and as many more that only drive the operator.
 const ROWS: usize = 1600;
 /// The envelopes that are tried: tanh, and piecewise-linear with so many knots.
 const ENVELOPES: [Option<usize>; 2] = [None, Some(12)];
@@ -77,14 +82,18 @@ fn at_rest(fit: &Fit) -> Option<Fit> {
     Some(fit)
 }
 
-/// The operator that fits best on the given rows, which are in order.
-pub fn operator(seen: &Seen, scored: &[usize]) -> Option<Operator> {
-    let end = scored.last().map_or(0, |last| last + 1);
-    let block = 2 * (end / ROWS).max(1);
+/// The operator that fits best on the given rows, which are in order. It holds for all inputs of the recording, also those of
+/// other rows.
+///
+/// # Errors
+/// No operator can be identified.
+pub fn operator(seen: &Seen, scored: &[usize]) -> Result<Operator, IdentificationError> {
+    let rows = seen.input.len();
+    let mut kept: Vec<usize> = scored.iter().copied().step_by(2 * (scored.len() / ROWS).max(1)).collect();
     // The lowest and the highest input of a block: operators remember extremes only.
-    let mut kept: Vec<usize> = scored.iter().copied().step_by(block).collect();
-    for first in (0..end).step_by(block) {
-        let rows = first..(first + block).min(end);
+    let block = 2 * (rows / ROWS).max(1);
+    for first in (0..rows).step_by(block) {
+        let rows = first..(first + block).min(rows);
         kept.extend(rows.clone().min_by(|&i, &j| seen.input[i].total_cmp(&seen.input[j])));
         kept.extend(rows.max_by(|&i, &j| seen.input[i].total_cmp(&seen.input[j])));
     }
@@ -93,23 +102,69 @@ pub fn operator(seen: &Seen, scored: &[usize]) -> Option<Operator> {
     let of_kept = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&row| values[row]).collect() };
     let counts: Vec<bool> = kept.iter().map(|row| scored.binary_search(row).is_ok()).collect();
     let problem = Problem { input: &of_kept(&seen.input), output: &of_kept(&seen.output), scored: &counts };
-    let fits = ENVELOPES.iter().filter_map(|&knots| {
-        let options = Options {
-            model: Kind::Mgpi,
-            knots,
-            plays: PLAYS,
-            weights: Weights::Exponential,
-            dead_zones: DEAD_ZONES,
-            loss: Loss::Squares,
-            starts: STARTS,
-            seed: SEED,
-            threads: 0,
-            tolerance: TOLERANCE,
-        };
-        let fit = identify(&problem, &options, &|_| ()).ok()?;
+    let search = |knots| Options { starts: STARTS, seed: SEED, tolerance: TOLERANCE, ..as_identify(knots) };
+    let (operator, _) = best(&problem, &ENVELOPES.map(search))?;
+    Ok(operator)
+}
+
+/// The operator that `mgpi identify` finds in all scored samples, and how its search ended; of the envelopes that it has by
+/// default and that of another operator the better one.
+///
+/// # Errors
+/// No operator can be identified.
+pub fn identified(
+    columns: &Columns,
+    like: &Operator,
+) -> Result<(Operator, Termination), IdentificationError> {
+    let Columns { input, output, scored, .. } = columns;
+    let knots = match &like.parameters {
+        HostParameters::Cascade(cascade) => knots(&cascade.envelope),
+        HostParameters::Agpi(_) | HostParameters::Egpi(_) => None,
+    };
+    let all: Vec<Options> = [None].into_iter().chain(knots.map(Some)).map(as_identify).collect();
+    best(&Problem { input, output, scored }, &all)
+}
+
+/// Number of knots of an envelope; None of one that has none.
+pub(in crate::diagnosis) fn knots(envelope: &EnvelopeParameters<f64>) -> Option<usize> {
+    match envelope {
+        EnvelopeParameters::PiecewiseLinear(envelope) => Some(envelope.values.len()),
+        EnvelopeParameters::Tanh(_) | EnvelopeParameters::Identity => None,
+    }
+}
+
+/// What `mgpi identify` searches by default, but for the envelope.
+fn as_identify(knots: Option<usize>) -> Options {
+    Options {
+        model: Kind::Mgpi,
+        knots,
+        plays: PLAYS,
+        weights: Weights::Exponential,
+        dead_zones: DEAD_ZONES,
+        loss: Loss::Squares,
+        starts: identification::STARTS,
+        seed: identification::SEED,
+        threads: 0,
+        tolerance: CONVERGED,
+    }
+}
+
+/// The best operator of several searches.
+fn best(problem: &Problem<'_>, searches: &[Options]) -> Result<(Operator, Termination), IdentificationError> {
+    let of_search = |options: &Options| {
+        let fit = identify(problem, options, &|_| ())?;
         let rmse = Figures::of(problem.output, &fit.simulated, problem.scored).rmse;
-        Some((penalised(rmse, &options), fit))
-    });
-    let (_, fit) = fits.min_by(|(one, _), (other, _)| one.total_cmp(other))?;
-    Some(Operator { parameters: fit.parameters, density: fit.density })
+        let operator = Operator { parameters: fit.parameters, density: fit.density };
+        Ok((penalised(rmse, options), operator, fit.termination))
+    };
+    let mut refusal = IdentificationError::Lengths;
+    let mut found: Option<(f64, Operator, Termination)> = None;
+    for options in searches {
+        match of_search(options) {
+            Ok(next) if found.as_ref().is_none_or(|best| next.0 < best.0) => found = Some(next),
+            Ok(_) => {}
+            Err(error) => refusal = error,
+        }
+    }
+    found.map(|(_, operator, termination)| (operator, termination)).ok_or(refusal)
 }

@@ -10,7 +10,7 @@ use model_core::{ExtensionParameters, Kind};
 use super::given::judge;
 use super::heldout::gain;
 use super::refine::Task;
-use super::{Extension, Operator, plainer};
+use super::{Extension, Operator, Plain, plainer};
 use crate::diagnosis::Columns;
 use crate::identification::{CONVERGED, HostParameters, Loss, Options, Problem, Weights, identify};
 
@@ -181,4 +181,43 @@ fn the_gain_is_that_of_the_rows_asked_for() {
     assert!(!gain(&columns, &rows, (&truth, &plain), 0.0).expect("enough rows").is_sure());
     assert!(gained.before.rmse > 0.5, "{}", gained.before.rmse);
     assert_eq!(gain(&columns, &rows[..5], (&plain, &truth), 0.0), None);
+}
+
+#[test]
+fn a_plain_model_is_found_in_a_fast_recording_and_holds_for_all_its_inputs() {
+    // 2 kHz, of which one sample in 100 is scored; the last triangle goes farthest.
+    let time_s: Vec<f64> = (0..60_000).map(|row| f64::from(row) * 0.0005).collect();
+    let input = |t: &f64| (4.0 + (t / 7.5).floor()) * (1.0 - (2.0 * (t / 7.5).fract() - 1.0).abs());
+    let input: Vec<f64> = time_s.iter().map(input).collect();
+    let mut play = 0.0;
+    let output = input.iter().map(|&p| {
+        play = f64::clamp(play, p - 0.4, p + 0.4);
+        30.0 * (0.2 * (p + play) - 1.2).tanh()
+    });
+    let output = output.collect();
+    let columns = Columns { scored: vec![true; input.len()], time_s, input, output, ..Columns::default() };
+    let scored: Vec<usize> = (0..60_000).step_by(100).collect();
+    let plain = Plain::new(&columns, &scored).expect("a model");
+    let whole = plain.whole.rmse(&columns);
+    assert!(whole < 0.2, "{whole}");
+    for model in [&plain.whole, &plain.taught] {
+        let (low, high) = model.parameters.input();
+        assert!(low <= 0.0 && high >= 6.99, "{low} to {high}");
+    }
+    let Columns { input, output, scored, .. } = &columns;
+    let options = Options {
+        model: Kind::Mgpi,
+        knots: None,
+        plays: 10,
+        weights: Weights::Exponential,
+        dead_zones: 10,
+        loss: Loss::Squares,
+        starts: crate::identification::STARTS,
+        seed: crate::identification::SEED,
+        threads: 0,
+        tolerance: CONVERGED,
+    };
+    let alone = identify(&Problem { input, output, scored }, &options, &|_| ()).expect("a fit");
+    let alone = crate::figures::Figures::of(output, &alone.simulated, scored).rmse;
+    assert!(whole <= 1.001 * alone, "{whole} {alone}");
 }

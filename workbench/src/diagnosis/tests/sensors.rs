@@ -22,6 +22,32 @@ fn what_a_noisy_pressure_makes_of_the_contraction_is_not_unexplained() {
     }
 }
 
+#[test]
+fn what_plays_make_of_a_noisy_pressure_is_no_creep() {
+    // Slow triangles of falling height over a curve without memory.
+    let time_s: Vec<f64> = (0..6000).map(|row| f64::from(row) * STEP_S).collect();
+    let triangle = |&t: &f64| {
+        let height = 6.0 - (t / 20.0).floor();
+        height * (1.0 - (0.1 * t.rem_euclid(20.0) - 1.0).abs())
+    };
+    let pressure: Vec<f64> = time_s.iter().map(triangle).collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut noise = |y: f64| {
+        let value: f64 = StandardNormal.sample(&mut rng);
+        y + 0.03 * value
+    };
+    let output = pressure.iter().map(|p| noise(60.0 * (p / 4.0).tanh())).collect();
+    let scored = vec![true; time_s.len()];
+    let static_curve = Columns { time_s, input: pressure, output, scored, ..Columns::default() };
+    for bar in [0.05, 0.1] {
+        let diagnosis = diagnosed(&noisier(static_curve.clone(), bar).with_smooth_input());
+        let Smoothing { noise, left } = diagnosis.smoothing.expect("it is noisy");
+        assert!((noise / bar - 1.0).abs() < 0.1 && left < 0.3 * bar, "{noise} {left}");
+        assert_eq!(names(&diagnosis), [], "{bar} bar");
+    }
+    assert_eq!(static_curve.with_smooth_input().smoothing, None);
+}
+
 /// A recording whose contraction is read anew only where that is asked for.
 fn read_where(columns: Columns, is_read: impl Fn(f64) -> bool) -> Columns {
     let mut last = 0.0;

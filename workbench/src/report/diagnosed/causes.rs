@@ -22,15 +22,17 @@ const UNITS: [(&str, &str); 10] = [
 
 /// The section of the report.
 pub fn section(diagnosis: &Diagnosis) -> Markup {
+    let is_explained = diagnosis.verdict != Verdict::Unexplained;
+    let listed = if is_explained { &diagnosis.causes } else { &diagnosis.best_fit };
     html! {
-        @if !diagnosis.causes.is_empty() {
-            @if diagnosis.verdict == Verdict::Unexplained {
+        @if !listed.is_empty() {
+            @if !is_explained {
                 h2 { "The causes that go farthest, and do not explain it" }
                 p { "They make the error smaller, but too much is left: something else is at work, and may be what they pass for." }
             } @else {
                 h2 { "The causes" }
             }
-            dl { @for named in &diagnosis.causes {
+            dl { @for named in listed {
                 dt.best[are_causes_named(diagnosis.verdict)] { (named.cause.name()) }
                 dd {
                     (named.cause.meaning()) ". It takes away " (significant(100.0 * share(named, diagnosis.heldout.1)))
@@ -61,7 +63,7 @@ fn share(named: &Named, heldout: f64) -> f64 {
 }
 
 /// A parameter's name in words, and its unit.
-fn quantity(name: &str) -> (String, &'static str) {
+pub fn quantity(name: &str) -> (String, &'static str) {
     let (stem, unit) = UNITS
         .iter()
         .find_map(|(end, unit)| name.strip_suffix(end).map(|stem| (stem, *unit)))

@@ -21,13 +21,16 @@ mod view;
 
 use maud::{Markup, html};
 
+pub use self::causes::quantity;
 use self::view::View;
 use super::bars::significant;
 use super::page::{explained, page, reading};
 use super::plot::Style;
 use crate::diagnosis::anatomy::examinable::Inseparable;
-use crate::diagnosis::extend::{Extended, HeldOutGain};
-use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, unknown_past};
+use crate::diagnosis::extend::{Extended, HeldOutGain, Written};
+use crate::diagnosis::words::{
+    experiment, in_a_sentence, unexamined, unknown_past, written as what_is_written,
+};
 use crate::diagnosis::{Columns, Diagnosis, Verdict};
 use crate::recording::Recording;
 
@@ -37,6 +40,8 @@ pub struct Gained<'a> {
     pub extended: &'a Extended,
     /// The gain.
     pub gain: &'a HeldOutGain,
+    /// The model that is written.
+    pub written: &'a Written,
     /// The recording that it was counted on, if that is another.
     pub other: Option<String>,
 }
@@ -61,6 +66,9 @@ pub fn to_html(
         (valve::section(&view, columns))
         (confounded(diagnosis))
         (after::section(&view, columns, gained))
+        @if let Some(Gained { written, .. }) = gained {
+            p { "The model that is written: " (what_is_written(written, output.channel.unit)) "." }
+        }
         (unseen(diagnosis))
     };
     let title =

@@ -9,6 +9,7 @@ use host_tests::game::case::Case;
 use rig::effect::Effect;
 use rig::plant::Kind;
 use workbench::diagnosis::{Columns, diagnose_and_extend};
+use workbench::unit::Unit;
 
 /// What is hidden in turn.
 const HIDDEN: [&[Effect]; 8] = [
@@ -32,6 +33,7 @@ fn columns(case: &Case) -> Columns {
     Columns {
         time_s: of(|row| row.time_s),
         input: of(|row| row.measured.pressure_bar),
+        input_unit: Unit::BAR,
         input_is_command: false,
         command: Some(of(|row| row.command_bar)),
         output: of(|row| row.measured.contraction_mm),

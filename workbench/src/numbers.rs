@@ -14,6 +14,14 @@ pub fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// A number in words that does not look like a limit that it differs from: with as many decimals as that takes, and at
+/// least so many.
+pub fn apart(value: f64, limit: f64, decimals: usize) -> String {
+    const MOST: usize = 9;
+    let mut texts = (decimals..=MOST).map(|decimals| format!("{value:.decimals$}"));
+    texts.clone().find(|text| text.parse() != Ok(limit)).or(texts.next_back()).unwrap_or_default()
+}
+
 /// The values that the given share lies below and above; 0 of none.
 pub fn quantiles(values: &[f64], share: f64) -> (f64, f64) {
     let mut sorted = values.to_vec();
@@ -52,6 +60,15 @@ mod tests {
         assert_eq!(median(&mut values.to_vec()), 2.0);
         assert_eq!(quantiles(&values, 0.25), (0.0, 3.0));
         assert_eq!(root_mean_square(&values), 6.0_f64.sqrt());
+    }
+
+    #[test]
+    fn a_number_does_not_look_like_the_limit_that_it_differs_from() {
+        assert_eq!(
+            [apart(19.98, 20.0, 0), apart(9.99, 10.0, 1), apart(3.2, 10.0, 1)],
+            ["19.98", "9.99", "3.2"]
+        );
+        assert_eq!(apart(20.0, 20.0, 0), "20.000000000");
     }
 
     #[test]

@@ -11,6 +11,11 @@ use std::thread::{self, JoinHandle};
 
 use thiserror::Error;
 
+use crate::input::is_standard;
+
+/// What a log for standard output is called while it grows.
+const UNNAMED: &str = "standard-output";
+
 /// Why a log does not grow.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
@@ -34,6 +39,7 @@ pub struct Part {
 impl Part {
     /// Where a log grows.
     pub fn path(log: &Path) -> PathBuf {
+        let log = if is_standard(log) { Path::new(UNNAMED) } else { log };
         let mut name = log.as_os_str().to_owned();
         name.push(".part");
         name.into()

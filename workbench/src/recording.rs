@@ -17,8 +17,8 @@
 //! history of the input, and not scored.
 //!
 //! # Limits
-//! An input in bar below -1.1 or above 100 is refused: no muscle sees such a pressure, and a recording in
-//! kPa does. So are rows that are 1 to 1000 s apart, which are milliseconds under another name, until it is said.
+//! A pressure below -1.1 bar or above 100 bar is refused: no muscle sees one, and a recording in kPa that is
+//! called bar does. So are rows that are 1 to 1000 s apart, which are milliseconds under another name, until it is said.
 
 mod selection;
 
@@ -205,6 +205,7 @@ impl Drive {
         let values = table.numbers(chosen.index)?.numbers;
         let rows = Rows::whole(&[&times.seconds, values]);
         let mut notes = table.notes().to_vec();
+        notes.extend(table.decimal_commas(&[times.index, chosen.index]));
         notes.extend(times.note.clone());
         notes.extend(chosen.note());
         notes.extend(selection::left_out(table, &[(&times.seconds, times.column), (values, &chosen.column)]));
@@ -256,7 +257,8 @@ impl Drive {
     pub fn measured(&mut self, table: &Table, choice: &Choice) -> Result<Series, DataError> {
         let (chosen, rest_length_mm) = selection::output(table, choice)?;
         let mut series = chosen.series(self.rows.take(table.numbers(chosen.index)?.numbers));
-        self.notes.extend(chosen.note());
+        let decimal = table.decimal_commas(&[chosen.index]).filter(|note| !self.notes.contains(note));
+        self.notes.extend(decimal.into_iter().chain(chosen.note()));
         let missing = holes(&series.values);
         let count: usize = missing.iter().map(ExactSizeIterator::len).sum();
         missing.into_iter().flatten().for_each(|row| self.scored[row] = false);
@@ -334,15 +336,18 @@ impl Timing {
 }
 
 fn check_input(table: &Table, input: &Series, choice: &Choice, rows: &Rows) -> Result<(), DataError> {
-    let plausible = (input.channel.unit == Unit::BAR).then_some(PLAUSIBLE_BAR);
-    let ranges = [
-        (choice.input_range, "the range of --input-range"),
-        (plausible, "the pressures of a muscle: is the column in kPa?"),
-    ];
+    let unit = input.channel.unit;
+    let (low, high) = PLAUSIBLE_BAR;
+    let plausible = Unit::BAR.convert(low, unit).zip(Unit::BAR.convert(high, unit));
+    let question = match unit == Unit::BAR {
+        true => "the pressures of a muscle: is the column in kPa?",
+        false => "the pressures of a muscle: is the unit right?",
+    };
+    let ranges = [(choice.input_range, "the range of --input-range"), (plausible, question)];
     for (range, why) in ranges {
         let Some((min, max)) = range else { continue };
         if let Some(row) = input.values.iter().position(|value| !(min..=max).contains(value)) {
-            let (value, unit) = (input.values[row], input.channel.unit.symbol());
+            let (value, unit) = (input.values[row], unit.symbol());
             let problem = DataProblem::OutOfRange { value, min, max, unit, why };
             return Err(table.place(rows.source(row), &input.channel.name).error(problem));
         }

@@ -198,6 +198,13 @@ impl Unit {
     }
 }
 
+/// Bar: what drives a muscle, unless something else is said.
+impl Default for Unit {
+    fn default() -> Self {
+        Self::BAR
+    }
+}
+
 impl PartialEq for Unit {
     fn eq(&self, other: &Self) -> bool {
         self.suffix == other.suffix

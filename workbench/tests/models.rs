@@ -185,7 +185,8 @@ fn a_model_of_another_kind_is_refused() {
 fn simulation_reproduces_the_papers_loop() {
     let bench = Bench::new();
     let path: Vec<f64> = (0..=6).chain((1..6).rev()).map(f64::from).collect();
-    let rows: String = path.iter().enumerate().map(|(i, bar)| format!("{i},{bar}\n")).collect();
+    let rows: String =
+        path.iter().enumerate().map(|(i, bar)| format!("{},{bar}\n", 0.5 * i as f64)).collect();
     bench.write("loop.csv", format!("time_s,pressure_bar\n{rows}")).write("paper.toml", PAPER);
     bench.succeeds("simulate paper.toml --input loop.csv -o out.csv");
     let text = bench.read("out.csv");

@@ -9,6 +9,7 @@ use anyhow::{Context, Result, ensure};
 use rig::recording::Row;
 use workbench::diagnosis::extend::HeldOutGain;
 use workbench::diagnosis::{Columns, diagnose_and_extend};
+use workbench::unit::Unit;
 
 use super::case::Case;
 use super::hidden::with_hidden;
@@ -59,6 +60,7 @@ fn columns(rows: &[Row]) -> Columns {
     Columns {
         time_s: column(|row| row.time_s),
         input: column(|row| row.measured.pressure_bar),
+        input_unit: Unit::BAR,
         input_is_command: false,
         command: Some(column(|row| row.command_bar)),
         load_n: Some(column(|row| row.measured.load_n)),

@@ -15,7 +15,6 @@
 //! The checksum is over all lines below its own, each ended by a line feed, so that any program can
 //! check it. Numbers are in their shortest form that reads back as the same bits.
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -31,6 +30,7 @@ use wire::{Configuration, Refusal, Request, Scaling, VERSION};
 use super::section::{self, shortest};
 use super::{Backup, Origin};
 use crate::bus::board::Identity;
+use crate::input;
 use crate::model_file::listed;
 use crate::model_file::section::{KeyError, Section};
 
@@ -100,7 +100,7 @@ impl BackupFile {
     /// # Errors
     /// See [`super`]'s contract.
     pub fn read(file: &Path, as_it_is: bool) -> Result<Self, BackupFileError> {
-        let text = fs::read_to_string(file)
+        let text = input::text(file)
             .map_err(|source| BackupFileError::Unreadable { file: file.to_owned(), source })?;
         Self::parse(file, &text.replace("\r\n", "\n"), as_it_is)
     }

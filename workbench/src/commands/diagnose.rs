@@ -160,6 +160,7 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
         temperature_c,
         time_s: drive.time_s.clone(),
         input: drive.input.values.clone(),
+        input_unit: drive.input.channel.unit,
         input_is_command,
         output: output.values.clone(),
         scored: drive.scored.clone(),

@@ -9,7 +9,14 @@ use crate::model_file::{Identification, ModelFile};
 use crate::worth::Worth;
 
 /// Figures and parameters of an identification; the keys carry the units of the model's columns.
-pub fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, seconds: f64) -> Value {
+/// `notes`: what was done to read the recording.
+pub fn to_json(
+    model: &ModelFile,
+    identification: &Identification,
+    fit: &Fit,
+    notes: &[String],
+    seconds: f64,
+) -> Value {
     let (names, unit) = (model.names(), model.output.unit);
     let known = &fit.uncertainty;
     let parameters = known.estimates.iter().map(|estimate| {
@@ -54,6 +61,7 @@ pub fn to_json(model: &ModelFile, identification: &Identification, fit: &Fit, se
         "invertible": true,
         "starts": identification.starts,
         "termination": identification.termination,
+        "notes": notes,
         "seconds": seconds,
     });
     json[format!("stroke_{}", unit.suffix())] = identification.stroke.into();

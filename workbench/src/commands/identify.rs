@@ -212,7 +212,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         outputs.stage(file, report.to_html()?.as_bytes())?;
     }
     if let Some(file) = json {
-        let text = format!("{:#}\n", identified_json::to_json(&model, &identification, &fit, seconds));
+        let text = format!(
+            "{:#}\n",
+            identified_json::to_json(&model, &identification, &fit, &recording.drive.notes, seconds)
+        );
         outputs.stage(file, text.as_bytes())?;
     }
     outputs.commit()?;

@@ -87,6 +87,7 @@ use thiserror::Error;
 
 use crate::identification::IdentificationError;
 use crate::numbers::{range, root_mean_square};
+use crate::unit::Unit;
 use anatomy::examinable::{Examinable, Inseparable, ValveView, examinable, inseparable};
 use anatomy::excitation::Excitation;
 use anatomy::noise::NoiseFloor;
@@ -115,6 +116,8 @@ pub struct Columns {
     pub time_s: Vec<f64>,
     /// What the muscle is modelled from.
     pub input: Vec<f64>,
+    /// Unit of the input, and of the command beside it.
+    pub input_unit: Unit,
     /// Whether that is the command, the pressure unknown.
     pub input_is_command: bool,
     /// The command, where the input is the measured pressure.
@@ -252,7 +255,7 @@ pub fn diagnose_and_extend(
         (None, true) => ValveView::InChain,
         (None, false) => ValveView::Unseen,
     };
-    let examinable = examinable(&excitation, view, "bar");
+    let examinable = examinable(&excitation, view, columns.input_unit.symbol());
     let can_show = |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
     let muscle = Cause::ALL
         .into_iter()

@@ -15,6 +15,7 @@ use super::cause::Cause;
 use super::equivalent::delayed;
 use super::output::low_pass;
 use crate::numbers::range;
+use crate::unit::Unit;
 
 /// Lags up to here, together, are those of any proportional regulator, and not named. Unit: s.
 pub const ORDINARY_LAG_S: f64 = 0.07;
@@ -71,10 +72,12 @@ pub struct ValveFit {
     pub valve: Valve,
     /// The causes that are named, each with the logarithmic gain of having it.
     pub causes: Vec<(Cause, f64)>,
-    /// Root mean square of measured less simulated pressure. Unit: bar.
+    /// Root mean square of measured less simulated pressure. Unit of the pressure.
     pub rmse_bar: f64,
-    /// The same for a valve that does what it is told at once. Unit: bar.
+    /// The same for a valve that does what it is told at once. Unit of the pressure.
     pub ideal_rmse_bar: f64,
+    /// Unit of command and pressure.
+    pub unit: Unit,
 }
 
 impl Valve {
@@ -166,7 +169,7 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         let at_once = task.error(&Valve { lag_s: 1e-6, ..valve }.simulate(task.time_s, task.command));
         causes.push((Cause::ValveLag, (at_once / rmse_bar).ln()));
     }
-    Some(ValveFit { valve, causes, rmse_bar, ideal_rmse_bar })
+    Some(ValveFit { valve, causes, rmse_bar, ideal_rmse_bar, unit: columns.input_unit })
 }
 
 impl Valve {

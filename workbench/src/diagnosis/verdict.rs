@@ -163,9 +163,10 @@ pub fn named(
             parameters: physical::of_valve(&fit.valve, *cause),
             share: 1.0 - (-2.0 * gain).exp(),
             evidence: vec![format!(
-                "between command and pressure: without it the error is {:.1} times as large as {:.4} bar",
+                "between command and pressure: without it the error is {:.1} times as large as {:.4} {}",
                 gain.exp(),
-                fit.rmse_bar
+                fit.rmse_bar,
+                fit.unit
             )],
             without: None,
         });

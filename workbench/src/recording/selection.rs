@@ -14,8 +14,6 @@ const LEAST_ROWS: usize = 3;
 const EPOCH_S: f64 = 1e9;
 /// The year 2128. Unit: s.
 const EPOCH_END_S: f64 = 5e9;
-/// The names of our own columns without their units.
-const OUR_STEMS: [&str; 5] = ["time", "pressure", "command", "contraction", "length"];
 
 /// The times of a table.
 pub struct Times<'a> {
@@ -182,8 +180,13 @@ fn cure(table: &Table, option: &str, wanted: &str) -> String {
         Quantity::Force,
         Quantity::Length,
     ];
-    // What has one of our own names is meant by it.
-    let is_other = |(stem, _): &(&str, &str)| !OUR_STEMS.contains(stem);
+    // What has one of our own names is no candidate for another one.
+    let others: &[&str] = if INPUTS.contains(&wanted) {
+        &["time", "contraction", "length"]
+    } else {
+        &["time", "pressure", "command"]
+    };
+    let is_other = |(stem, _): &(&str, &str)| !others.contains(stem);
     let with_unit = quantities.into_iter().find_map(|quantity| table.of_quantity(quantity).find(is_other));
     let time = table.time_column().ok();
     let is_free = |(index, column): &(usize, &str)| Some(*index) != time && !column.starts_with('(');

@@ -56,6 +56,8 @@ impl Column {
             return;
         }
         let value = match Cell::of(field, self.may_have_comma) {
+            // Among times of a clock a number is none.
+            Cell::Number(_) | Cell::Comma(_) if self.clock.is_some() => None,
             Cell::Number(number) => {
                 // Only where there may be commas does it matter.
                 self.has_points |= self.may_have_comma && field.contains('.');
@@ -121,11 +123,6 @@ impl Column {
     /// Whether all fields are numbers or holes.
     pub fn is_numeric(&self) -> bool {
         self.bad.is_none() && self.clock.is_none()
-    }
-
-    /// Whether a number has a comma.
-    pub fn has_commas(&self) -> bool {
-        self.comma.is_some()
     }
 
     /// Whether a comma can only be a decimal one.

@@ -16,6 +16,10 @@ pub struct Heading {
     pub other: Option<Unit>,
     /// Whether an option says the unit.
     pub is_said: bool,
+    /// Whether an option gives the column its name, so that the one in the file no longer counts.
+    pub is_named: bool,
+    /// Whether an option gives this column's name to another one, so that nobody means this one.
+    pub is_displaced: bool,
 }
 
 /// What may stand around a unit at the end of a name.
@@ -31,6 +35,8 @@ impl Heading {
             unit,
             other: None,
             is_said: false,
+            is_named: false,
+            is_displaced: false,
         };
         for (open, close) in BRACKETS {
             // A unit may have brackets itself: `Pressure (bar(g))`.
@@ -73,9 +79,10 @@ impl Heading {
         }
     }
 
-    /// Whether it is written as in our own files: small letters, a unit at the end.
+    /// Whether it is written as in our own files, in small letters with a unit at the end, or said by options.
     pub fn is_ours(&self) -> bool {
-        self.raw == super::VALID || (self.known().is_some() && self.name() == self.raw)
+        let is_said = self.is_named || self.is_said;
+        self.raw == super::VALID || is_said || (self.known().is_some() && self.name() == self.raw)
     }
 
     /// Takes over a unit from an option.

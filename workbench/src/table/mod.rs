@@ -178,7 +178,28 @@ impl Table {
     /// A field is no number, is infinite, or has a comma that may mean two things.
     pub fn numbers(&self, index: usize) -> Result<Values<'_>, DataError> {
         let column = &self.columns[index];
-        column.values().map_err(|(row, problem)| self.place(row, column.heading.shown()).error(problem))
+        let at = |row, problem| self.place(row, column.heading.shown()).error(problem);
+        let values = column.values().map_err(|(row, problem)| at(row, problem))?;
+        // Decimal commas are one habit of all that was measured.
+        let is_measured = |&(place, peer): &(usize, &Column)| {
+            peer.is_numeric() && (place == index || peer.heading.known().is_some())
+        };
+        let peers = || self.columns.iter().enumerate().filter(is_measured).map(|(_, peer)| peer);
+        if let Some((row, value)) = column.first_comma() {
+            if !peers().any(Column::has_decimal_commas) {
+                return Err(at(row, DataProblem::AmbiguousComma { value }));
+            }
+            if peers().any(Column::has_points) {
+                return Err(at(row, DataProblem::CommaAndPoint { value }));
+            }
+        }
+        Ok(values)
+    }
+
+    /// That numbers have decimal commas, if those of one of the columns do.
+    pub fn decimal_commas(&self, indices: &[usize]) -> Option<String> {
+        let has_commas = |index: &usize| self.columns[*index].first_comma().is_some();
+        indices.iter().any(has_commas).then(|| "numbers were read with decimal commas".to_owned())
     }
 
     /// The values of the first of our own columns that the file has, with its name; none is missing.
@@ -312,34 +333,8 @@ impl Filler<'_> {
         }
         match table.rows {
             0 => Err(Place::file(&table.file).error(DataProblem::NoRows)),
-            _ => table.agree_on_commas(),
+            _ => Ok(()),
         }
-    }
-}
-
-impl Table {
-    /// Decimal commas are one habit of a whole file.
-    fn agree_on_commas(&mut self) -> Result<(), DataError> {
-        let columns = || self.columns.iter().filter(|column| column.is_numeric());
-        if !columns().any(Column::has_commas) {
-            return Ok(());
-        }
-        if !columns().any(Column::has_decimal_commas) {
-            let doubtful = columns().find_map(|column| Some((column, column.first_comma()?)));
-            if let Some((column, (row, value))) = doubtful {
-                let problem = DataProblem::AmbiguousComma { value };
-                return Err(self.place(row, column.heading.shown()).error(problem));
-            }
-        }
-        if columns().any(Column::has_points) {
-            let mixed = columns().find_map(|column| Some((column, column.first_comma()?)));
-            if let Some((column, (row, value))) = mixed {
-                let problem = DataProblem::CommaAndPoint { value };
-                return Err(self.place(row, column.heading.shown()).error(problem));
-            }
-        }
-        self.notes.push("numbers were read with decimal commas".to_owned());
-        Ok(())
     }
 }
 

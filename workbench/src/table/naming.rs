@@ -80,8 +80,10 @@ impl FromStr for UnitOf {
 }
 
 fn unit_of(text: &str) -> Result<Unit, String> {
-    let unknown =
-        || format!("the unit {text} is not known; known are {}", Unit::known_suffixes().replace('_', ""));
+    let unknown = || {
+        let known = Unit::known_suffixes().replace(" _", " ");
+        format!("the unit {text} is not known; known are {}", known.trim_start_matches('_'))
+    };
     Unit::of_symbol(text.trim()).ok_or_else(unknown)
 }
 
@@ -91,24 +93,27 @@ impl Table {
     /// # Errors
     /// A column is not there, or there twice.
     pub fn name(&mut self, naming: &Naming) -> Result<(), DataError> {
-        let time = naming.time.iter().map(|column| ("time".to_owned(), column, None));
-        let renamed = naming.columns.iter().map(|it| (it.name.clone(), &it.column, it.unit));
-        for (name, column, unit) in time.chain(renamed) {
-            let index = self.position(column)?.ok_or_else(|| self.missing(column, String::new()))?;
+        // The file's own names count, before any column gets another one.
+        let time = naming.time.iter().map(|column| ("time", column.as_str(), None));
+        let renamed = naming.columns.iter().map(|it| (it.name.as_str(), it.column.as_str(), it.unit));
+        let place = |(name, column, unit): (_, &str, _)| Ok((self.existing(column)?, name, unit));
+        let renamed: Vec<(usize, &str, Option<Unit>)> =
+            time.chain(renamed).map(place).collect::<Result<_, DataError>>()?;
+        let units: Vec<Option<usize>> =
+            naming.units.iter().map(|it| self.position(&it.column)).collect::<Result<_, _>>()?;
+        for (index, name, unit) in renamed {
             let heading = &mut self.columns[index].heading;
-            heading.stem = name;
+            (heading.stem, heading.is_named, heading.is_displaced) = (name.to_owned(), true, false);
             if let Some(unit) = unit {
                 heading.say_unit(unit);
             }
-            // Another column of that name is not meant.
-            let (stem, raw) = (heading.stem.clone(), heading.raw.clone());
             let others = self.columns.iter_mut().map(|column| &mut column.heading);
             others
-                .filter(|other| other.stem == stem && other.raw != raw)
-                .for_each(|other| other.stem = format!("other_{stem}"));
+                .filter(|other| other.stem == name && !other.is_named)
+                .for_each(|other| other.is_displaced = true);
         }
-        for UnitOf { column, unit } in &naming.units {
-            let index = self.position(column)?.ok_or_else(|| self.missing(column, String::new()))?;
+        for (UnitOf { column, unit }, index) in naming.units.iter().zip(units) {
+            let index = index.map_or_else(|| self.existing(column), Ok)?;
             self.columns[index].heading.say_unit(*unit);
         }
         for known in &naming.known {
@@ -122,6 +127,11 @@ impl Table {
         Ok(())
     }
 
+    /// The column of a name that the user says.
+    fn existing(&self, name: &str) -> Result<usize, DataError> {
+        self.position(name)?.ok_or_else(|| self.missing(name, String::new()))
+    }
+
     /// The column of a name: as it stands in the file, as we write it, or without its unit.
     ///
     /// # Errors
@@ -129,13 +139,17 @@ impl Table {
     pub(super) fn position(&self, name: &str) -> Result<Option<usize>, DataError> {
         let wanted = Heading::of(name);
         let ways: [&dyn Fn(&Heading) -> bool; 4] = [
-            &|heading| heading.raw == wanted.raw,
+            &|heading| heading.raw == wanted.raw && !heading.is_named,
             &|heading| heading.name() == wanted.raw,
             &|heading| heading.name() == wanted.name() && !heading.name().is_empty(),
             &|heading| heading.stem == wanted.raw && !heading.stem.is_empty(),
         ];
         for is_it in ways {
-            let mut found = (0..self.columns.len()).filter(|&index| is_it(&self.columns[index].heading));
+            let is_it = |&index: &usize| {
+                let heading = &self.columns[index].heading;
+                is_it(heading) && !heading.is_displaced
+            };
+            let mut found = (0..self.columns.len()).filter(is_it);
             if let Some(index) = found.next() {
                 return match found.next() {
                     Some(second) => Err(self.heading_place(second).error(DataProblem::DoubledColumn)),
@@ -161,7 +175,7 @@ impl Table {
                     let same = wanted
                         .known()
                         .is_some_and(|unit| heading.known().is_none() || heading.measures(unit.quantity()));
-                    heading.stem == wanted.stem && !wanted.stem.is_empty() && same
+                    heading.stem == wanted.stem && !wanted.stem.is_empty() && same && !heading.is_displaced
                 };
                 let mut found = (0..self.columns.len()).filter(in_another_unit);
                 match (found.next(), found.next()) {

@@ -3,8 +3,9 @@
 
 pub mod processes;
 
+use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
@@ -51,6 +52,20 @@ impl Bench {
             .current_dir(self.directory.path())
             .output()
             .expect("mgpi runs")
+    }
+
+    /// Runs the command with this on its standard input.
+    pub fn fed(&self, arguments: &str, content: &[u8]) -> Output {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_mgpi"))
+            .args(arguments.split_whitespace())
+            .current_dir(self.directory.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("mgpi runs");
+        child.stdin.take().expect("a pipe").write_all(content).expect("it reads");
+        child.wait_with_output().expect("it ends")
     }
 
     /// Runs the command, which must succeed; answers its standard output.

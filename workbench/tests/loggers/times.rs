@@ -32,6 +32,12 @@ fn dates_of_other_kinds_are_read() {
 }
 
 #[test]
+fn a_number_among_times_of_a_clock_is_refused() {
+    let text = timed("Time", |t| if t == 5.0 { "5".to_owned() } else { of_day(t) });
+    refuses(text, "line 102, column Time: `5` is not a number", "", USUAL);
+}
+
+#[test]
 fn a_date_that_is_not_known_is_refused_with_one_that_is() {
     let text = timed("time", |t| format!("5/1/2024 {} PM", of_day(t)));
     refuses(text, "is not a known time; write 2024-05-01T13:02:03.25", "", USUAL);

@@ -89,6 +89,18 @@ fn names_that_are_not_ours_are_named_by_options() {
 }
 
 #[test]
+fn a_column_that_is_named_counts_before_one_that_has_the_name() {
+    let text = file("time_s,pressure_bar,p,contraction_mm", |_, [t, p, x]| format!("{t},9,{p},{x}"));
+    reads(text, "--columns pressure=p:bar", USUAL, &[]);
+    let text =
+        file("time_s,command_bar,pressure_bar,contraction_mm", |_, [t, p, x]| format!("{t},{p},9,{x}"));
+    reads(&text, "--columns pressure=command_bar,command=pressure_bar", USUAL, &[]);
+    reads(&text, "--columns pressure=command_bar", USUAL, &[]);
+    let text = named("t,p,contraction_mm", 1.0, 1.0);
+    reads(text, "--columns time=t,pressure=p --units t=s,pressure=bar", USUAL, &[]);
+}
+
+#[test]
 fn another_pair_is_offered_where_the_usual_one_is_missing() {
     let text = named("time_s,command_v,displacement_um", 1.0, 1.0);
     let pair = [("command_v", 1.0), ("displacement_um", 1.0)];
@@ -160,4 +172,9 @@ fn commas_that_may_mean_two_things_are_refused() {
     refuses(text.replace('.', ""), "may have a decimal comma or a comma between thousands", "", USUAL);
     let text = file("time_s;pressure_bar;contraction_mm", |_, [t, p, x]| format!("{t};{};{x}", comma(p)));
     refuses(text, "has a comma, other numbers have points", "", USUAL);
+    // A version among them is not measured.
+    let text = file("time_s;pressure_bar;contraction_mm;version", |_, row| {
+        format!("{};1.2", row.map(comma).join(";"))
+    });
+    reads(text, "", USUAL, &["decimal commas", "not used"]);
 }

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::excitation::{Excitation, Variation};
 use crate::diagnosis::cause::Cause;
+use crate::numbers::apart;
 
 /// The least ratio of two speeds over the same range that shows an effect of the speed.
 const SPEED_RATIO: f64 = 2.5;
@@ -31,6 +32,8 @@ const REPEATS: [(usize, f64); 2] = [(3, 0.3), (2, 0.8)];
 const WARM_UP_STROKES: f64 = 4.0;
 /// The shortest recording in which a tone is told from anything else. Unit: s.
 const TONE_S: f64 = 10.0;
+/// Relative error of differences of times.
+const ROUNDING: f64 = 1e-6;
 /// The least number of different heights of swings in which the shape of inner loops shows.
 const HEIGHTS: usize = 3;
 
@@ -182,8 +185,9 @@ impl Judge<'_> {
             ));
         }
         Err(format!(
-            "swings over the same range differ in speed by a factor of {speed_ratio:.1} at most, and {SPEED_RATIO} is \
-             needed ({slowest:.2} to {fastest:.2} {unit}/s in all)"
+            "swings over the same range differ in speed by a factor of {} at most, and {SPEED_RATIO} is \
+             needed ({slowest:.2} to {fastest:.2} {unit}/s in all)",
+            apart(*speed_ratio, SPEED_RATIO, 1)
         ))
     }
 
@@ -204,16 +208,19 @@ impl Judge<'_> {
     fn ringing(&self) -> Judged {
         let Excitation { fastest, jumps, input_span, step_s, .. } = self.excitation;
         let unit = self.unit;
-        if *step_s > RINGING_STEP_S {
+        // Differences of times are rounded.
+        if *step_s > RINGING_STEP_S * (1.0 + ROUNDING) {
+            let (rate_hz, least_hz) = (1.0 / step_s, 1.0 / RINGING_STEP_S);
             return Err(format!(
-                "{:.0} rows a second are too few for ringing, at least 20 are needed",
-                1.0 / step_s
+                "{} rows a second are too few for ringing, at least {least_hz:.0} are needed",
+                apart(rate_hz, least_hz, 0)
             ));
         }
         let needed = FAST_SPANS * input_span;
         if *fastest < needed {
             return Err(format!(
-                "the fastest swing has {fastest:.2} {unit}/s, and {needed:.2} {unit}/s is needed to excite a mass"
+                "the fastest swing has {} {unit}/s, and {needed:.2} {unit}/s is needed to excite a mass",
+                apart(*fastest, (100.0 * needed).round() / 100.0, 2)
             ));
         }
         Ok(format!("swings of up to {fastest:.2} {unit}/s, {jumps} jumps that end in a hold"))
@@ -274,14 +281,17 @@ impl Judge<'_> {
         if strokes >= WARM_UP_STROKES {
             Ok(format!("{repeats}; a travel of {strokes:.1} strokes"))
         } else {
-            Err(format!("a travel of {strokes:.1} strokes, and {WARM_UP_STROKES} are needed"))
+            let strokes = apart(strokes, WARM_UP_STROKES, 1);
+            Err(format!("a travel of {strokes} strokes, and {WARM_UP_STROKES} are needed"))
         }
     }
 
     fn tone(&self) -> Judged {
         let Excitation { duration_s, step_s, .. } = self.excitation;
-        if *duration_s < TONE_S {
-            return Err(format!("{duration_s:.1} s are too short, {TONE_S} s are needed"));
+        // The last row lasts as long as the others.
+        let lasts_s = duration_s + step_s;
+        if lasts_s < TONE_S * (1.0 - ROUNDING) {
+            return Err(format!("{} s are too short, {TONE_S} s are needed", apart(lasts_s, TONE_S, 1)));
         }
         Ok(format!("frequencies from {:.3} to {:.1} Hz", 4.0 / duration_s, 0.5 / step_s))
     }

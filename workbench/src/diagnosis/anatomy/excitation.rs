@@ -148,13 +148,23 @@ impl Excitation {
 impl Variation {
     fn of(time_s: &[f64], column: &[f64]) -> Self {
         let (low, high) = range(column);
+        let noise = floor(time_s, column);
+        // A step of the sensor is noise where the value goes to and fro, and none where it is changed in clean steps.
+        let deviation = if has_clean_steps(time_s, column) { 0.0 } else { noise.deviation };
         Self {
             low,
             high,
-            varies: high - low > VARIES * floor(time_s, column).deviation,
+            varies: high - low > VARIES * deviation,
             follows_time: follows_time(time_s, column),
         }
     }
+}
+
+/// Whether a column is held between any two changes, and so is not seen to flicker.
+fn has_clean_steps(time_s: &[f64], column: &[f64]) -> bool {
+    let changes_s: Vec<f64> =
+        (1..column.len()).filter(|&row| column[row] != column[row - 1]).map(|row| time_s[row]).collect();
+    changes_s.windows(2).all(|pair| pair[1] - pair[0] >= LEAST_HOLD_S)
 }
 
 impl Swing {

@@ -45,7 +45,7 @@ impl Compared {
                 [root_mean_square(&residuals[1]), heldout.1],
             ],
             input: match command {
-                Some(command) => ("command (bar)".to_owned(), view.rows(&command)),
+                Some(command) => (format!("command ({})", columns.input_unit), view.rows(&command)),
                 None => (view.input_axis(), view.input.clone()),
             },
             simulated,

@@ -4,20 +4,18 @@ use maud::{Markup, html};
 
 use super::view::View;
 use super::with_unit;
-use crate::diagnosis::valve::{BandForm, Valve, ValveFit};
+use crate::diagnosis::valve::{BandForm, ValveFit};
 use crate::diagnosis::{Columns, Verdict};
 use crate::report::bars::{Bar, bars};
 use crate::report::page::explained;
 use crate::report::plot::{Line, Plot, Style};
-
-const PRESSURE: &str = "pressure (bar)";
-const ERROR: &str = "error of the pressure (bar)";
 
 /// The section of the report; nothing where the command was not recorded beside the pressure.
 pub fn section(view: &View<'_>, columns: &Columns) -> Markup {
     let Some((fit, command)) = view.diagnosis.valve.as_ref().zip(columns.command.as_ref()) else {
         return html! {};
     };
+    let pressure = format!("pressure ({})", fit.unit);
     let simulated = view.rows(&fit.valve.simulate(&columns.time_s, command));
     let (command, measured) = (view.rows(command), &view.input);
     let less =
@@ -28,7 +26,7 @@ pub fn section(view: &View<'_>, columns: &Columns) -> Markup {
         (
             view.over_time(
                 "Valve: command and pressure",
-                PRESSURE.to_owned(),
+                pressure.clone(),
                 vec![
                     view.line("measured pressure", Style::Measured, measured),
                     view.line("command", Style::Ink, &command),
@@ -40,7 +38,7 @@ pub fn section(view: &View<'_>, columns: &Columns) -> Markup {
         (
             view.over_time(
                 "Valve: error of the pressure",
-                ERROR.to_owned(),
+                format!("error of the {pressure}"),
                 vec![
                     view.line("ideal valve", Style::Ink, &residual_ideal),
                     view.line("valve as found", Style::Model, &residual),
@@ -51,8 +49,8 @@ pub fn section(view: &View<'_>, columns: &Columns) -> Markup {
         (
             Plot {
                 title: "Valve: pressure over command".to_owned(),
-                x: "command (bar)".to_owned(),
-                y: PRESSURE.to_owned(),
+                x: format!("command ({})", fit.unit),
+                y: pressure.clone(),
                 lines: vec![
                     over_command("measured", Style::Measured, measured),
                     over_command("simulated from the command", Style::Model, &simulated),
@@ -65,7 +63,7 @@ pub fn section(view: &View<'_>, columns: &Columns) -> Markup {
     html! {
         h2 { "The valve" }
         p { "Command and pressure were both recorded, so the valve is judged between them, and the muscle from the pressure. Found: "
-            (in_words(&fit.valve)) "." }
+            (in_words(fit)) "." }
         (errors(fit, view.diagnosis.verdict))
         (explained(&plots))
     }
@@ -78,24 +76,25 @@ fn errors(fit: &ValveFit, verdict: Verdict) -> Markup {
         Bar { name: "ideal valve: does at once what it is told", values: &ideal, is_chosen: false },
         Bar { name: "valve as found", values: &found, is_chosen: is_named },
     ];
-    bars("Root mean square error of the pressure (bar)", &[], &groups, None)
+    bars(&format!("Root mean square error of the pressure ({})", fit.unit), &[], &groups, None)
 }
 
 /// A valve's parameters.
-fn in_words(valve: &Valve) -> String {
+fn in_words(ValveFit { valve, unit, .. }: &ValveFit) -> String {
+    let unit = unit.symbol();
     let band = valve.band.map(|(form, band)| {
         let form = match form {
             BandForm::Hold => "a dead band that ignores smaller changes of the command than",
             BandForm::Backlash => "a backlash of",
         };
-        format!("{form} {}", with_unit(band, "bar"))
+        format!("{form} {}", with_unit(band, unit))
     });
     [
         Some(format!("a lag of {}", with_unit(valve.lag_s, "s"))),
         valve.own_lag_s.map(|lag_s| format!("a second lag of {}", with_unit(lag_s, "s"))),
         valve.delay_s.map(|delay_s| format!("a delay of {}", with_unit(delay_s, "s"))),
         band,
-        valve.supply_bar.map(|supply_bar| format!("a supply of {}", with_unit(supply_bar, "bar"))),
+        valve.supply_bar.map(|supply_bar| format!("a supply of {}", with_unit(supply_bar, unit))),
     ]
     .into_iter()
     .flatten()

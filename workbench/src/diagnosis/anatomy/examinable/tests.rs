@@ -159,3 +159,48 @@ fn a_recording_in_which_nothing_moves_shows_no_loop() {
     let judged = judged(|_| ValveView::Unseen, None, |_| 3.0);
     assert!(!of(&judged, Cause::HysteresisShape).examinable && !of(&judged, Cause::ViscousLag).examinable);
 }
+
+/// Judges triangles in kPa at these times, beside a load.
+fn judged_at(time_s: &[f64], load: impl Fn(f64) -> f64) -> Vec<Examinable> {
+    let input: Vec<f64> = time_s.iter().map(|&t| 100.0 * triangles(t, 4.0)).collect();
+    let load: Vec<f64> = time_s.iter().map(|&t| load(t)).collect();
+    let (output, load) = (input.as_slice(), Some(load.as_slice()));
+    let residual = Residual { time_s, residual: output, input: &input, output, load, temperature: None };
+    examinable(&Excitation::of(&residual), ValveView::Unseen, "kPa")
+}
+
+#[test]
+fn three_clean_steps_of_the_load_are_no_noise_and_flicker_is() {
+    let time_s = times(3000, 0.01);
+    let steps = judged_at(&time_s, |t| 10.0 * (t / 10.0).floor());
+    assert_eq!(
+        of(&steps, Cause::Load).why,
+        "the load goes over 20.000 N, but steadily with time: it cannot be told from a drift"
+    );
+    let there_and_back = judged_at(&time_s, |t| if (10.0..20.0).contains(&t) { 20.0 } else { 0.0 });
+    assert!(of(&there_and_back, Cause::Load).examinable);
+    let flicker = judged_at(&time_s, |t| if (t * 37.0).sin() > 0.0 { 0.1 } else { 0.0 });
+    assert!(of(&flicker, Cause::Load).why.contains("no more than its noise"), "{flicker:?}");
+}
+
+#[test]
+fn a_limit_that_is_just_missed_does_not_look_as_if_it_were_met() {
+    let slower = judged_at(&times(300, 1.0 / 19.98), |_| 0.0);
+    assert!(of(&slower, Cause::Inertia).why.starts_with("19.98 rows a second are too few"), "{slower:?}");
+    let just = judged_at(&times(300, 0.05), |_| 0.0);
+    assert!(!of(&just, Cause::Inertia).why.contains("too few"), "{just:?}");
+    let shorter = judged_at(&times(999, 0.01), |_| 0.0);
+    assert!(
+        of(&shorter, Cause::PeriodicDisturbance).why.starts_with("9.99 s are too short, 10 s"),
+        "{shorter:?}"
+    );
+    let whole = judged_at(&times(1000, 0.01), |_| 0.0);
+    assert!(of(&whole, Cause::PeriodicDisturbance).examinable);
+}
+
+#[test]
+fn speeds_have_the_unit_of_the_input() {
+    let judged = judged_at(&times(3000, 0.01), |_| 0.0);
+    let speeds = &of(&judged, Cause::RateDependentWidth).why;
+    assert!(speeds.contains(" kPa/s") && !speeds.contains("bar"), "{speeds}");
+}

@@ -1,10 +1,10 @@
 //! The board as those see it that are asked from outside: the service link and the bus.
 
-use wire::{Request, Response};
+use wire::{Refusal, Request, Response};
 
 use crate::control::Control;
 use crate::order::prepare;
-use crate::store::Parameters;
+use crate::store::{Parameters, SaveError};
 
 /// What a request works on.
 pub trait Node {
@@ -15,16 +15,20 @@ pub trait Node {
     fn parameters(&self) -> &Parameters;
 
     /// Keeps a set that the control has taken, without power too where there is a store.
-    fn keep(&mut self, parameters: Parameters);
+    ///
+    /// # Errors
+    /// It is kept until power is lost only.
+    fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError>;
 }
 
-/// Carries a request out: prepared outside the control's lock, and kept if it changes what the board keeps.
+/// Carries a request out: prepared outside the control's lock, and kept if it changes what the board keeps. Accepted is
+/// what is carried out and kept.
 // Not inlined, like what follows: what they need of the stack is then not needed at once, nor by their callers' other work.
 #[inline(never)]
 pub fn carry_out(node: &mut impl Node, request: &Request) -> Response {
     let response = apply(node, request);
-    if response == Response::Accepted {
-        keep(node, request);
+    if response == Response::Accepted && keep(node, request).is_err() {
+        return Response::Refused(Refusal::NotStored);
     }
     response
 }
@@ -36,8 +40,6 @@ pub fn apply(node: &mut impl Node, request: &Request) -> Response {
 }
 
 #[inline(never)]
-fn keep(node: &mut impl Node, request: &Request) {
-    if let Some(changed) = node.parameters().changed_by(request) {
-        node.keep(changed);
-    }
+fn keep(node: &mut impl Node, request: &Request) -> Result<(), SaveError> {
+    node.parameters().changed_by(request).map_or(Ok(()), |changed| node.keep(changed))
 }

@@ -26,7 +26,8 @@ pub const CONTRACTION: Scaling =
 /// Pressure before the valve, in bar.
 pub const SUPPLY: Scaling = PRESSURE;
 
-/// Temperature of the processor in °C. Plausible: -40 to 125 °C; the sensor is good to some kelvins.
+/// Temperature of the processor in °C. Plausible: -40 to 125 °C. Of a typical sensor: the board turns codes of its own into them by its
+/// factory values.
 pub const TEMPERATURE: Scaling =
     Scaling { zero_code: 865.5, codes_per_unit: 3.1023, code_min: 741, code_max: 1253 };
 

@@ -3,7 +3,7 @@
 use firmware::bus::Bus;
 use firmware::law::paper_parameters;
 use firmware::node::{Node, carry_out};
-use firmware::store::Parameters;
+use firmware::store::{Parameters, SaveError};
 use firmware::{BlackBox, Capture, Control, LockStepBoard};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -39,8 +39,9 @@ impl Node for HostNode {
         &self.parameters
     }
 
-    fn keep(&mut self, parameters: Parameters) {
+    fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError> {
         self.parameters = parameters;
+        Ok(())
     }
 }
 
@@ -113,7 +114,12 @@ impl BusBoard {
 
     /// A moment in which nothing comes; answers what the board sends.
     pub fn idle(&mut self) -> Vec<u8> {
-        self.bus.take(None, &mut self.node).to_vec()
+        self.take(None)
+    }
+
+    fn take(&mut self, byte: Option<u8>) -> Vec<u8> {
+        let tick = self.node.control.ticks();
+        self.bus.take(byte, tick, &mut self.node).to_vec()
     }
 
     /// Ticks in which nothing is on the bus, enough for a frame to begin; answers what the board sends meanwhile.
@@ -128,7 +134,7 @@ impl BusBoard {
 
     /// Puts bytes on the bus at once; answers what the board sends, a frame each.
     pub fn send_all(&mut self, bytes: &[u8]) -> Vec<Vec<u8>> {
-        let answers = bytes.iter().map(|&byte| self.bus.take(Some(byte), &mut self.node).to_vec());
+        let answers = bytes.iter().map(|&byte| self.take(Some(byte)));
         answers.filter(|answer| !answer.is_empty()).collect()
     }
 

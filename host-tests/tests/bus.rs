@@ -307,6 +307,17 @@ fn frames_for_others_are_met_with_silence() {
 }
 
 #[test]
+fn a_request_behind_another_boards_answer_is_heard_without_a_silence() {
+    let [high, low] = Id::Mode.register().address.to_be_bytes();
+    let request = frame(UNIT, &[3, high, low, 0, 1]);
+    for answer in [&[3, 4, 0, 1, 0, 2][..], &[6, high, low, 0, 1], &[16, high, low, 0, 1], &[0x83, 2]] {
+        let mut board = BusBoard::configured();
+        let answers = board.send_all(&[frame(2, answer), request.clone()].concat());
+        assert_eq!(answers.len(), 1, "{answer:02x?}");
+    }
+}
+
+#[test]
 fn damaged_truncated_and_overlong_frames_are_met_with_silence_and_the_next_one_is_heard() {
     let [high, low] = Id::Mode.register().address.to_be_bytes();
     let good = frame(UNIT, &[16, high, low, 0, 1, 2, 0, 1]);

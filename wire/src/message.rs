@@ -56,7 +56,7 @@ pub enum Response {
     Hello(Hello),
     /// Done.
     Accepted,
-    /// Not done, nothing changed.
+    /// Not done, nothing changed; but see [`Refusal::NotStored`].
     Refused(Refusal),
     /// The outcome of a tick.
     Tick(TickReply),
@@ -177,6 +177,8 @@ pub enum Refusal {
     WrongState(State),
     /// The request has no meaning for this board.
     NotHere,
+    /// It is carried out, but lost when power is: the flash has not kept it.
+    NotStored,
 }
 
 /// The samples of one tick: what the board's ADC would have read.

@@ -11,8 +11,9 @@ use crate::{firmware, run, setup};
 /// The environment variable by which tests and the workbench find the firmware.
 const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
 
-/// The one by which tests find the Python with Modbus clients.
-const BUS_PYTHON_VARIABLE: &str = "MGPI_BUS_PYTHON";
+/// Those by which tests find a Python with Modbus clients, and one with the chip's processor.
+const PYTHON_VARIABLES: [(&str, setup::Python); 2] =
+    [("MGPI_BUS_PYTHON", setup::BUS_PYTHON), ("MGPI_CHIP_PYTHON", setup::CHIP_PYTHON)];
 
 /// Builds `mgpi`, as the tests have it: optimised, and built once for all.
 ///
@@ -83,8 +84,10 @@ pub fn test() -> Result<()> {
     run::step("tests", || {
         let mut test = run::cargo(&["test", "--workspace"]);
         test.env(FIRMWARE_VARIABLE, firmware::emulated_elf());
-        if setup::bus_python().exists() {
-            test.env(BUS_PYTHON_VARIABLE, setup::bus_python());
+        for (variable, python) in &PYTHON_VARIABLES {
+            if python.program().exists() {
+                test.env(variable, python.program());
+            }
         }
         run::succeed(&mut test)
     })

@@ -108,7 +108,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
     match task {
         Task::Setup => {
             setup::ensure()?;
-            setup::offer_bus_clients();
+            setup::offer_test_tools();
             println!("setup: nothing is missing");
         }
         Task::Firmware => firmware::build(&setup::ensure()?)?,
@@ -130,7 +130,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
         }
         Task::Test => {
             firmware::build(&setup::ensure()?)?;
-            setup::offer_bus_clients();
+            setup::offer_test_tools();
             host::test()?;
         }
         Task::Emulate { arguments } => {

@@ -116,7 +116,9 @@ fn when(exception: Exception) -> &'static str {
         Exception::IllegalValue => {
             "a value is out of its limits, not finite, or half of a pair; a length does not fit; a configuration is not valid"
         }
-        Exception::DeviceFailure => "the board cannot carry it out",
+        Exception::DeviceFailure => {
+            "the board cannot carry it out; of what is stored: it is in use, but the flash has not kept it"
+        }
         Exception::DeviceBusy => "the board's state does not allow it now",
     }
 }

@@ -52,24 +52,65 @@ const BUS_CLIENTS: [Need; 2] = [
     },
     Need {
         name: "a Python with pymodbus",
-        is_met: || {
-            let marker = bus_python().with_file_name("requirements.txt");
-            fs::read(marker)
-                .is_ok_and(|made_of| fs::read(requirements()).is_ok_and(|wanted| wanted == made_of))
-        },
-        cures: &[Cure::BusPython, Cure::Packages(&["python3-venv"]), Cure::BusPython],
-        by_hand: "Python 3.10 or newer with its module venv (Debian, Ubuntu: apt-get install python3-venv)",
+        is_met: || BUS_PYTHON.is_made(),
+        cures: &[Cure::Python(&BUS_PYTHON), Cure::Packages(&["python3-venv"]), Cure::Python(&BUS_PYTHON)],
+        by_hand: PYTHON_BY_HAND,
     },
 ];
 
-/// The Python of the tests of the bus, in the target directory.
-pub fn bus_python() -> PathBuf {
-    run::target_dir().join("bus-clients/bin/python")
+/// What the tests of the chip need: the processor that their model is built around.
+const CHIP_MODEL: Need = Need {
+    name: "a Python with unicorn",
+    is_met: || CHIP_PYTHON.is_made(),
+    cures: &[Cure::Python(&CHIP_PYTHON), Cure::Packages(&["python3-venv"]), Cure::Python(&CHIP_PYTHON)],
+    by_hand: PYTHON_BY_HAND,
+};
+
+const PYTHON_BY_HAND: &str =
+    "Python 3.10 or newer with its module venv (Debian, Ubuntu: apt-get install python3-venv)";
+
+/// The Python of the tests of the bus.
+pub const BUS_PYTHON: Python =
+    Python { directory: "bus-clients", requirements: "host-tests/bus/requirements.txt" };
+
+/// The Python of the tests of the chip.
+pub const CHIP_PYTHON: Python =
+    Python { directory: "chip-model", requirements: "host-tests/chip/requirements.txt" };
+
+/// A Python with packages of its own, in the target directory.
+pub struct Python {
+    directory: &'static str,
+    /// The file that names the packages.
+    requirements: &'static str,
 }
 
-/// What it needs.
-fn requirements() -> PathBuf {
-    run::root().join("host-tests/bus/requirements.txt")
+impl Python {
+    /// The program.
+    pub fn program(&self) -> PathBuf {
+        run::target_dir().join(self.directory).join("bin/python")
+    }
+
+    /// The list of packages that it was made of.
+    fn made_of(&self) -> PathBuf {
+        self.program().with_file_name("requirements.txt")
+    }
+
+    fn wanted(&self) -> PathBuf {
+        run::root().join(self.requirements)
+    }
+
+    fn is_made(&self) -> bool {
+        fs::read(self.made_of()).is_ok_and(|made| fs::read(self.wanted()).is_ok_and(|wanted| wanted == made))
+    }
+
+    fn make(&self) -> bool {
+        let directory = run::target_dir().join(self.directory);
+        let mut pip = Command::new(self.program());
+        pip.args(["-m", "pip", "install", "-q", "-r"]).arg(self.wanted());
+        announced(Command::new("python3").args(["-m", "venv"]).arg(directory), PYTHON_LIMIT)
+            && announced(&mut pip, PYTHON_LIMIT)
+            && fs::copy(self.wanted(), self.made_of()).is_ok()
+    }
 }
 
 /// Something the commands cannot do without.
@@ -87,8 +128,8 @@ enum Cure {
     RustupTarget,
     /// cargo installs this program, in the user's directory.
     CargoInstall(&'static str),
-    /// A Python environment is made, with the packages that `host-tests/bus/requirements.txt` names.
-    BusPython,
+    /// A Python environment is made, with its packages.
+    Python(&'static Python),
     /// apt-get installs these packages.
     Packages(&'static [&'static str]),
 }
@@ -135,10 +176,13 @@ pub fn ensure_fuzzer() -> Result<()> {
     FUZZER.meet().map_err(|missing| Missing(vec![missing]).into())
 }
 
-/// Installs the Modbus clients that are missing; those that cannot be had are said, and their tests skipped.
-pub fn offer_bus_clients() {
-    for missing in BUS_CLIENTS.iter().filter_map(|need| need.meet().err()) {
-        println!("setup: the tests of the bus are skipped without\n{missing}");
+/// Installs what some tests need and is missing: what cannot be had is said, and its tests are skipped.
+pub fn offer_test_tools() {
+    let of_bus = BUS_CLIENTS.iter().map(|need| ("bus", need));
+    for (tests, need) in of_bus.chain([("chip", &CHIP_MODEL)]) {
+        if let Err(missing) = need.meet() {
+            println!("setup: the tests of the {tests} are skipped without\n{missing}");
+        }
     }
 }
 
@@ -166,16 +210,7 @@ impl Cure {
             Self::CargoInstall(program) => {
                 announced(Command::new("cargo").args(["install", "--locked", program]), CARGO_LIMIT)
             }
-            Self::BusPython => {
-                let (python, list) = (bus_python(), requirements());
-                let directory = run::target_dir().join("bus-clients");
-                announced(Command::new("python3").args(["-m", "venv"]).arg(directory), PYTHON_LIMIT)
-                    && announced(
-                        Command::new(&python).args(["-m", "pip", "install", "-q", "-r"]).arg(&list),
-                        PYTHON_LIMIT,
-                    )
-                    && fs::copy(&list, python.with_file_name("requirements.txt")).is_ok()
-            }
+            Self::Python(python) => python.make(),
             Self::Packages(packages) => {
                 let install = [&["install", "-y", "--no-install-recommends"], *packages].concat();
                 run::output("apt-get", &["--version"]).is_some() && {

@@ -14,8 +14,8 @@
 //! * Every frame for this board counts as a sign of life of the host.
 //!
 //! # Limits
-//! Whoever sends while the board answers is not heard. A moment is a number of ticks: without ticks, as in an emulator that
-//! nobody drives, a broken-off frame waits.
+//! Whoever sends while the board answers is not heard. Where moments are numbers of ticks, as in an emulator, a broken-off
+//! frame waits for them.
 
 pub mod fields;
 pub mod player;
@@ -41,16 +41,17 @@ pub struct Bus {
 }
 
 impl Bus {
-    /// A bus on which a frame begins after a silence of so many ticks: at least 3.5 characters, rounded up.
-    pub const fn new(silence_ticks: u32) -> Self {
-        Self { receiver: Receiver::new(silence_ticks), server: Server::new(), response: Vec::new() }
+    /// A bus on which a frame begins after a silence: the time from the end of a byte to the end of the next, more than that
+    /// of any pause within a frame. Unit: that of the moments which [`Bus::take`] is told.
+    pub const fn new(silence: u32) -> Self {
+        Self { receiver: Receiver::new(silence), server: Server::new(), response: Vec::new() }
     }
 
-    /// Takes a byte, or the news that there is none; to be called at least every few ticks. Answers what is to be sent.
-    pub fn take(&mut self, byte: Option<u8>, node: &mut impl Node) -> &[u8] {
+    /// Takes a byte, or the news that there is none, at a moment of a clock that wraps; to be called at least every few
+    /// ticks. Answers what is to be sent.
+    pub fn take(&mut self, byte: Option<u8>, moment: u32, node: &mut impl Node) -> &[u8] {
         self.response.clear();
-        let tick = node.control(|control| control.ticks());
-        if let Some(frame) = self.receiver.take(byte, tick) {
+        if let Some(frame) = self.receiver.take(byte, moment) {
             self.server.answer(frame, node, &mut self.response);
         }
         self.server.damaged = self.receiver.damaged();

@@ -12,6 +12,7 @@ use super::read::read;
 use super::upload::Upload;
 use super::write::{Words, write};
 use crate::node::Node;
+use crate::order::text;
 
 /// What the bus knows beside the control.
 #[derive(Debug)]
@@ -112,6 +113,10 @@ impl Server {
                 Exception::IllegalValue
             }
             Refusal::Version(_) => Exception::IllegalValue,
+            Refusal::NotStored => {
+                self.message = text(format_args!("in use until power-off: the flash has not kept it"));
+                Exception::DeviceFailure
+            }
             Refusal::Unreadable | Refusal::NotHere => Exception::DeviceFailure,
         }
     }

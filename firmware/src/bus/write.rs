@@ -76,7 +76,7 @@ impl Words {
 /// Carries a write out.
 ///
 /// # Errors
-/// It is refused; nothing has changed.
+/// It is refused; nothing has changed. But a device failure: it is carried out, and lost when power is.
 pub fn write(server: &mut Server, words: &Words, node: &mut impl Node) -> Result<(), Exception> {
     if let Some(error) = words.assignments().find_map(Result::err) {
         return Err(error);
@@ -193,6 +193,7 @@ fn install(
         Ok(()) => UploadResult::Installed,
         Err(Refusal::WrongState(_)) => UploadResult::WrongState,
         Err(Refusal::Version(_)) => UploadResult::Version,
+        Err(Refusal::NotStored) => UploadResult::NotStored,
         Err(_) => UploadResult::Parameter,
     };
     done.map_err(|refusal| server.refuse(refusal))

@@ -24,7 +24,7 @@ pub enum Reset {
     PowerOn,
     /// The reset pin, or a debugger.
     Pin,
-    /// The program itself: after a panic or a fault of the processor, which are sealed before.
+    /// The program itself, after a panic or a fault of the processor, which are sealed before; or a debugger.
     Software,
     /// The hardware watchdog was not fed.
     Watchdog,
@@ -68,7 +68,13 @@ impl BlackBox {
     pub fn after(reset: Reset, found: Self) -> Self {
         let is_valid = reset != Reset::PowerOn && found.layout == LAYOUT && found.crc == found.checksum();
         let mut kept = if is_valid { found } else { Self::new() };
-        if matches!(reset, Reset::Software | Reset::Watchdog | Reset::BrownOut) {
+        let is_own = match reset {
+            // A program that ends itself has sealed the record; a debugger has not.
+            Reset::Software => kept.fault != 0,
+            Reset::Watchdog | Reset::BrownOut => true,
+            Reset::PowerOn | Reset::Pin => false,
+        };
+        if is_own {
             kept.resets = kept.resets.saturating_add(1);
         }
         let own = match reset {

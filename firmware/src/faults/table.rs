@@ -250,10 +250,11 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
     vent(
         Fault::BrownOut,
         "brown-out",
-        "the voltage detector tells less than 2.9 V, looked at in every tick; or the reset was by low voltage",
+        "the voltage detector tells less than 2.93 V: its interrupt vents at once, the tick makes a fault of it; or the supply does \
+         not come up at the start; or the reset was by low voltage. Counted at the start of a chip whose brown-out reset is off",
         1,
         "the board's supply is too weak, or breaks in when the valve switches",
-        "measure 24 V and 3.3 V under load",
+        "measure 24 V and 3.3 V under load; where it is counted at each start, set level 3 by the option bytes (BOR_LEV = 0)",
     ),
     vent(
         Fault::StackOverflow,
@@ -292,7 +293,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         ..vent(
             Fault::ResetLoop,
             "reset loop",
-            "the third reset in a row without power-on, less than 10 s of running between them",
+            "the third reset in a row without power-on, less than 10 s of running between them; a debugger's do not count",
             0,
             "whatever the record says, which is that of the first",
             "read the record, take the power away, mend the cause",
@@ -304,7 +305,8 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         ..vent(
             Fault::Clock,
             "clock failure",
-            "crystal or multiplier have not started in time; the internal oscillator of 16 MHz stands in, 1 % off",
+            "crystal or multiplier have not started in time; the internal oscillator of 16 MHz stands in, 1 % off. A crystal that \
+             stops later vents within 0.1 ms, seals the record and resets; it is then latched until it is acknowledged",
             0,
             "the crystal is damaged or the wrong one",
             "replace the board; it may track until then, with a tick that is 1 % off and ten times as loaded",

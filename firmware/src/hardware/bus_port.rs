@@ -34,7 +34,8 @@ impl<D: DriverEnable> BusPort<D> {
         Self { registers, driver, sending: Vec::new(), sent: 0 }
     }
 
-    /// The byte that arrived, if any. Reading it ends the interrupt.
+    /// The byte that arrived, if any. Reading it ends the interrupt. To be called before [`BusPort::go_on`], which may give
+    /// the bus free: the echo of the last byte is there by then.
     pub fn read(&mut self) -> Option<u8> {
         let status = self.registers.sr().read();
         // Reading the data register also clears an overrun, which would raise the interrupt for ever.

@@ -65,6 +65,14 @@ impl OnBus {
         }
     }
 
+    /// The same of what the board keeps, which the emulated flash does not: carried out, and answered by an exception.
+    fn set_unstored(&mut self, id: Id, number: f64) -> Result<(), Failed> {
+        match self.set(id, number) {
+            Err(error) if error.message().is_some_and(|message| message.ends_with("[90, 04]")) => Ok(()),
+            other => Err(format!("{}: {other:?}, where the flash keeps nothing", id.register().name).into()),
+        }
+    }
+
     fn set(&mut self, id: Id, number: f64) -> Result<(), Failed> {
         self.write(id, &Value::of_number(id.register().kind, number).words().collect::<Vec<_>>())
     }
@@ -76,7 +84,7 @@ pub fn ticks_in_time_under_random_frames() -> Result<(), Failed> {
     let tracking = paper_set().tracking.ok_or("no model")?;
     image.bench.make_ready(Some(&Configuration { version: VERSION, tracking }))?;
     // What is left of random frames is not what keeps the valve driven: on a busy machine many run into each other.
-    image.set(Id::BusSilent, LONG_TICKS)?;
+    image.set_unstored(Id::BusSilent, LONG_TICKS)?;
     image.set(Id::SetpointMm, 20.0)?;
     image.set(Id::Command, Command::Start.number().into())?;
     let mut answers = 0;
@@ -118,9 +126,9 @@ pub fn takes_an_upload() -> Result<(), Failed> {
     }
     image.set(Id::UploadLength, bytes.len() as f64)?;
     image.set(Id::UploadChecksum, checksum(bytes).into())?;
-    image.set(Id::UploadOrder, UploadOrder::Commit.number().into())?;
+    image.set_unstored(Id::UploadOrder, UploadOrder::Commit.number().into())?;
     // The gains by themselves take the longest way.
-    image.set(Id::Kp, 0.06)?;
+    image.set_unstored(Id::Kp, 0.06)?;
     for _ in 0..500 {
         image.bench.tick(Some)?;
     }

@@ -40,7 +40,7 @@ fn main() {
         trial("a_store_that_cannot_be_read_is_the_fault_of_its_kind", store::faults),
         trial("a_full_store_is_saved_into_before_a_task_is_missed", store::saves_in_time),
         trial(
-            "a_configuration_that_cannot_be_stored_is_used_all_the_same",
+            "a_configuration_that_cannot_be_stored_is_used_and_whoever_sent_it_is_told",
             store::of_a_flash_that_does_not_keep,
         ),
     ];

@@ -56,7 +56,7 @@ pub fn saves_in_time() -> Result<(), Failed> {
     let mut bench = Bench::with_store(5, &stored(full)?)?;
     bench.make_ready(None)?;
     let before = bench.telemetry()?.ticks;
-    bench.demand(&Request::Protect(numbered(1001, paper_set()).protection))?;
+    bench.demand_unstored(&Request::Protect(numbered(1001, paper_set()).protection))?;
     let Telemetry { state, fault, ticks, .. } = bench.telemetry()?;
     println!("saving: at most {} ticks, of {ALLOWANCE_TICKS} that a task may be silent", ticks - before);
     if (state, fault) != (State::Ready, None) {

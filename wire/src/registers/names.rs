@@ -121,6 +121,8 @@ numbered! {
         Parameter = 5,
         /// Refused in this state.
         WrongState = 6,
+        /// Installed until power is lost: the flash has not kept it.
+        NotStored = 7,
     }
 }
 

@@ -79,7 +79,7 @@ pub const GROUPS: [Group; 9] = [
         title: "Upload",
         doc: "A configuration in blocks: write blocks at their offsets, then length and checksum, then commit. Until the \
               commit succeeds the old configuration stays; a commit while the valve is driven is refused with exception 6, \
-              one of a content that is not valid with exception 3. Fetch, and the same window reads the installed one.",
+              one of a content that is not valid with exception 3. Exception 4: it is in use, but the flash has not kept it. Fetch, and the same window reads the installed one.",
     },
 ];
 
@@ -223,7 +223,7 @@ table! {
     0x0715 CaptureWindow "capture_window" U16 [CAPTURE_SAMPLES * SAMPLE_REGISTERS] "" READ, "5 registers each: reference (i16, 1/128 mm), codes of pressure, contraction, valve, feedback (i16, 1/4096 bar)";
 
     0x0800 UploadOrder "upload_order" U16 [1] "" write(0.0, 2.0), "0 nothing, 1 commit, 2 fetch; reads as 0";
-    0x0801 UploadResult "upload_result" U16 [1] "" READ, "Of the last commit or write of gains: 0 none, 1 installed, 2 length or checksum, 3 unreadable, 4 version, 5 parameter, 6 state";
+    0x0801 UploadResult "upload_result" U16 [1] "" READ, "Of the last commit or write of gains: 0 none, 1 installed, 2 length or checksum, 3 unreadable, 4 version, 5 parameter, 6 state, 7 installed but not stored";
     0x0802 UploadCapacity "upload_capacity" U16 [1] "" READ, "Size of the buffer in bytes";
     0x0803 UploadLength "upload_length" U16 [1] "" write(0.0, UPLOAD_BYTES as f64), "Bytes that make up the configuration";
     0x0804 UploadChecksum "upload_checksum" U32 [1] "" DOUBLE_WORD, "CRC-32 (ISO-HDLC) over them";

@@ -52,6 +52,11 @@ pub enum BoardError {
     ReadBack,
     #[error("the board refuses the configuration ({result:?}): {message}; the old one is still installed")]
     Refused { result: UploadResult, message: String },
+    #[error(
+        "the configuration is in use, but the board's flash has not kept it: it is lost when power is. The old one may \
+         be what the board starts with; after a second failure replace the board"
+    )]
+    NotStored,
     #[error("the board has another configuration installed than the one that was sent: deploy it again")]
     NotInstalled,
     #[error(

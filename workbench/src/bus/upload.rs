@@ -101,6 +101,9 @@ fn order_commit(board: &mut Board) -> Result<(), BoardError> {
         Err(error) if error.exception().is_some() => {
             let number = board.read(Id::UploadResult, Id::UploadResult)?.whole(Id::UploadResult);
             let result = UploadResult::of_number(number as u16).unwrap_or(UploadResult::None);
+            if result == UploadResult::NotStored {
+                return Err(BoardError::NotStored);
+            }
             Err(BoardError::Refused { result, message: message(board)? })
         }
         done => Ok(done?),

@@ -113,6 +113,9 @@ fn cause(fault: Option<Fault>) -> String {
 fn in_words(refusal: &Refusal) -> String {
     match refusal {
         Refusal::Parameter(message) => message.as_str().to_owned(),
+        Refusal::NotStored => {
+            "it is in use, but the board's flash has not kept it: it is lost when power is".to_owned()
+        }
         other => format!("{other:?}"),
     }
 }

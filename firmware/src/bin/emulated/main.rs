@@ -41,7 +41,7 @@ fn end(_: wire::Fault, _: u32) -> ! {
 mod app {
     use firmware::bus::Bus;
     use firmware::node::Node;
-    use firmware::store::Parameters;
+    use firmware::store::{Parameters, SaveError};
     use firmware::{BlackBox, Capture, Control, LockStepBoard, Order};
     use rtic::Mutex;
     use stm32f4::stm32f405::Interrupt;
@@ -92,8 +92,9 @@ mod app {
             self.parameters
         }
 
-        fn keep(&mut self, parameters: Parameters) {
+        fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError> {
             *self.parameters = parameters;
+            Ok(())
         }
     }
 
@@ -160,12 +161,14 @@ mod app {
     )]
     fn bus(mut cx: bus::Context) {
         let bus::LocalResources { bus_port, modbus, .. } = cx.local;
-        bus_port.go_on();
+        // In this order: the last byte's echo is there before its end is, and nobody has sent it.
         let byte = bus_port.read();
+        bus_port.go_on();
         if !bus_port.is_sending() {
             let lock_step = &mut cx.shared.lock_step;
             let mut node = EmulatedNode { lock_step, parameters: cx.shared.parameters };
-            bus_port.send(modbus.take(byte, &mut node));
+            let tick = node.control(|control| control.ticks());
+            bus_port.send(modbus.take(byte, tick, &mut node));
         }
     }
 

@@ -2,6 +2,7 @@
 //!
 //! | task | priority | raised by | does | deadline |
 //! |---|---|---|---|---|
+//! | `low_voltage` | 3 | PVD, the voltage detector | vents | at once |
 //! | `tick` | 2 | SysTick, each millisecond | samples, controls, drives the valve, feeds the watchdog | half a period, else counted as late |
 //! | `link` | 1 | USART2, and the supervisor | receives bytes, answers requests | a byte time, 21 µs, while a request arrives |
 //! | `bus` | 1 | USART1, and the supervisor | Modbus: receives bytes, answers, sends | a byte time, 87 µs, while a frame arrives |
@@ -14,8 +15,8 @@
 //! # Safety
 //! The valve's output is the vented code from before the program proper starts; the control drives it in the states that
 //! say so. Every wait for the hardware is bounded, and the tick has none: a clock that does not start is replaced by the
-//! internal one, a conversion that does not end is a fault. Panics and faults of the processor vent, seal the record and
-//! reset; what starts then is at fault until the host acknowledges it.
+//! internal one, a conversion that does not end is a fault. Panics, faults of the processor and a crystal that stops vent, seal
+//! the record and reset; what starts then is at fault until the host acknowledges it.
 //!
 //! # Parameters
 //! A configuration and limits that were accepted are stored, and taken again behind the next start. Storing them stops the
@@ -60,13 +61,21 @@ fn end(fault: Fault, detail: u32) -> ! {
     cortex_m::peripheral::SCB::sys_reset()
 }
 
+/// The crystal has stopped: the internal oscillator has taken over, and all that measures time is wrong.
+#[cortex_m_rt::exception]
+unsafe fn NonMaskableInt() -> ! {
+    cortex_m::interrupt::disable();
+    make_safe();
+    end(Fault::Clock, 0)
+}
+
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
     use core::sync::atomic::Ordering;
 
     use firmware::bus::Bus;
     use firmware::node::{Node, apply};
-    use firmware::store::{ParameterStore, Parameters};
+    use firmware::store::{ParameterStore, Parameters, SaveError};
     use firmware::watchdog::{Task, Watchdog};
     use firmware::{Capture, Control, led};
     use rtic::Mutex;
@@ -78,15 +87,17 @@ mod app {
     use crate::drivers::parameter_flash::ParameterFlash;
     use crate::drivers::pins::{self, BusDriver, Light, VoltageDetector};
     use crate::drivers::scan::Scan;
-    use crate::drivers::tick::{TICKS_PER_SECOND, Tick};
+    use crate::drivers::thermometer::Thermometer;
+    use crate::drivers::tick::{TICKS_PER_SECOND, Tick, moment_us};
     use crate::drivers::watchdog::HardwareWatchdog;
     use crate::drivers::{SensorsAndValve, memory, output};
     use crate::link::{answer, log_change};
     use crate::usart::Usart;
     use crate::{CHECK_INS, IS_UP};
 
-    /// 3.5 characters are 0.3 ms. Two ticks apart is more than one of them. Unit: tick.
-    const BUS_SILENCE_TICKS: u32 = 2;
+    /// The standard's silence before a frame is 1.75 ms, and a byte of 0.09 ms follows; a tick may delay either end by 0.07 ms.
+    /// Unit: µs.
+    const BUS_SILENCE_US: u32 = 1_700;
 
     #[shared]
     struct Shared {
@@ -115,16 +126,17 @@ mod app {
                 Parameters::FACTORY
             });
             let mut kept = Self { store, parameters, is_taken: false };
-            kept.save(control.state());
+            // What is not brought up to date is brought up to date by the next save, whose host is told.
+            let _ = kept.save(control.state());
             kept
         }
 
         /// Stores the set. That it cannot be stored does not keep it from being used.
         #[inline(never)]
-        fn save(&mut self, state: State) {
-            if let Err(error) = self.store.save(state, &self.parameters) {
-                defmt::error!("parameters are not stored: {}", defmt::Debug2Format(&error));
-            }
+        fn save(&mut self, state: State) -> Result<(), SaveError> {
+            self.store.save(state, &self.parameters).inspect_err(|error| {
+                defmt::error!("parameters are not stored: {}", defmt::Debug2Format(error));
+            })
         }
     }
 
@@ -168,10 +180,10 @@ mod app {
             &self.kept.parameters
         }
 
-        fn keep(&mut self, parameters: Parameters) {
+        fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError> {
             self.kept.parameters = parameters;
             let state = self.control.lock(|control| control.state());
-            self.kept.save(state);
+            self.kept.save(state)
         }
     }
 
@@ -184,6 +196,7 @@ mod app {
         voltage: VoltageDetector,
         usart: Usart,
         bus_port: BusPort<BusDriver>,
+        cycles_per_us: u32,
         light: Light,
         logged: State,
     }
@@ -195,10 +208,15 @@ mod app {
         let hardware_watchdog = HardwareWatchdog::start(device.IWDG, &device.DBGMCU);
         pins::route(&device.GPIOA, &device.GPIOC);
         let reset = memory::reset_cause(&device.RCC);
-        let clocks = clock::start(&device.RCC, &device.FLASH);
+        let voltage = VoltageDetector::start(device.PWR, &device.EXTI);
+        let is_supplied = voltage.wait();
+        let clocks = clock::start(&device.RCC, &device.FLASH, &device.DBGMCU, is_supplied);
         defmt::info!("valve board, messages version {=u16}, {}", wire::VERSION, clocks);
         let valve = output::vented(device.DAC, device.TIM3, clocks.timer_hz);
-        let board = SensorsAndValve::new(Scan::new(device.ADC1, &device.ADC_COMMON), valve);
+        let board = SensorsAndValve::new(
+            Scan::new(device.ADC1, &device.ADC_COMMON, Thermometer::of_chip(&device.DBGMCU)),
+            valve,
+        );
         Scan::start(&device.TIM2, &clocks, TICKS_PER_SECOND);
         let clock = Tick::start(cx.core.SYST, clocks.core_hz);
         let mut control = Control::new(
@@ -207,8 +225,14 @@ mod app {
             memory::black_box(reset),
             cx.local.capture,
         );
-        if clocks.source == Source::Internal {
+        if !is_supplied {
+            control.report(Fault::BrownOut);
+        } else if clocks.source == Source::Internal {
             control.note(Fault::Clock);
+        }
+        if memory::lacks_brown_out_reset(&device.FLASH) {
+            defmt::warn!("the brown-out reset is off: set it by the option bytes");
+            control.note(Fault::BrownOut);
         }
         let kept = Kept::load(ParameterFlash::new(device.FLASH), &mut control);
         let logged = control.state();
@@ -217,9 +241,10 @@ mod app {
             clock,
             watchdog: Watchdog::default(),
             hardware_watchdog,
-            voltage: VoltageDetector::start(device.PWR),
+            voltage,
             usart: Usart::new(device.USART2, clocks.slow_bus_hz),
             bus_port: BusPort::new(device.USART1, clocks.fast_bus_hz, BusDriver::listening(device.GPIOA)),
+            cycles_per_us: clocks.core_hz / 1_000_000,
             light: Light::dark(device.GPIOB),
             logged,
         };
@@ -260,6 +285,11 @@ mod app {
         });
     }
 
+    #[task(binds = PVD, priority = 3)]
+    fn low_voltage(_: low_voltage::Context) {
+        pins::on_low_voltage();
+    }
+
     // What is large never passes over the stack of `init`, which a stored configuration needs.
     #[task(
         binds = USART2,
@@ -284,15 +314,17 @@ mod app {
         binds = USART1,
         priority = 1,
         shared = [control, kept],
-        local = [bus_port, modbus: Bus = Bus::new(BUS_SILENCE_TICKS)]
+        local = [bus_port, cycles_per_us, modbus: Bus = Bus::new(BUS_SILENCE_US)]
     )]
     fn bus(cx: bus::Context) {
-        let bus::LocalResources { bus_port, modbus, .. } = cx.local;
-        bus_port.go_on();
+        let bus::LocalResources { bus_port, cycles_per_us, modbus, .. } = cx.local;
+        // In this order: the last byte's echo is there before its end is, and nobody has sent it.
         let byte = bus_port.read();
+        bus_port.go_on();
         if !bus_port.is_sending() {
             let mut node = BoardNode::new(cx.shared.control, cx.shared.kept);
-            bus_port.send(modbus.take(byte, &mut node));
+            let moment_us = node.control(|control| moment_us(control.ticks(), *cycles_per_us));
+            bus_port.send(modbus.take(byte, moment_us, &mut node));
         }
     }
 }

@@ -7,8 +7,11 @@ use core::mem::MaybeUninit;
 
 use firmware::BlackBox;
 use firmware::faults::black_box::Reset;
-use stm32f4::stm32f405::RCC;
+use stm32f4::stm32f405::{FLASH, RCC};
 use wire::Fault;
+
+/// Level of the brown-out reset in the option bytes (RM0090, 3.9.10): below 1.8 V only.
+const BROWN_OUT_OFF: u8 = 3;
 
 // SAFETY: the section is one of memory.x, large enough, and used for nothing else.
 #[unsafe(link_section = ".fault_record")]
@@ -29,6 +32,12 @@ pub fn black_box(reset: Reset) -> &'static mut BlackBox {
 pub fn seal(fault: Fault, detail: u32) {
     // SAFETY: any words make up a black box; whoever has the other reference does not go on.
     unsafe { &mut *(&raw mut RECORD).cast::<BlackBox>() }.crash(fault, detail);
+}
+
+/// Whether the chip's option bytes leave the brown-out reset off, as they do when it is delivered: below 2.7 V the program would
+/// then run on without anybody's knowing what it does.
+pub fn lacks_brown_out_reset(flash: &FLASH) -> bool {
+    flash.optcr().read().bor_lev().bits() == BROWN_OUT_OFF
 }
 
 /// Why the processor has started; the next reset finds the flags cleared.

@@ -6,18 +6,25 @@
 //! program: ticks are late, the watchdog is not fed. So the store writes while the valve is vented only.
 //!
 //! # Contract
-//! Every wait is bounded; what the flash refuses is an error. The flash is locked but during a change, so that a program
-//! gone astray cannot write. After an erasure the data cache is emptied, which would still hold the old contents (RM0090,
-//! 3.5.4).
+//! Every wait is bounded; what the flash refuses is an error, and so is a sector that is not blank behind its erasure. The
+//! flash is locked but during a change, so that a program gone astray cannot write. After an erasure the data cache is
+//! emptied, which would still hold the old contents (RM0090, 3.5.4).
+//!
+//! The control register's value at a reset has LOCK set, and so has whatever `write` puts there: each write of it says
+//! what LOCK becomes.
 //!
 //! # Limits
 //! The sectors are erased together with the rest when a tool erases the whole chip. The emulator's flash is read-only:
 //! there, nothing is kept.
 
+use core::ops::Range;
+
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use stm32f4::stm32f405::FLASH;
+
+use super::pins::is_supply_low;
 
 /// Opens the control register (RM0090, 3.6.1).
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
@@ -42,15 +49,19 @@ pub enum FlashError {
     Arguments(NorFlashErrorKind),
     /// It is busy for longer than any operation takes.
     TimeOut,
-    /// It is protected, or refuses the sequence of operations.
+    /// It is protected, or refuses the keys or the sequence of operations.
     Rejected,
+    /// A sector is not blank behind its erasure.
+    NotErased,
+    /// The supply is too low for 32 bits at a time.
+    LowVoltage,
 }
 
 impl NorFlashError for FlashError {
     fn kind(&self) -> NorFlashErrorKind {
         match self {
             Self::Arguments(kind) => *kind,
-            Self::TimeOut | Self::Rejected => NorFlashErrorKind::Other,
+            Self::TimeOut | Self::Rejected | Self::NotErased | Self::LowVoltage => NorFlashErrorKind::Other,
         }
     }
 }
@@ -91,18 +102,48 @@ impl ParameterFlash {
 
     /// Does work on the open flash, and locks it again.
     fn change(&mut self, work: impl FnOnce(&Self) -> Result<(), FlashError>) -> Result<(), FlashError> {
+        if is_supply_low() {
+            return Err(FlashError::LowVoltage);
+        }
         self.wait()?;
         // SAFETY: ones clear the marks of errors that were; other bits are without effect.
         self.registers.sr().write(|w| unsafe { w.bits(0xF3) });
-        KEYS.iter().for_each(|&key| {
-            self.registers.keyr().write(|w| w.key().set(key));
-        });
+        self.open()?;
         let done = work(self);
         // A register that is written while the flash is busy would stop the processor until it is not.
         if done != Err(FlashError::TimeOut) {
             self.registers.cr().write(|w| w.lock().locked());
         }
         done
+    }
+
+    /// Opens the control register. Keys for an open one would lock it until the next reset (RM0090, 3.6.1).
+    fn open(&self) -> Result<(), FlashError> {
+        if self.registers.cr().read().lock().is_locked() {
+            KEYS.iter().for_each(|&key| {
+                self.registers.keyr().write(|w| w.key().set(key));
+            });
+        }
+        if self.registers.cr().read().lock().is_locked() { Err(FlashError::Rejected) } else { Ok(()) }
+    }
+
+    /// Erases a sector of the store.
+    fn erase_sector(&self, sector: usize) -> Result<(), FlashError> {
+        let number = (FIRST_SECTOR + sector) as u8;
+        // SAFETY: the number is that of one of the store's sectors, by the check of the caller.
+        self.registers
+            .cr()
+            .write(|w| unsafe { w.lock().unlocked().ser().set_bit().snb().bits(number).psize().psize32() });
+        self.registers.cr().modify(|_, w| w.strt().start());
+        self.finish()
+    }
+
+    /// Whether addresses hold nothing.
+    fn is_blank(addresses: Range<u32>) -> bool {
+        // SAFETY: the addresses are within the sectors, and aligned, by the check of the caller; volatile, as in `read`.
+        addresses
+            .step_by(WORD)
+            .all(|address| unsafe { Self::place(address).cast::<u32>().read_volatile() } == !0)
     }
 
     /// Empties the data cache.
@@ -143,26 +184,17 @@ impl NorFlash for ParameterFlash {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         check_erase(self, from, to).map_err(FlashError::Arguments)?;
-        let done = self.change(|flash| {
-            (from as usize / SECTOR..to as usize / SECTOR).try_for_each(|sector| {
-                let number = (FIRST_SECTOR + sector) as u8;
-                // SAFETY: the number is that of one of the store's sectors, by the check above.
-                flash
-                    .registers
-                    .cr()
-                    .write(|w| unsafe { w.ser().set_bit().snb().bits(number).psize().psize32() });
-                flash.registers.cr().modify(|_, w| w.strt().start());
-                flash.finish()
-            })
-        });
+        let mut sectors = from as usize / SECTOR..to as usize / SECTOR;
+        let done = self.change(|flash| sectors.try_for_each(|sector| flash.erase_sector(sector)));
         self.forget_cached();
-        done
+        done?;
+        if Self::is_blank(from..to) { Ok(()) } else { Err(FlashError::NotErased) }
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         check_write(self, offset, bytes.len()).map_err(FlashError::Arguments)?;
         self.change(|flash| {
-            flash.registers.cr().write(|w| w.pg().program().psize().psize32());
+            flash.registers.cr().write(|w| w.lock().unlocked().pg().program().psize().psize32());
             (offset..).step_by(WORD).zip(bytes.as_chunks().0).try_for_each(|(address, &word)| {
                 // SAFETY: a whole word within the sectors, aligned, both by the check above; the flash is open for it.
                 unsafe { Self::place(address).cast::<u32>().write_volatile(u32::from_le_bytes(word)) };

@@ -1,14 +1,21 @@
 //! Pins, the status light and the voltage detector; the wiring table is in `docs/board.md`.
 
-use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC, PWR};
+use core::sync::atomic::{AtomicBool, Ordering};
 
+use stm32f4::stm32f405::{EXTI, GPIOA, GPIOB, GPIOC, PWR};
+
+use super::clock::within;
+use super::valve::vent;
 use crate::bus_port::DriverEnable;
 
-/// The highest threshold of the voltage detector, 2.9 V (RM0090, 5.4.1).
-const HIGHEST_THRESHOLD: u8 = 7;
+/// Threshold of the voltage detector: 2.93 V falling, 2.84 to 2.99 V from chip to chip (data sheet DS8626, "Embedded reset
+/// and power control block"). The next one, 3.03 V, would trip on a supply of 3.3 V less 5 %.
+const THRESHOLD: u8 = 6;
 
-/// Connects the pins to the peripherals.
+/// Connects the pins to the peripherals. The receivers' pins are pulled up: without a cable they would float, and see bytes
+/// that nobody has sent.
 pub fn route(a: &GPIOA, c: &GPIOC) {
+    a.pupdr().modify(|_, w| w.pupdr3().pull_up().pupdr10().pull_up());
     a.moder().modify(|_, w| {
         w.moder0().analog().moder1().analog().moder2().alternate().moder3().alternate().moder4().analog();
         w.moder6().alternate().moder9().alternate().moder10().alternate()
@@ -51,18 +58,47 @@ impl DriverEnable for BusDriver {
     }
 }
 
-/// The detector of low voltage.
+/// The detector of low voltage. It is looked at in each tick, and raises an interrupt above it, which vents at once.
 pub struct VoltageDetector(PWR);
 
+/// Whether the voltage was low since the last tick.
+static WAS_LOW: AtomicBool = AtomicBool::new(false);
+
 impl VoltageDetector {
-    /// Starts it. It has to be clocked.
-    pub fn start(power: PWR) -> Self {
-        power.cr().modify(|_, w| w.pls().set(HIGHEST_THRESHOLD).pvde().enabled());
+    /// Starts it, and its interrupt by line 16. It has to be clocked.
+    pub fn start(power: PWR, lines: &EXTI) -> Self {
+        power.cr().modify(|_, w| w.pls().set(THRESHOLD).pvde().enabled());
+        lines.rtsr().modify(|_, w| w.tr16().enabled());
+        lines.imr().modify(|_, w| w.mr16().unmasked());
         Self(power)
     }
 
-    /// Whether the voltage is below the threshold.
-    pub fn is_low(&self) -> bool {
-        self.0.csr().read().pvdo().bit_is_set()
+    /// Waits for the supply to come up; whether it has.
+    pub fn wait(&self) -> bool {
+        within(|| self.0.csr().read().pvdo().bit_is_clear()).is_some()
     }
+
+    /// Whether the voltage is below the threshold, or was since the last call.
+    pub fn is_low(&self) -> bool {
+        // In this order, and without an exchange, which the tick need not wait for.
+        let was_low = WAS_LOW.load(Ordering::Relaxed);
+        if was_low {
+            WAS_LOW.store(false, Ordering::Relaxed);
+        }
+        was_low || is_supply_low()
+    }
+}
+
+/// Whether the voltage is below the threshold now, for those who do not own the detector.
+pub fn is_supply_low() -> bool {
+    // SAFETY: reading has no side effect.
+    unsafe { &*PWR::ptr() }.csr().read().pvdo().bit_is_set()
+}
+
+/// What the detector's interrupt does: vents, and leaves the rest to the tick.
+pub fn on_low_voltage() {
+    vent();
+    // SAFETY: ones clear the lines that they stand for, zeros leave the others alone.
+    unsafe { &*EXTI::ptr() }.pr().write(|w| w.pr16().clear());
+    WAS_LOW.store(true, Ordering::Relaxed);
 }

@@ -25,7 +25,8 @@ pub fn vented(_: DAC, timer: TIM3, timer_hz: u32) -> Output {
     let period = (timer_hz / PULSES_PER_SECOND) as u16;
     timer.arr().write(|w| w.arr().set(period - 1));
     vent();
-    timer.ccmr1_output().write(|w| w.oc1m().pwm_mode1());
+    // With a preload: a duty cycle that changes in the middle of a period would else make a second pulse, or none.
+    timer.ccmr1_output().write(|w| w.oc1m().pwm_mode1().oc1pe().enabled());
     timer.ccer().write(|w| w.cc1e().set_bit());
     timer.cr1().write(|w| w.cen().enabled());
     PwmValve(Pulses { timer, period })

@@ -15,6 +15,7 @@ use model_core::Surroundings;
 use stm32f4::stm32f405::{ADC_COMMON, ADC1, TIM2};
 
 use super::clock::Clocks;
+use super::thermometer::Thermometer;
 
 /// In the order of conversion: the processor's temperature, then PC0, PA0 and PA1.
 const CHANNELS: [u8; 4] = [16, 10, 0, 1];
@@ -28,11 +29,12 @@ const NOTHING: u64 = u64::MAX;
 /// The running converter.
 pub struct Scan {
     adc: ADC1,
+    thermometer: Thermometer,
 }
 
 impl Scan {
     /// Readies the converter; [`start`](Self::start) lets it run. It has to be clocked.
-    pub fn new(adc: ADC1, common: &ADC_COMMON) -> Self {
+    pub fn new(adc: ADC1, common: &ADC_COMMON, thermometer: Thermometer) -> Self {
         common.ccr().write(|w| w.adcpre().div4().tsvrefe().enabled());
         adc.cr1().write(|w| w.scan().enabled());
         adc.smpr1().write(|w| w.smp16().cycles480().smp10().cycles84());
@@ -43,7 +45,7 @@ impl Scan {
             w.jl().set(3).jsq1().bits(first).jsq2().bits(second).jsq3().bits(third).jsq4().bits(fourth)
         });
         adc.cr2().write(|w| w.adon().enabled().jextsel().tim2trgo().jexten().rising_edge());
-        Self { adc }
+        Self { adc, thermometer }
     }
 
     /// Starts the timer that starts the conversions; the clock of the tick has to be started right after.
@@ -63,7 +65,7 @@ impl Scan {
             packed => {
                 let code = |place: u32| AdcCode((packed >> (16 * place)) as u16);
                 Ok(Samples {
-                    temperature: code(0),
+                    temperature: self.thermometer.typical(code(0)),
                     supply: code(1),
                     pressure: code(2),
                     contraction: code(3),

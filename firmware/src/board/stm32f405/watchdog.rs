@@ -16,9 +16,13 @@ pub struct HardwareWatchdog {
 }
 
 impl HardwareWatchdog {
-    /// Starts it; nothing stops it any more, but a debugger that halts the processor pauses it.
+    /// Starts it; nothing stops it any more, a debugger that halts the processor neither: the valve would stay as it is. With
+    /// the feature `debug` it waits with the processor. Pulses wait in any case.
     pub fn start(registers: IWDG, debug: &DBGMCU) -> Self {
-        debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit());
+        // Said both ways: what a debugger has set stays until power is lost.
+        debug
+            .apb1_fz()
+            .modify(|_, w| w.dbg_iwdg_stop().bit(cfg!(feature = "debug")).dbg_tim3_stop().set_bit());
         registers.kr().write(|w| w.key().start());
         registers.kr().write(|w| w.key().unlock());
         registers.pr().write(|w| w.pr().divide_by32());

@@ -1,0 +1,109 @@
+"""ADC1: its injected group, started by a timer (RM0090, chapter 13)."""
+
+from .peripheral import Peripheral, Register
+
+SAMPLING = (3, 15, 28, 56, 84, 112, 144, 480)
+CONVERSION = 12
+# Unit: Hz.
+MOST_HZ = 36e6
+TEMPERATURE, REFERENCE = 16, 17
+# Least time to sample the sensor of the temperature and the reference. Unit: s.
+INTERNAL_S = 10e-6
+# Time from switching on to the first conversion. Unit: s.
+STABLE_S = 3e-6
+JEOC, JSTRT, OVR = 2, 3, 5
+
+
+class Adc(Peripheral):
+    NAME, BASE = "ADC1", 0x4001_2000
+    CLOCK = ("APB2ENR", 8)
+    REGISTERS = {
+        0x00: Register("SR", 0, 0x3F),
+        0x04: Register("CR1", 0, 0x07C0_FFFF),
+        0x08: Register("CR2", 0, 0x7F7F_0F03),
+        0x0C: Register("SMPR1", 0, 0x07FF_FFFF),
+        0x10: Register("SMPR2", 0, 0x3FFF_FFFF),
+        **{0x14 + 4 * k: Register(f"JOFR{k + 1}", 0, 0xFFF) for k in range(4)},
+        0x24: Register("HTR", 0xFFF, 0xFFF),
+        0x28: Register("LTR", 0, 0xFFF),
+        **{0x2C + 4 * k: Register(f"SQR{k + 1}") for k in range(3)},
+        0x38: Register("JSQR", 0, 0x003F_FFFF),
+        **{0x3C + 4 * k: Register(f"JDR{k + 1}") for k in range(4)},
+        0x4C: Register("DR"),
+        0x304: Register("CCR", 0, 0x00C3_EF1F),
+    }
+
+    def __init__(self, chip):
+        self.scans = 0
+        # Whether the converter does nothing any more.
+        self.is_dead = False
+        super().__init__(chip)
+
+    def reset(self):
+        super().reset()
+        self.on_at = None
+        self.generation = getattr(self, "generation", 0) + 1
+        self.is_scanning = False
+
+    def write_SR(self, value):
+        # Zeros clear, ones are without effect.
+        self["SR"] &= value
+
+    def write_CR2(self, value):
+        if value & 1 and not self["CR2"] & 1:
+            self.on_at = self.chip.now
+        if value & 0x4000_0000 or value & 0x0040_0000:
+            self.violation("a conversion is started by software: the model has the trigger only")
+        self["CR2"] = value
+
+    def clock_hz(self):
+        return self.chip.rcc.apb_hz(2) / (2, 4, 6, 8)[self.field("CCR", 16, 2)]
+
+    def _sampling(self, channel):
+        name, place = ("SMPR2", channel) if channel < 10 else ("SMPR1", channel - 10)
+        return SAMPLING[self.field(name, 3 * place, 3)]
+
+    def trigger(self, source):
+        """An event of a timer; starts the injected group if it is the chosen one."""
+        is_chosen = self.field("CR2", 20, 2) == 1 and self.field("CR2", 16, 4) == source
+        if not is_chosen or not self["CR2"] & 1 or self.is_dead:
+            return
+        if self.on_at is None or self.chip.now - self.on_at < STABLE_S:
+            self.violation("a conversion is started before the converter is stable")
+        if self.is_scanning:
+            self.violation("a conversion is started while the one before is not finished")
+            return
+        hz = self.clock_hz()
+        if hz > MOST_HZ:
+            self.violation(f"the converter runs at {hz / 1e6} MHz, at most {MOST_HZ / 1e6} are allowed")
+        if not self.bit("CR1", 8):
+            self.violation("the group is started without SCAN: only its first channel would be converted")
+        count = self.field("JSQR", 20, 2) + 1
+        channels = [self.field("JSQR", 5 * k, 5) for k in range(4 - count, 4)]
+        self.is_scanning = True
+        self["SR"] |= 1 << JSTRT
+        self._convert(channels, 0, hz, self.generation)
+
+    def _convert(self, channels, place, hz, generation):
+        if generation != self.generation:
+            return
+        if place == len(channels):
+            self.is_scanning = False
+            self.scans += 1
+            self["SR"] |= 1 << JEOC | 1 << 1
+            return
+        channel = channels[place]
+        sampling = self._sampling(channel)
+        if channel in (TEMPERATURE, REFERENCE):
+            if not self.bit("CCR", 23):
+                self.violation(f"channel {channel} is converted, which is not enabled")
+            if sampling / hz < INTERNAL_S:
+                self.violation(f"channel {channel} is sampled for {sampling / hz * 1e6} us, at least 10 are due")
+
+        def sampled():
+            code = self.chip.board.code(channel)
+            self[f"JDR{place + 1}"] = code - self[f"JOFR{place + 1}"]
+
+        self.chip.after(sampling / hz, sampled)
+        after_s = (sampling + CONVERSION) / hz
+        self.chip.after(after_s, lambda: self._convert(channels, place + 1, hz, generation))

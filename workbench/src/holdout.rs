@@ -6,6 +6,7 @@
 
 use crate::figures::Figures;
 use crate::identification::{self, Options, Problem};
+use crate::progress::Tell;
 use crate::recording::Recording;
 use crate::turning::turning_points;
 
@@ -29,11 +30,7 @@ pub struct Later {
 
 /// How a model of the first part does on the second; None where there are no two parts, or the first is too short for the
 /// model.
-pub fn later_cycles(
-    recording: &Recording,
-    options: &Options,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Option<Later> {
+pub fn later_cycles(recording: &Recording, options: &Options, progress: Tell<'_>) -> Option<Later> {
     let Recording { drive, output } = recording;
     let first = split(&drive.input.values, &drive.scored)?;
     let problem = Problem { scored: &part(&drive.scored, first, true), ..recording.problem() };
@@ -41,6 +38,13 @@ pub fn later_cycles(
     let scored = part(&drive.scored, first, false);
     let figures = Figures::of(&output.values, &fit.simulated, &scored);
     Some(Later { from_s: drive.time_s[first], figures, simulated: fit.simulated, scored })
+}
+
+/// The share of the work on a model of a recording that is done before [`later_cycles`] begins, where that follows.
+pub fn share_before(recording: &Recording, options: &Options) -> f64 {
+    let rows = recording.drive.scored.iter().filter(|&&scored| scored).count();
+    let (all, half) = (identification::work(rows, options), identification::work(rows / 2, options));
+    all / (all + half)
 }
 
 /// The recording with its first part scored only; as it is where there are no two parts.

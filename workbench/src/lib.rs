@@ -30,6 +30,7 @@ pub mod output;
 pub mod part;
 pub mod pil;
 pub mod plan;
+pub mod progress;
 pub mod recording;
 pub mod report;
 pub mod simulation;

@@ -1,8 +1,9 @@
 //! Figures of a list of numbers that several modules need.
 
 /// The lowest and the highest value; of none, the highest and the lowest that there are.
-pub fn range(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
+pub fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
+    let widen = |(low, high): (f64, f64), &v: &f64| (low.min(v), high.max(v));
+    values.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), widen)
 }
 
 /// The middle value, in whatever order they come; 0 of none. Leaves the list in another order.

@@ -106,8 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     };
 
     let models = arguments.models();
-    let searches = models.iter().map(|options| heldout.searches(options)).sum();
-    let comparison = with_bar(searches, |progress| Comparison::of(&recording, heldout, &models, progress))
+    let comparison = with_bar("comparing", |progress| Comparison::of(&recording, heldout, &models, progress))
         .map_err(|source| unidentified(&recording, source))?;
 
     if let Some(file) = table {

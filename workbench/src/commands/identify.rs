@@ -9,12 +9,13 @@ use model_core::{ExtensionParameters, Kind};
 use super::identified_json;
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::comparison::{self, Comparison, choice};
-use crate::holdout::{self, later_cycles};
+use crate::holdout::{self, later_cycles, share_before};
 use crate::identification::named::slope_dimension;
-use crate::identification::{self, CONVERGED, Fit, Loss, Options, Weights, searches};
+use crate::identification::{self, CONVERGED, Fit, Loss, Options, Weights};
 use crate::model_file::names::Names;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
+use crate::progress::within;
 use crate::recording::{Recording, Timing};
 use crate::report::identified::Identified;
 use crate::worth::{Limit, Worth};
@@ -168,17 +169,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         None => arguments.choose(&recording)?,
     };
     let begin = Instant::now();
-    let fit = with_bar(searches(options.starts), |progress| {
-        identification::identify(&recording.problem(), &options, progress)
+    let holds_out = other.is_none() && !arguments.no_holdout;
+    let share = if holds_out { share_before(&recording, &options) } else { 1.0 };
+    let (fit, seconds, later) = with_bar("identifying", |progress| {
+        let fit = identification::identify(&recording.problem(), &options, &within(progress, [0.0, share]))?;
+        let seconds = begin.elapsed().as_secs_f64();
+        let later = || later_cycles(&recording, &options, &within(progress, [share, 1.0]));
+        Ok((fit, seconds, holds_out.then(later).flatten()))
     })
     .map_err(|source| unidentified(&recording, source))?;
-    let seconds = begin.elapsed().as_secs_f64();
-    let later = match &other {
-        None if !arguments.no_holdout => {
-            with_bar(searches(options.starts), |progress| later_cycles(&recording, &options, progress))
-        }
-        _ => None,
-    };
     let answered = other.as_ref().map(|other| {
         let simulated = identification::simulate(&fit.model, &other.drive.input.values);
         (HeldOut { recording: other.source(), from_s: None, figures: other.figures(&simulated) }, simulated)
@@ -252,9 +251,9 @@ impl Arguments {
         };
         let candidates = choice::candidates(&self.options(Kind::Mgpi), self.knots);
         let heldout = comparison::HeldOut::LaterCycles;
-        let searches = candidates.iter().map(|options| heldout.searches(options)).sum();
-        let comparison = with_bar(searches, |progress| Comparison::of(&seen, heldout, &candidates, progress))
-            .map_err(|source| unidentified(recording, source))?;
+        let comparison =
+            with_bar("comparing", |progress| Comparison::of(&seen, heldout, &candidates, progress))
+                .map_err(|source| unidentified(recording, source))?;
         say!("{}", comparison.heldout_in_words());
         say!("\n{}\n", comparison.to_text().trim_end());
         let chosen = comparison.chosen().map(|row| (row.name(), row.options));

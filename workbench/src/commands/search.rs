@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::reading::Reading;
 use crate::Error;
 use crate::identification::{self, IdentificationError};
+use crate::progress::{Tell, left};
 use crate::recording::{Choice, Recording};
 use crate::worth::{Grade, Worth};
 
@@ -87,12 +88,21 @@ fn range(text: &str) -> Result<(f64, f64), String> {
     }
 }
 
-/// Searches with a bar that shows how many of a number of searches are done.
-pub fn with_bar<T>(searches: usize, search: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
-    let style = ProgressStyle::with_template("identifying {wide_bar} {pos}/{len} searches, {eta} left");
-    let bar =
-        ProgressBar::new(searches as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    let result = search(&|done| bar.set_position(done as u64));
+/// Works with a bar that shows how much of the work is done, and how long the rest will take.
+pub fn with_bar<T>(what: &'static str, work: impl FnOnce(Tell<'_>) -> T) -> T {
+    const PARTS: f64 = 1000.0;
+    let style = ProgressStyle::with_template("{prefix} {wide_bar} {percent} %{msg}");
+    let bar = ProgressBar::new(PARTS as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        .with_prefix(what);
+    let result = work(&|share| {
+        let part = (PARTS * share) as u64;
+        if part > bar.position() {
+            bar.set_position(part);
+            let left = left(share, bar.elapsed());
+            bar.set_message(left.map_or(String::new(), |left| format!(", {left}")));
+        }
+    });
     bar.finish_and_clear();
     result
 }

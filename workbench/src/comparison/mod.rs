@@ -12,8 +12,9 @@ use std::time::Instant;
 use model_core::Kind;
 
 use crate::figures::Figures;
-use crate::holdout::later_cycles;
+use crate::holdout::{later_cycles, share_before};
 use crate::identification::{self, Fit, IdentificationError, Options, Weights};
+use crate::progress::{Tell, within};
 use crate::recording::Recording;
 use crate::worth::{Limit, Worth};
 
@@ -61,7 +62,7 @@ pub struct Outcome {
 }
 
 impl<'a> Comparison<'a> {
-    /// Identifies each model. `progress` is called with the number of searches done, of all models together.
+    /// Identifies each model. `progress` is told the share of the work on all models that is done.
     ///
     /// # Errors
     /// That of the first model, if none can be made.
@@ -69,13 +70,15 @@ impl<'a> Comparison<'a> {
         recording: &'a Recording,
         heldout: HeldOut<'a>,
         models: &[Options],
-        progress: &(dyn Fn(usize) + Sync),
+        progress: Tell<'_>,
     ) -> Result<Self, IdentificationError> {
         let mut rows = Vec::new();
-        let mut before = 0;
-        for options in models {
-            rows.push(Row::of(recording, heldout, options, &|done| progress(before + done)));
-            before += heldout.searches(options);
+        let work: Vec<f64> = models.iter().map(|options| heldout.work(recording, options)).collect();
+        let (all, mut before) = (work.iter().sum::<f64>(), 0.0);
+        for (options, work) in models.iter().zip(work) {
+            let progress = within(progress, [before / all, (before + work) / all]);
+            rows.push(Row::of(recording, heldout, options, &progress));
+            before += work;
         }
         match rows.first() {
             Some(Row { outcome: Err(error), .. }) if rows.iter().all(|row| row.outcome.is_err()) => {
@@ -102,10 +105,15 @@ impl<'a> Comparison<'a> {
 }
 
 impl HeldOut<'_> {
-    /// How many searches a model takes.
-    pub fn searches(self, options: &Options) -> usize {
-        let models = if matches!(self, Self::LaterCycles) { 2 } else { 1 };
-        models * identification::searches(options.starts)
+    /// Units of the work on a model.
+    fn work(self, recording: &Recording, options: &Options) -> f64 {
+        let rows = recording.drive.scored.iter().filter(|&&scored| scored).count();
+        identification::work(rows, options) / self.share_before(recording, options)
+    }
+
+    /// The share of the work on a model that is done before it is tried on what is held out.
+    fn share_before(self, recording: &Recording, options: &Options) -> f64 {
+        if matches!(self, Self::LaterCycles) { share_before(recording, options) } else { 1.0 }
     }
 
     fn figures(
@@ -113,7 +121,7 @@ impl HeldOut<'_> {
         fit: &Fit,
         recording: &Recording,
         options: &Options,
-        progress: &(dyn Fn(usize) + Sync),
+        progress: Tell<'_>,
     ) -> Option<Figures> {
         match self {
             Self::Recording(other) => {
@@ -126,20 +134,14 @@ impl HeldOut<'_> {
 }
 
 impl Row {
-    fn of(
-        recording: &Recording,
-        heldout: HeldOut<'_>,
-        options: &Options,
-        progress: &(dyn Fn(usize) + Sync),
-    ) -> Self {
+    fn of(recording: &Recording, heldout: HeldOut<'_>, options: &Options, progress: Tell<'_>) -> Self {
         let begin = Instant::now();
-        let fit = identification::identify(&recording.problem(), options, progress);
+        let share = heldout.share_before(recording, options);
+        let fit = identification::identify(&recording.problem(), options, &within(progress, [0.0, share]));
         let seconds = begin.elapsed().as_secs_f64();
         let outcome = fit.map(|fit| Outcome {
             training: recording.figures(&fit.simulated),
-            heldout: heldout.figures(&fit, recording, options, &|done| {
-                progress(identification::searches(options.starts) + done);
-            }),
+            heldout: heldout.figures(&fit, recording, options, &within(progress, [share, 1.0])),
             termination: fit.termination.to_string(),
             simulated: fit.simulated,
         });

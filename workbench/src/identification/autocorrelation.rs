@@ -8,7 +8,12 @@
 //!
 //! Distances are counted in rows that count: other rows between them are passed over.
 
+use std::collections::VecDeque;
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
 
 /// The most lags that are looked at; a longer memory is seen in blocks of rows.
 const LAGS: usize = 32;
@@ -32,37 +37,122 @@ pub fn inflation(residuals: &[f64]) -> f64 {
 /// 1 + Σ 2 ρₖ and Σ 2 k ρₖ.
 fn sums(residuals: &[f64]) -> (f64, f64) {
     let least = 2.0 / (residuals.len() as f64).sqrt();
-    let products = |lag: usize| -> f64 { residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a * b).sum() };
-    let square = products(0);
+    let square = residuals.iter().map(|r| r * r).sum::<f64>();
     // A quarter of the rows at most: over less, nothing shows how the quarters differ.
-    let lags = (1..=residuals.len() / 4).map(|lag| (lag as f64, products(lag) / square));
-    lags.take_while(|(_, correlation)| *correlation > least)
-        .fold((1.0, 0.0), |(total, by_lag), (lag, correlation)| {
-            (total + 2.0 * correlation, by_lag + 2.0 * lag * correlation)
-        })
+    let end = residuals.len() / 4 + 1;
+    let (mut total, mut by_lag) = (1.0, 0.0);
+    let mut lags = 1..end.min(1 + LAGS);
+    while !lags.is_empty() {
+        for (lag, product) in lags.clone().zip(products(residuals, lags.clone())) {
+            let correlation = product / square;
+            if correlation.is_nan() || correlation <= least {
+                return (total, by_lag);
+            }
+            total += 2.0 * correlation;
+            by_lag += 2.0 * lag as f64 * correlation;
+        }
+        // Wider and wider, so that a long memory costs little more than a short one.
+        lags = lags.end..end.min(lags.end + 4 * lags.len());
+    }
+    (total, by_lag)
 }
 
-/// The covariance of the sum over all rows of derivatives times residuals, for residuals that are alike over `memory`
-/// rows. `derivatives` has a column for each row.
-pub fn scatter(derivatives: &DMatrix<f64>, residuals: &[f64], memory: usize) -> DMatrix<f64> {
-    let block = memory.div_ceil(LAGS);
-    let sums: Vec<DVector<f64>> = (0..residuals.len())
-        .step_by(block)
-        .map(|first| derivatives.columns(first, block.min(residuals.len() - first)).column_sum())
-        .collect();
-    let sums = DMatrix::from_columns(&sums);
-    let means: Vec<f64> =
-        residuals.chunks(block).map(|chunk| chunk.iter().sum::<f64>() / chunk.len() as f64).collect();
-    let blocks = means.len();
-    let covariance =
-        |lag: usize| means.iter().zip(&means[lag..]).map(|(a, b)| a * b).sum::<f64>() / blocks as f64;
-    let mut scatter = &sums * sums.transpose() * covariance(0);
-    for lag in 1..memory.div_ceil(block).min(blocks) {
-        let taper = 1.0 - (lag * block) as f64 / memory as f64;
-        let products = sums.columns(0, blocks - lag) * sums.columns(lag, blocks - lag).transpose();
-        scatter += (&products + products.transpose()) * (taper * covariance(lag));
+/// Sums of the products of values at some lags: few by themselves, many by Fourier transforms of as many values at a time.
+fn products(values: &[f64], lags: Range<usize>) -> Vec<f64> {
+    if lags.len() <= LAGS {
+        return lags.map(|lag| values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum()).collect();
     }
-    scatter
+    let block = lags.len().next_power_of_two();
+    let mut planner = FftPlanner::new();
+    let (forward, inverse) = (planner.plan_fft_forward(2 * block), planner.plan_fft_inverse(2 * block));
+    let mut cross = vec![Complex::default(); 2 * block];
+    let mut both = cross.clone();
+    for first in (0..values.len() - lags.start).step_by(block) {
+        // A block as the real part, and all that it is multiplied by as the imaginary one.
+        let later = values[first + lags.start..].iter().chain(std::iter::repeat(&0.0));
+        let these = values[first..].iter().take(block).chain(std::iter::repeat(&0.0));
+        for (value, (re, im)) in both.iter_mut().zip(these.zip(later)) {
+            *value = Complex::new(*re, *im);
+        }
+        forward.process(&mut both);
+        for (k, sum) in cross.iter_mut().enumerate() {
+            let (value, mirrored) = (both[k], both[(2 * block - k) % (2 * block)].conj());
+            *sum += (value + mirrored).conj() * (value - mirrored) * Complex::new(0.0, -0.25);
+        }
+    }
+    inverse.process(&mut cross);
+    cross.iter().take(lags.len()).map(|sum| sum.re / (2 * block) as f64).collect()
+}
+
+/// The covariance of the sum over all rows of derivatives times residuals that are alike over some rows, taken row by row.
+pub struct Scatter {
+    /// Rows of a block.
+    block: usize,
+    /// Of each lag in blocks: the covariance of the residuals' means, tapered.
+    covariances: Vec<f64>,
+    /// Sums over the last blocks, the latest last, as many as there are lags, and that of the block that is not full.
+    sums: VecDeque<DVector<f64>>,
+    /// Rows in that.
+    taken: usize,
+    sum: DMatrix<f64>,
+}
+
+impl Scatter {
+    /// For residuals that are alike over `memory` rows, and as many derivatives by `unknowns` each.
+    pub fn new(unknowns: usize, residuals: &[f64], memory: usize) -> Self {
+        let block = memory.div_ceil(LAGS);
+        let means: Vec<f64> =
+            residuals.chunks(block).map(|chunk| chunk.iter().sum::<f64>() / chunk.len() as f64).collect();
+        let covariance = |lag: usize| {
+            let taper = 1.0 - (lag * block) as f64 / memory as f64;
+            let products = means.iter().zip(&means[lag..]).map(|(a, b)| a * b);
+            taper * products.sum::<f64>() / means.len() as f64
+        };
+        Self {
+            block,
+            covariances: (0..memory.div_ceil(block).min(means.len())).map(covariance).collect(),
+            sums: VecDeque::from([DVector::zeros(unknowns)]),
+            taken: 0,
+            sum: DMatrix::zeros(unknowns, unknowns),
+        }
+    }
+
+    /// Takes the derivatives of the next row.
+    pub fn take(&mut self, derivatives: &[f64]) {
+        if self.taken == self.block {
+            self.close();
+        }
+        for (sum, derivative) in self.sums.iter_mut().rev().take(1).flatten().zip(derivatives) {
+            *sum += derivative;
+        }
+        self.taken += 1;
+    }
+
+    /// Adds what the last block and those before it make.
+    fn close(&mut self) {
+        let Some(last) = self.sums.back() else { return };
+        // Of two blocks either may be the earlier one.
+        let mut with_earlier = last * (self.covariances[0] / 2.0);
+        for (earlier, covariance) in self.sums.iter().rev().zip(&self.covariances).skip(1) {
+            with_earlier.axpy(*covariance, earlier, 1.0);
+        }
+        self.sum.ger(1.0, last, &with_earlier, 1.0);
+        self.sum.ger(1.0, &with_earlier, last, 1.0);
+        // The place of a block that no lag reaches any more is used again.
+        let mut next = match self.sums.len() < self.covariances.len() {
+            true => DVector::zeros(last.len()),
+            false => self.sums.pop_front().unwrap_or_default(),
+        };
+        next.fill(0.0);
+        self.sums.push_back(next);
+        self.taken = 0;
+    }
+
+    /// That covariance.
+    pub fn sum(mut self) -> DMatrix<f64> {
+        self.close();
+        self.sum
+    }
 }
 
 /// By how many standard errors a 95 % interval reaches to each side: Student's quantile for so many degrees of freedom
@@ -84,6 +174,23 @@ mod tests {
         for (freedom, quantile) in [(3.0, 3.182), (5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (1e9, 1.960)] {
             assert!((reach(freedom) / quantile - 1.0).abs() < 1e-2, "{freedom}: {}", reach(freedom));
         }
+    }
+
+    #[test]
+    fn products_at_many_lags_are_the_sums_that_they_stand_for() {
+        let values: Vec<f64> =
+            (0..1500).map(|k| (f64::from(k) * 0.37).sin() + f64::from(k * k % 11)).collect();
+        let many = products(&values, 40..340);
+        for (lag, product) in (40..340).zip(many) {
+            let sum: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
+            assert!((product - sum).abs() < 1e-9 * sum.abs().max(1.0), "{lag}: {product} for {sum}");
+        }
+    }
+
+    fn scatter(derivatives: &DMatrix<f64>, residuals: &[f64], memory: usize) -> DMatrix<f64> {
+        let mut scatter = Scatter::new(derivatives.nrows(), residuals, memory);
+        derivatives.column_iter().for_each(|row| scatter.take(row.as_slice()));
+        scatter.sum()
     }
 
     #[test]

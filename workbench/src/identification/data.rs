@@ -1,12 +1,13 @@
 //! A recording, checked and normalised for the search.
 
-use model_core::Range;
 use model_core::envelope::KNOTS;
-use model_core::memoryless::{Memoryless, MemorylessParameters};
+use model_core::memoryless::{DEGREE, Memoryless, MemorylessParameters};
+use model_core::{ParameterError, Range};
 
 use super::coordinates::Coordinate;
 use super::structure::Structure;
 use super::{DEAD_ZONES, FREE, IdentificationError, Options, PLAYS, Problem, Weights};
+use crate::numbers::range;
 
 /// The smallest slope that the stage behind the plays may get, as a share of the mean slope: how far a model is
 /// kept from being non-invertible.
@@ -15,47 +16,30 @@ const LEAST_SLOPE: f64 = 1e-2;
 /// Lowest input and span of the inputs. Input unit.
 pub type Span = (f64, f64);
 
-/// The inputs of a recording.
-#[derive(Clone)]
-pub struct Drive {
-    /// The inputs, 0 … 1 over their span.
-    pub inputs: Vec<f64>,
-    /// Whether each is on a rising branch; one that rests keeps its branch.
-    pub rising: Vec<bool>,
-    /// Number of first inputs that rest at the lowest one: their branch is that of what was before.
-    pub resting: usize,
-}
-
-impl Drive {
-    /// Inputs from 0 to 1.
-    pub fn new(inputs: Vec<f64>) -> Self {
-        let mut last = (0.0, true);
-        let is_rising = |&t: &f64| {
-            let rising = if t == last.0 { last.1 } else { t > last.0 };
-            last = (t, rising);
-            rising
-        };
-        Self {
-            rising: inputs.iter().map(is_rising).collect(),
-            resting: inputs.iter().take_while(|&&t| t == 0.0).count(),
-            inputs,
-        }
-    }
+/// A row of a recording.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// The input, 0 … 1 over the span of the recording's inputs.
+    pub input: f64,
+    /// The measured output. Output unit.
+    pub output: f64,
+    /// How many rows that count it stands for; 0 if it is history only.
+    pub weight: f32,
+    /// Whether it is on a rising branch; one that rests keeps its branch.
+    pub rising: bool,
 }
 
 /// A recording, normalised for the search.
 #[derive(Clone)]
 pub struct Data {
-    /// The inputs.
-    pub drive: Drive,
+    /// The rows up to the last that counts.
+    pub rows: Vec<Row>,
+    /// Number of first rows that rest at the lowest input: their branch is that of what was before.
+    pub resting: usize,
     /// Lowest input and span of the inputs. Input unit.
     pub span: Span,
-    /// The rows that count.
-    pub rows: Vec<usize>,
-    /// The outputs of those rows. Output unit.
-    pub outputs: Vec<f64>,
-    /// Added functions of the input at those rows.
-    pub added: Vec<Vec<f64>>,
+    /// The functions of the input over its span that are added, if there are any.
+    pub added: Option<Memoryless<f64>>,
     /// The smallest slope allowed. Output unit per unit of u.
     pub least_slope: f64,
     /// What is identified.
@@ -91,34 +75,51 @@ pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, Ident
     }
     let structure = Structure::new(options);
     let coordinates = structure.coordinates();
-    let rows: Vec<usize> = (0..scored.len()).filter(|&row| scored[row]).collect();
+    let count = scored.iter().filter(|&&scored| scored).count();
     let parameters = options.unknowns();
-    if rows.len() <= parameters {
-        return Err(IdentificationError::TooFewRows { rows: rows.len(), parameters });
+    if count <= parameters {
+        return Err(IdentificationError::TooFewRows { rows: count, parameters });
     }
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
-    };
-    let (low, high) = range(&mut input.iter().copied());
+    let (low, high) = range(input);
     if low == high {
         return Err(IdentificationError::ConstantInput(low));
     }
-    let (output_low, output_high) = range(&mut rows.iter().map(|&row| output[row]));
+    let outputs = output.iter().zip(scored).filter(|(_, scored)| **scored).map(|(output, _)| output);
+    let (output_low, output_high) = range(outputs);
     if output_low == output_high {
         return Err(IdentificationError::ConstantOutput(output_low));
     }
     let span = (low, high - low);
+    let rows = rows(problem, span);
     Ok(Data {
-        drive: Drive::new(input.iter().map(|x| (x - low) / (high - low)).collect()),
-        span,
-        outputs: rows.iter().map(|&row| output[row]).collect(),
-        added: added(&structure, &rows, input, (low, high))?,
+        resting: rows.iter().take_while(|row| row.input == 0.0).count(),
         rows,
+        span,
+        added: (structure.added() > 0).then(added).transpose().map_err(IdentificationError::Invalid)?,
         least_slope: LEAST_SLOPE * (output_high - output_low),
         structure,
         coordinates,
     })
+}
+
+/// The functions of an input of 0 … 1 that are added.
+fn added() -> Result<Memoryless<f64>, ParameterError> {
+    let range = Range::try_new(0.0, 1.0, "input range", "input unit")?;
+    Memoryless::try_new(&MemorylessParameters { rises: [0.0; DEGREE] }, &range)
+}
+
+/// The rows up to the last that counts.
+fn rows(problem: &Problem<'_>, (low, span): Span) -> Vec<Row> {
+    let Problem { input, output, scored } = *problem;
+    let end = scored.iter().rposition(|&scored| scored).map_or(0, |last| last + 1);
+    let (mut before, mut rising) = (0.0, true);
+    let row = |((x, &output), &scored): ((&f64, &f64), &bool)| {
+        let input = (x - low) / span;
+        rising = if input == before { rising } else { input > before };
+        before = input;
+        Row { input, output, weight: f32::from(u8::from(scored)), rising }
+    };
+    input[..end].iter().zip(output).zip(scored).map(row).collect()
 }
 
 /// Number of free weights, if they are.
@@ -126,24 +127,25 @@ fn free_weights(options: &Options) -> Option<usize> {
     (options.weights == Weights::Free).then_some(options.plays)
 }
 
-/// The added functions of the input at some rows.
-fn added(
-    structure: &Structure,
-    rows: &[usize],
-    input: &[f64],
-    (low, high): (f64, f64),
-) -> Result<Vec<Vec<f64>>, IdentificationError> {
-    let function = Range::try_new(low, high, "input range", "input unit")
-        .and_then(|range| Memoryless::try_new(&MemorylessParameters { rises: [0.0; 3] }, &range))
-        .map_err(IdentificationError::Invalid)?;
-    let column = |k: usize| rows.iter().map(|&row| function.basis(input[row])[k]).collect();
-    Ok((0..structure.added()).map(column).collect())
-}
-
 impl Data {
+    /// Number of rows that count.
+    pub fn count(&self) -> usize {
+        self.rows.iter().filter(|row| row.weight > 0.0).count()
+    }
+
+    /// The recording without those rows at which a fresh and a preconditioned muscle differ, all before the input is first
+    /// at its highest. None if that leaves less than half.
+    pub fn where_kinds_agree(&self) -> Option<Self> {
+        let mut agreed = self.clone();
+        let first = agreed.rows.iter().position(|row| row.input == 1.0)?;
+        agreed.rows[..first].iter_mut().for_each(|row| row.weight = 0.0);
+        let weight = |rows: &[Row]| rows.iter().map(|row| f64::from(row.weight)).sum::<f64>();
+        (2.0 * weight(&agreed.rows) >= weight(&self.rows)).then_some(agreed)
+    }
+
     /// The same recording for a model of the same structure, but with free weights of the plays.
-    pub fn with_free_weights(&self) -> Self {
+    pub fn with_free_weights(self) -> Self {
         let structure = Structure { weights: Weights::Free, ..self.structure };
-        Self { coordinates: structure.coordinates(), structure, ..self.clone() }
+        Self { coordinates: structure.coordinates(), structure, ..self }
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! `K` is the capacity for coordinates; what is beyond their number stays 0.
 
-use super::data::{Drive, Span};
+use super::data::{Row, Span};
 use super::envelope::Envelope;
 use super::plays::Plays;
 use super::structure::Structure;
@@ -44,31 +44,48 @@ impl Inner {
         }
     }
 
-    /// u and its derivatives for every input, from rest, of a muscle that is preconditioned or not.
-    pub fn simulate<const K: usize>(&self, drive: &Drive, preconditioned: bool) -> Vec<Sample<K>> {
-        let (q, of_q) = (self.plays.q, &self.plays.by[0]);
-        let mut bank = Bank::<K>::at_rest(self);
+    /// A muscle at rest before the recording, preconditioned or not, whose first `resting` rows rest at the lowest input.
+    pub fn at_rest<const K: usize>(&self, resting: usize, preconditioned: bool) -> Muscle<'_, K> {
+        let mut bank = Bank::at_rest(self);
         if preconditioned {
             bank.step(&self.driven(1.0, true));
             bank.step(&self.driven(0.0, false));
         }
-        let sample = |(row, (&t, &rising)): (usize, (&f64, &bool))| {
-            let driven = self.driven(t, if row < drive.resting { !preconditioned } else { rising });
-            let plays = bank.step(&driven);
-            let mut by: [f64; K] = std::array::from_fn(|c| q * driven.by[c] + plays.by[c]);
-            for (sum, q_by) in by[self.of_envelope + 1..].iter_mut().zip(of_q) {
-                *sum += q_by * driven.v;
-            }
-            Sample { u: q * driven.v + plays.sum, by }
-        };
-        drive.inputs.iter().zip(&drive.rising).enumerate().map(sample).collect()
+        Muscle { inner: self, bank, resting, preconditioned }
     }
 
     /// What an input drives the plays with.
+    #[inline(always)]
     fn driven<const K: usize>(&self, t: f64, rising: bool) -> Driven<K> {
         let mut by = [0.0; K];
         let v = self.envelope.sample(t, rising, &mut by[..self.of_envelope]);
         Driven { v, by, sign: if rising { 1.0 } else { -1.0 } }
+    }
+}
+
+/// A muscle on its way through a recording.
+pub struct Muscle<'a, const K: usize> {
+    inner: &'a Inner,
+    bank: Bank<'a, K>,
+    /// Number of rows that will still rest as they did before the recording.
+    resting: usize,
+    preconditioned: bool,
+}
+
+impl<const K: usize> Muscle<'_, K> {
+    /// u and its derivatives at the next row.
+    #[inline(always)]
+    pub fn step(&mut self, row: &Row) -> Sample<K> {
+        let Inner { plays, of_envelope, .. } = self.inner;
+        let rising = if self.resting > 0 { !self.preconditioned } else { row.rising };
+        self.resting = self.resting.saturating_sub(1);
+        let driven = self.inner.driven(row.input, rising);
+        let part = self.bank.step(&driven);
+        let mut by: [f64; K] = std::array::from_fn(|c| plays.q * driven.by[c] + part.by[c]);
+        for (sum, q_by) in by[of_envelope + 1..].iter_mut().zip(&plays.by[0]) {
+            *sum += q_by * driven.v;
+        }
+        Sample { u: plays.q * driven.v + part.sum, by }
     }
 }
 
@@ -154,6 +171,7 @@ impl<'a, const K: usize> Bank<'a, K> {
     }
 
     /// What the plays from `begin` to `end`, which stand on one v, add.
+    #[inline(always)]
     fn part(&self, driven: &Driven<K>, begin: usize, end: usize) -> Part<K> {
         let (from, to) = (&self.prefixes[begin], &self.prefixes[end]);
         let [p, pr] = std::array::from_fn(|i| to.sums[i] - from.sums[i]);
@@ -167,6 +185,7 @@ impl<'a, const K: usize> Bank<'a, K> {
     }
 
     /// Moves the plays; what they add to u.
+    #[inline(always)]
     fn step(&mut self, next: &Driven<K>) -> Part<K> {
         let mut count = 0;
         let mut beyond = Part::NONE;

@@ -8,19 +8,22 @@
 //! | `coordinates` | the nonlinear coordinates, bounded smoothly |
 //! | `envelope`, `plays` | the parts in normalised form, without the model's two exact scalings |
 //! | `inner` | u over the recording and its exact sensitivities |
+//! | `sums` | all that least squares needs of the rows, in one pass over them |
 //! | `projection`, `nnls` | offset, slopes of the dead zones and added functions, linear and kept positive |
 //! | `problem` | the reduced problem and its Jacobian, for the Levenberg-Marquardt kernel (MINPACK's, crate `levenberg-marquardt`) |
 //! | `starts` | where the searches begin |
+//! | `search` | the searches, one after the other and side by side |
+//! | `plan` | how much work they are |
 //! | `raw`, [`named`] | the way to the raw parameters, and their names |
 //! | `robust` | Huber's loss |
-//! | `thinning` | a shorter recording that is enough to screen them |
+//! | `thinning` | a shorter recording that is enough to search on |
 //! | `uncertainty` | standard errors, intervals and correlation of the raw parameters |
 //! | `autocorrelation`, `collinear` | what makes them larger: residuals that are alike, parameters that are |
 //! | `termination` | how a search ended |
 //!
 //! The problem has several minima, so that many starts are tried side by side: each gets a few steps on a thinned
-//! recording, the better half a few more, then the best quarter goes on to convergence on all of it. The answer depends on the
-//! seed, not on the number of threads.
+//! recording, the better half a few more, then the best quarter goes on to convergence on it, and the best of these ends on
+//! all rows, where few steps are left. The answer depends on the seed, not on the number of threads.
 //!
 //! # Contract
 //! Whatever the recording is, the result is a validated, invertible model or a typed error. Before the recording the
@@ -40,30 +43,36 @@ mod error;
 mod inner;
 pub mod named;
 mod nnls;
+mod plan;
 mod plays;
 mod problem;
 mod projection;
 mod raw;
 mod robust;
+mod search;
 mod starts;
 mod structure;
+mod sums;
 mod termination;
 mod thinning;
 mod uncertainty;
 
-use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
 use model_core::envelope::KNOTS;
 use model_core::{ExtendedModel, Hysteresis, Invertible, Kind, Model, ModelParameters, ParameterError};
-use rayon::prelude::*;
 
 use data::{Data, normalise};
 pub use error::IdentificationError;
-use problem::{Point, Problem as Reduced};
+use plan::Plan;
+use problem::Point;
 use robust::Robust;
+use search::{End, FREED, Reached, Searches, near};
 use starts::Start;
 use structure::Structure;
+use sums::FURTHER;
 pub use termination::Termination;
 pub use uncertainty::{Estimate, Uncertainty};
+
+use crate::progress::{Tell, Work};
 
 /// The largest number of plays of a model on the host.
 pub const PLAYS: usize = 128;
@@ -78,29 +87,12 @@ pub type HostModel = Model<f64, PLAYS, DEAD_ZONES>;
 /// A model with its extensions on the host.
 pub type HostExtendedModel = ExtendedModel<f64, PLAYS, DEAD_ZONES>;
 
-/// How many ends with exponential weights free ones go on from.
-const FREED: usize = 3;
-/// The share by which the sum of squares of a fresh muscle has to be smaller to be believed.
-const CLEARLY: f64 = 0.02;
 /// Number of starts, unless the user has it otherwise.
 pub const STARTS: usize = 24;
 /// Seed of the starts, unless the user has it otherwise.
 pub const SEED: u64 = 1;
 /// The share of the sum of squares that a search which is at its end gains no more.
 pub const CONVERGED: f64 = 1e-9;
-/// What every start gets, and then the better half of them once more.
-const SCREENING: Limits = Limits { patience: 2, tolerance: CONVERGED };
-/// What the best starts get.
-const CONVERGENCE: Limits = Limits { patience: 60, tolerance: CONVERGED };
-
-/// What ends a search that gets no further by itself.
-#[derive(Clone, Copy, Debug)]
-struct Limits {
-    /// Evaluations per coordinate.
-    patience: usize,
-    /// A step that gains less than this share of the sum of squares is the last.
-    tolerance: f64,
-}
 
 /// A recording to identify from.
 #[derive(Clone, Copy, Debug)]
@@ -143,10 +135,6 @@ impl Options {
     /// How many independent numbers are found: the raw parameters less those that scalings of the model leave open.
     pub fn unknowns(&self) -> usize {
         Structure { weights: self.weights, ..Structure::new(self) }.unknowns()
-    }
-
-    fn convergence(&self) -> Limits {
-        Limits { tolerance: self.tolerance, ..CONVERGENCE }
     }
 }
 
@@ -208,177 +196,104 @@ pub struct Fit {
     pub outliers: Vec<usize>,
 }
 
-/// Calls a function with the next larger of a few capacities for coordinates: loops over rows have fixed lengths then.
+/// Calls a method with the next larger of a few capacities for entries: loops over entries have fixed lengths then.
 macro_rules! with_capacity {
-    ($count:expr, $function:ident ( $($argument:expr),* )) => {
+    ($count:expr, $object:ident . $method:ident ( $($argument:expr),* )) => {
         match $count {
-            0..=5 => $function::<5>($($argument),*),
-            6..=8 => $function::<8>($($argument),*),
-            9..=16 => $function::<16>($($argument),*),
-            17..=32 => $function::<32>($($argument),*),
-            _ => $function::<{ KNOTS + FREE }>($($argument),*),
+            0..=8 => $object.$method::<8>($($argument),*),
+            9..=12 => $object.$method::<12>($($argument),*),
+            13..=16 => $object.$method::<16>($($argument),*),
+            17..=24 => $object.$method::<24>($($argument),*),
+            25..=36 => $object.$method::<36>($($argument),*),
+            _ => $object.$method::<{ KNOTS + FREE + FURTHER }>($($argument),*),
         }
     };
 }
 
-/// Identifies a model. `progress` is called with the number of searches done, at most [`searches`] times.
+/// Units of the work of [`identify`] on so many rows that count, to compare with each other.
+pub fn work(rows: usize, options: &Options) -> f64 {
+    Plan::new(rows, options).units()
+}
+
+/// Identifies a model. `progress` is told the share of the work that is done.
 ///
 /// # Errors
 /// See [`IdentificationError`].
 pub fn identify(
     problem: &Problem<'_>,
     options: &Options,
-    progress: &(dyn Fn(usize) + Sync),
+    progress: Tell<'_>,
 ) -> Result<Fit, IdentificationError> {
     let data = normalise(problem, options)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
         .map_err(|error| IdentificationError::Threads(error.to_string()))?;
-    let done = std::sync::atomic::AtomicUsize::new(0);
-    let count = || progress(1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
-    let ends =
-        pool.install(|| with_capacity!(data.coordinates.len(), search_everywhere(&data, options, &count)));
-    if options.weights == Weights::Exponential {
-        return with_capacity!(data.coordinates.len(), first_model(problem, options, &data, ends));
-    }
-    // Free weights go on from where exponential ones end.
-    let free = data.with_free_weights();
-    let freed: Vec<Start> = ends.iter().take(FREED).map(|(end, _)| end.freed(&data)).collect();
-    let search =
-        || with_capacity!(free.coordinates.len(), search_all(&free, &freed, options.convergence(), &count));
-    let ends = prefer_preconditioned(pool.install(search));
-    with_capacity!(free.coordinates.len(), first_model(problem, options, &free, ends))
-}
-
-/// Screens all starts, and brings the best to their ends.
-fn search_everywhere<const K: usize>(data: &Data, options: &Options, count: &(dyn Fn() + Sync)) -> Vec<End> {
-    let starts = starts::starts(&data.coordinates, options.starts, options.seed);
-    let thinned = data.thinned();
-    let screened = |starts: &[Start]| -> Vec<Start> {
-        search_all::<K>(&thinned, starts, SCREENING, count).into_iter().map(|(end, _)| end).collect()
-    };
-    let mut better = screened(&starts);
-    let mut others = better.split_off(better.len() / 2);
-    let mut best = screened(&better);
-    others.splice(..0, best.split_off(finalists(options.starts).min(best.len())));
-    // The best of the other kind of muscle, if only one is left.
-    others.retain(|at| best.iter().all(|other| other.preconditioned != at.preconditioned));
-    best.extend(others.into_iter().next());
-    prefer_preconditioned(search_all::<K>(data, &best, options.convergence(), count))
-}
-
-/// The model of the best end that has an inverse; that of most models is certain, that of the extended one is not.
-fn first_model<const K: usize>(
-    problem: &Problem<'_>,
-    options: &Options,
-    data: &Data,
-    ends: Vec<End>,
-) -> Result<Fit, IdentificationError> {
-    let mut refusal = IdentificationError::Size("starts", options.starts, [1, usize::MAX]);
-    let candidates: Vec<Robust> = match options.loss {
-        Loss::Squares => {
-            let plain = |end| Robust { data: data.clone(), end, outliers: Vec::new() };
-            ends.into_iter().map(plain).collect()
+    let plan = Plan::new(data.count(), options);
+    let work = Work::new(plan.units(), progress);
+    let searches = Searches { options, plan, work: &work };
+    pool.install(|| {
+        let entries = data.structure.entries();
+        let ends = with_capacity!(entries, searches.everywhere(&data));
+        if options.weights == Weights::Exponential {
+            return with_capacity!(entries, searches.first_model(problem, &data, ends));
         }
-        Loss::Huber => robust::of_both_kinds::<K>(data, ends),
-    };
-    for Robust { data, end, outliers } in candidates {
-        match finish::<K>(problem, options, &data, end) {
-            Ok(fit) => return Ok(Fit { outliers, ..fit }),
-            Err(error) => refusal = IdentificationError::Invalid(error),
-        }
-    }
-    Err(refusal)
-}
-
-/// The ends, best first. Muscles that are measured have mostly been moved before: that one is fresh has to show,
-/// where the recording begins, in a clearly smaller error.
-fn prefer_preconditioned(mut ends: Vec<End>) -> Vec<End> {
-    if let Some(place) = ends.iter().position(|(start, _)| start.preconditioned)
-        && !is_clearly_better(&ends[0], &ends[place])
-    {
-        ends[..=place].rotate_right(1);
-    }
-    ends
-}
-
-fn is_clearly_better((_, fresh): &End, (_, preconditioned): &End) -> bool {
-    fresh.cost < preconditioned.cost * (1.0 - CLEARLY)
-}
-
-/// How many searches [`identify`] makes for a number of starts: all of them briefly, the better half once more, the best ones to
-/// the end.
-pub fn searches(starts: usize) -> usize {
-    3 * starts + finalists(starts) + 1 + FREED
-}
-
-fn finalists(starts: usize) -> usize {
-    starts.div_ceil(4)
-}
-
-/// Searches from all starts, side by side, and calls `count` at the end of each. The best end comes first.
-fn search_all<const K: usize>(
-    data: &Data,
-    starts: &[Start],
-    limits: Limits,
-    count: &(dyn Fn() + Sync),
-) -> Vec<End> {
-    let one = |start: &Start| {
-        let end = search::<K>(data, start, limits);
-        count();
-        end
-    };
-    let mut ends: Vec<End> = starts.par_iter().map(one).collect();
-    // Stable: of equal ends the first start wins, whichever thread was faster.
-    ends.sort_by(|(_, one), (_, other)| one.cost.total_cmp(&other.cost));
-    ends
-}
-
-/// Where a search ended, and with what.
-type End = (Start, Reached);
-
-/// What a search has reached.
-struct Reached {
-    /// Sum of squares.
-    cost: f64,
-    reason: TerminationReason,
-}
-
-fn search<const K: usize>(data: &Data, start: &Start, limits: Limits) -> End {
-    let kernel = LevenbergMarquardt::new()
-        .with_ftol(limits.tolerance)
-        .with_xtol(CONVERGED)
-        .with_gtol(CONVERGED)
-        .with_patience(limits.patience);
-    let (problem, report) = kernel.minimize(Reduced::<K>::new(data, start));
-    let point = problem.into_point();
-    let reached = Reached { cost: point.cost(), reason: report.termination };
-    (point.at, reached)
-}
-
-fn finish<const K: usize>(
-    problem: &Problem<'_>,
-    options: &Options,
-    data: &Data,
-    (start, Reached { reason, .. }): End,
-) -> Result<Fit, ParameterError> {
-    let point = &Point::<K>::new(data, start);
-    let (parameters, density) =
-        raw::parameters(&data.structure, &point.inner, &point.columns.grid, &point.linear, data.span)?;
-    let parameters = parameters.with_preconditioned(point.at.preconditioned);
-    let model = HostModel::try_new(&parameters)?;
-    model.inverse()?;
-    Ok(Fit {
-        simulated: simulate(&model, problem.input),
-        uncertainty: Uncertainty::new(data, point)?,
-        termination: (&reason).into(),
-        starts: options.starts,
-        outliers: Vec::new(),
-        model,
-        parameters,
-        density,
+        // Free weights go on from where exponential ones end.
+        let freed: Vec<Start> = ends.iter().take(FREED).map(|(end, _)| end.freed(&data)).collect();
+        let free = data.with_free_weights();
+        let entries = free.structure.entries();
+        let ends = with_capacity!(entries, searches.onwards(&free, &freed));
+        with_capacity!(entries, searches.first_model(problem, &free, ends))
     })
+}
+
+impl Searches<'_> {
+    /// The model of the best end that has an inverse; that of most models is certain, that of the extended one is not.
+    fn first_model<const K: usize>(
+        &self,
+        problem: &Problem<'_>,
+        data: &Data,
+        ends: Vec<End>,
+    ) -> Result<Fit, IdentificationError> {
+        let mut refusal = IdentificationError::Size("starts", self.options.starts, [1, usize::MAX]);
+        let mut ends = self.believed::<K>(data, ends);
+        while !ends.is_empty() {
+            let later = ends.split_off(near(&ends));
+            for Robust { data, end, outliers } in self.on_all_rows::<K>(data, &ends) {
+                match self.finish::<K>(problem, &data, end) {
+                    Ok(fit) => return Ok(Fit { outliers, ..fit }),
+                    Err(error) => refusal = IdentificationError::Invalid(error),
+                }
+            }
+            ends = later;
+        }
+        Err(refusal)
+    }
+
+    fn finish<const K: usize>(
+        &self,
+        problem: &Problem<'_>,
+        data: &Data,
+        (start, Reached { reason, .. }): End,
+    ) -> Result<Fit, ParameterError> {
+        let _part = self.work.begin(self.plan.uncertainty);
+        let point = &Point::<K>::new(data, start, None);
+        let (parameters, density) =
+            raw::parameters(&data.structure, &point.inner, &point.grid, &point.linear, data.span)?;
+        let parameters = parameters.with_preconditioned(point.at.preconditioned);
+        let model = HostModel::try_new(&parameters)?;
+        model.inverse()?;
+        Ok(Fit {
+            simulated: simulate(&model, problem.input),
+            uncertainty: Uncertainty::new(data, point)?,
+            termination: (&reason).into(),
+            starts: self.options.starts,
+            outliers: Vec::new(),
+            model,
+            parameters,
+            density,
+        })
+    }
 }
 
 /// The model's output for every input, from rest; the inputs are finite.
@@ -389,5 +304,7 @@ pub fn simulate(model: &HostModel, input: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod coverage;
+#[cfg(test)]
+mod long;
 #[cfg(test)]
 mod tests;

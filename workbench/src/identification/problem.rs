@@ -6,19 +6,19 @@
 //! vanishes (a test): nothing is left for a joint polish.
 //!
 //! Levenberg-Marquardt needs of residuals r and Jacobian J only |r|, Jᵀr and JᵀJ. So a recording's thousands
-//! of rows are summed up once, and the kernel gets one row more than coordinates, of the same norm and products: a
+//! of rows are summed up once (`sums`), and the kernel gets one row more than coordinates, of the same norm and products: a
 //! square root of JᵀJ, and r turned the same way, with all that lies across J in the last row.
-//!
-//! `K` is the capacity for coordinates: a few sizes are compiled, and loops over rows have fixed lengths.
 
 use levenberg_marquardt::LeastSquaresProblem;
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
 use super::coordinates::{bounded, unbounded};
 use super::data::Data;
-use super::inner::{Inner, Sample};
-use super::projection::{Columns, Grid, Linear};
+use super::inner::Inner;
+use super::projection::{Grid, Linear};
 use super::starts::Start;
+use super::sums::{Line, Places, Sums, each};
+use crate::progress::Part;
 
 /// The least eigenvalue that JᵀJ of unit diagonal may have: the rounding of its sums.
 pub const LEAST_EIGENVALUE: f64 = 1e-12;
@@ -26,26 +26,32 @@ pub const LEAST_EIGENVALUE: f64 = 1e-12;
 /// The problem at a point.
 pub struct Problem<'a, const K: usize> {
     data: &'a Data,
+    evaluations: &'a Part<'a>,
     variables: DVector<f64>,
-    point: Point<'a, K>,
+    point: Point<K>,
     residuals: DVector<f64>,
     jacobian: DMatrix<f64>,
 }
 
-/// The model and its residuals at a point of the coordinates.
-pub struct Point<'a, const K: usize> {
+/// The model at a point of the coordinates, and the sums over a recording that tell how good it is.
+pub struct Point<const K: usize> {
     /// The coordinates, and whether the muscle is preconditioned.
     pub at: Start,
     /// Envelope and plays.
     pub inner: Inner,
-    /// u at the rows that count, and its derivatives.
-    samples: Vec<Sample<K>>,
-    /// The linear columns.
-    pub columns: Columns<'a>,
-    /// Their coefficients.
+    /// Where the segments of the memoryless stage lie.
+    pub grid: Grid,
+    /// The linear coefficients.
     pub linear: Linear,
-    /// Model less measurement for each row that counts. Output unit.
-    pub residuals: Vec<f64>,
+    /// Sum of the squared residuals.
+    pub cost: f64,
+    sums: Sums<K>,
+    /// ΦᵀΦ.
+    gram: DMatrix<f64>,
+    /// Φᵀr, model less measurement the residuals r.
+    trace: DVector<f64>,
+    /// The coefficients less those of the sums' reference.
+    moved: DVector<f64>,
     /// Derivatives of the grid's origin and width by the coordinates.
     grid_by: [[f64; K]; 2],
 }
@@ -54,7 +60,7 @@ pub struct Point<'a, const K: usize> {
 struct Products {
     /// JᵀJ.
     own: DMatrix<f64>,
-    /// ΦᵀJ, a row for each linear column.
+    /// ΦᵀJ, a column for each coordinate.
     mixed: DMatrix<f64>,
     /// Jᵀr.
     gradient: DVector<f64>,
@@ -80,27 +86,37 @@ pub fn grid<const K: usize>(inner: &Inner, count: usize, coordinates: usize) -> 
     (Grid { count, origin, width }, by)
 }
 
-impl<'a, const K: usize> Point<'a, K> {
-    /// Evaluates the model, the linear part at its best.
-    pub fn new(data: &'a Data, at: Start) -> Self {
+impl<const K: usize> Point<K> {
+    /// Evaluates the model, the linear part at its best; `near` is nearly that, if anything is known.
+    pub fn new(data: &Data, at: Start, near: Option<&Linear>) -> Self {
         let inner = Inner::new(&data.structure, &at.coordinates, data.span);
-        let all = inner.simulate(&data.drive, at.preconditioned);
-        let samples: Vec<Sample<K>> = data.rows.iter().map(|&row| all[row]).collect();
-        let (grid, grid_by) = grid(&inner, data.structure.segments, at.coordinates.len());
-        let columns = Columns::new(samples.iter().map(|sample| sample.u), grid, &data.added);
-        let linear = columns.fit(&data.outputs, data.least_slope);
-        let model = columns.evaluate(&linear);
-        let residuals = model.iter().zip(&data.outputs).map(|(model, measured)| model - measured).collect();
-        Self { at, inner, samples, columns, linear, residuals, grid_by }
+        let segments = data.structure.segments;
+        let (grid, grid_by) = grid(&inner, segments, at.coordinates.len());
+        let unknown = Linear::zero(segments, data.structure.added());
+        let near = near.unwrap_or(&unknown);
+        let sums = Sums::<K>::of((data, &at), &inner, (grid, near));
+        let rest = sums.entry(Places::of(data).rest);
+        let (gram, rest_moments) = (sums.gram(), sums.moments(&rest));
+        let reference = DVector::from_vec(near.coefficients());
+        let linear = Linear::fit(&gram, &(&rest_moments + &gram * &reference), segments, data.least_slope);
+        let moved = DVector::from_vec(linear.coefficients()) - reference;
+        let gram_moved = &gram * &moved;
+        let cost = sums.product(&rest, &rest) + moved.dot(&gram_moved) - 2.0 * moved.dot(&rest_moments);
+        let trace = gram_moved - rest_moments;
+        Self { at, inner, grid, linear, cost: cost.max(0.0), sums, gram, trace, moved, grid_by }
     }
 
-    /// Sum of the squared residuals.
-    pub fn cost(&self) -> f64 {
-        self.residuals.iter().map(|residual| residual * residual).sum()
+    /// Model less measurement for each row that counts. Output unit.
+    pub fn residuals(&self, data: &Data) -> Vec<f64> {
+        let rest = Places::of(data).rest;
+        let mut residuals = Vec::with_capacity(data.count());
+        let take = |_, entries: &[f64; K], _| residuals.push(-entries[rest]);
+        each((data, &self.at), &self.inner, (self.grid, &self.linear), take);
+        residuals
     }
 
-    /// The model's derivatives by the coordinates at fixed linear coefficients, for each row that counts.
-    fn derivatives(&self) -> impl Iterator<Item = [f64; K]> + Clone {
+    /// The model's derivatives by the coordinates at fixed linear coefficients.
+    fn derivatives(&self) -> impl Iterator<Item = Line> {
         // y = offset + Σ_{j<i} sⱼ width + sᵢ (u - origin - i width) in segment i.
         let mut passed = 0.0;
         let by_width = |(i, slope): (usize, &f64)| {
@@ -108,61 +124,84 @@ impl<'a, const K: usize> Point<'a, K> {
             passed += slope;
             this
         };
-        let by_width: Vec<f64> = self.linear.slopes.iter().enumerate().map(by_width).collect();
-        self.samples.iter().zip(self.columns.places()).map(move |(sample, &(segment, _))| {
-            let (slope, by_width) = (self.linear.slopes[segment], by_width[segment]);
-            let [origin_by, width_by] = &self.grid_by;
-            std::array::from_fn(|c| slope * (sample.by[c] - origin_by[c]) + by_width * width_by[c])
+        let slopes = &self.linear.slopes;
+        let by_width: Vec<f64> = slopes.iter().enumerate().map(by_width).collect();
+        let [origin_by, width_by] = &self.grid_by;
+        (0..self.at.coordinates.len()).map(move |place| {
+            let level =
+                |(slope, by_width): (&f64, &f64)| by_width * width_by[place] - slope * origin_by[place];
+            Line { place, slopes: slopes.clone(), levels: slopes.iter().zip(&by_width).map(level).collect() }
         })
     }
 
-    /// The Jacobian at all unknowns, the coordinates and then the linear coefficients, a row each; a column for each
-    /// row of the recording that counts.
-    pub fn jacobian(&self) -> DMatrix<f64> {
-        let (count, linear) = (self.at.coordinates.len(), self.linear.free.len());
-        let mut jacobian = DMatrix::zeros(count + linear, self.residuals.len());
-        for (row, derivatives) in self.derivatives().enumerate() {
-            let derivatives = derivatives[..count].iter().copied();
-            let columns = (0..linear).map(|column| self.columns.value(row, column));
-            jacobian.column_mut(row).copy_from_slice(&derivatives.chain(columns).collect::<Vec<f64>>());
-        }
-        jacobian
+    /// The model's derivatives by all unknowns, the coordinates and then the linear coefficients.
+    pub fn all_derivatives(&self) -> Vec<Line> {
+        self.derivatives().chain(self.sums.columns()).collect()
+    }
+
+    /// Hands over the derivatives of each row that counts by the given ones of all unknowns along some directions, the
+    /// columns of `turn`.
+    pub fn derivatives_along(
+        &self,
+        data: &Data,
+        unknowns: &[usize],
+        turn: &DMatrix<f64>,
+        mut take: impl FnMut(&[f64]),
+    ) {
+        let lines = self.all_derivatives();
+        let one = self.sums.places().one;
+        // In each segment, of each entry of a row.
+        let of_entries = |segment: usize| {
+            let mut by_entry = DMatrix::zeros(turn.ncols(), K);
+            for (&unknown, turn) in unknowns.iter().zip(turn.row_iter()) {
+                let Line { place, slopes, levels } = &lines[unknown];
+                by_entry.column_mut(*place).axpy(slopes[segment], &turn.transpose(), 1.0);
+                by_entry.column_mut(one).axpy(levels[segment], &turn.transpose(), 1.0);
+            }
+            by_entry
+        };
+        let by_entry: Vec<DMatrix<f64>> = (0..self.grid.count).map(of_entries).collect();
+        let mut along = vec![0.0; turn.ncols()];
+        let of_row = |segment: usize, entries: &[f64; K], _| {
+            along.fill(0.0);
+            for (entry, by) in entries.iter().zip(by_entry[segment].column_iter()) {
+                along.iter_mut().zip(by.iter()).for_each(|(sum, by)| *sum += entry * by);
+            }
+            take(&along);
+        };
+        each((data, &self.at), &self.inner, (self.grid, &self.linear), of_row);
+    }
+
+    /// JᵀJ for the derivatives by all unknowns.
+    pub fn information(&self) -> DMatrix<f64> {
+        let lines = self.all_derivatives();
+        DMatrix::from_fn(lines.len(), lines.len(), |i, j| self.sums.product(&lines[i], &lines[j]))
     }
 
     /// The sums of products of the model's derivatives by the coordinates, at fixed linear coefficients.
     fn products(&self) -> Products {
-        let derivatives = self.derivatives();
-        let mixed = self.columns.moments(derivatives.clone());
-        let mut own = [[0.0; K]; K];
-        let mut gradient = [0.0; K];
-        for (derivatives, residual) in derivatives.zip(&self.residuals) {
-            for (c, derivative) in derivatives.iter().enumerate() {
-                gradient[c] += derivative * residual;
-                for (sum, other) in own[c].iter_mut().zip(&derivatives) {
-                    *sum += derivative * other;
-                }
-            }
-        }
-        let count = self.at.coordinates.len();
-        Products {
-            own: DMatrix::from_fn(count, count, |i, j| own[i][j]),
-            mixed: DMatrix::from_fn(mixed.nrows(), count, |i, j| mixed[(i, j)]),
-            gradient: DVector::from_fn(count, |i, _| gradient[i]),
-        }
+        let lines: Vec<Line> = self.derivatives().collect();
+        let mixed: Vec<DVector<f64>> = lines.iter().map(|line| self.sums.moments(line)).collect();
+        let rest = self.sums.entry(self.sums.places().rest);
+        let gradient = |i: usize| mixed[i].dot(&self.moved) - self.sums.product(&lines[i], &rest);
+        let upper = |i: usize, j: usize| if i <= j { self.sums.product(&lines[i], &lines[j]) } else { 0.0 };
+        let mut own = DMatrix::from_fn(lines.len(), lines.len(), upper);
+        own.fill_lower_triangle_with_upper_triangle();
+        let gradient = DVector::from_fn(lines.len(), |i, _| gradient(i));
+        Products { own, gradient, mixed: DMatrix::from_columns(&mixed) }
     }
 
     /// The few rows that stand for all: residuals and Jacobian, the free linear columns projected out.
     fn condense(&self) -> (DVector<f64>, DMatrix<f64>) {
         let Products { mut own, mixed, mut gradient } = self.products();
         let places: Vec<usize> = (0..self.linear.free.len()).filter(|&j| self.linear.free[j]).collect();
-        let gram = self.columns.gram.select_rows(&places).select_columns(&places);
+        let gram = self.gram.select_rows(&places).select_columns(&places);
         // Segments without a row make ΦᵀΦ singular; the pseudo-inverse leaves them out.
-        if let Ok(inverse) = gram.pseudo_inverse(1e-12 * self.residuals.len() as f64) {
+        if let Ok(inverse) = gram.pseudo_inverse(1e-12 * self.gram[(0, 0)]) {
             let projected = mixed.select_rows(&places).transpose() * inverse;
             own -= &projected * mixed.select_rows(&places);
             // The ridge leaves a trace of the linear columns in the residuals.
-            let trace = self.columns.moments(self.residuals.iter().map(|&residual| [residual]));
-            gradient -= projected * trace.column(0).select_rows(&places);
+            gradient -= projected * self.trace.select_rows(&places);
         }
         // Unit diagonal first: the columns differ by orders of magnitude.
         let lengths = own.diagonal().map(|square| if square > 0.0 { square.sqrt() } else { 1.0 });
@@ -174,28 +213,35 @@ impl<'a, const K: usize> Point<'a, K> {
         let factor = DMatrix::from_diagonal(&roots)
             * eigen.eigenvectors.transpose()
             * DMatrix::from_diagonal(&lengths);
-        let across = (self.cost() - turned.norm_squared()).max(0.0).sqrt();
+        let across = (self.cost - turned.norm_squared()).max(0.0).sqrt();
         let count = lengths.len();
         (turned.push(across), factor.insert_row(count, 0.0))
     }
 }
 
 impl<'a, const K: usize> Problem<'a, K> {
-    /// The problem at a start.
-    pub fn new(data: &'a Data, start: &Start) -> Self {
-        Self::at(data, unbounded(&data.coordinates, &start.coordinates), start.preconditioned)
+    /// The problem at a start; each evaluation is a step of `evaluations`.
+    pub fn new(data: &'a Data, start: &Start, evaluations: &'a Part<'a>) -> Self {
+        let variables = unbounded(&data.coordinates, &start.coordinates);
+        Self::at((data, evaluations), variables, start.preconditioned, None)
     }
 
-    fn at(data: &'a Data, variables: DVector<f64>, preconditioned: bool) -> Self {
+    fn at(
+        (data, evaluations): (&'a Data, &'a Part<'a>),
+        variables: DVector<f64>,
+        preconditioned: bool,
+        near: Option<&Linear>,
+    ) -> Self {
         let (coordinates, scales) = bounded(&data.coordinates, &variables);
-        let point = Point::new(data, Start { coordinates, preconditioned });
+        let point = Point::new(data, Start { coordinates, preconditioned }, near);
         let (residuals, factor) = point.condense();
         let jacobian = factor * DMatrix::from_diagonal(&DVector::from_vec(scales));
-        Self { data, variables, point, residuals, jacobian }
+        evaluations.step();
+        Self { data, evaluations, variables, point, residuals, jacobian }
     }
 
     /// The point where the problem stands.
-    pub fn into_point(self) -> Point<'a, K> {
+    pub fn into_point(self) -> Point<K> {
         self.point
     }
 }
@@ -206,7 +252,9 @@ impl<const K: usize> LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, K> {
     type ParameterStorage = Owned<f64, Dyn>;
 
     fn set_params(&mut self, variables: &DVector<f64>) {
-        *self = Self::at(self.data, variables.clone(), self.point.at.preconditioned);
+        let Point { at, linear, .. } = &self.point;
+        let context = (self.data, self.evaluations);
+        *self = Self::at(context, variables.clone(), at.preconditioned, Some(linear));
     }
 
     fn params(&self) -> DVector<f64> {

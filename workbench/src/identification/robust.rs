@@ -6,11 +6,15 @@
 //!
 //! Standard errors are those of the winsorised residuals; with few outliers that is nearly what Huber's are.
 
+use std::borrow::Cow;
+
+use super::CONVERGED;
 use super::data::Data;
 use super::problem::Point;
+use super::search::{End, Limits, is_clearly_better, search};
 use super::starts::Start;
-use super::{CONVERGENCE, End, is_clearly_better, search};
 use crate::numbers::median;
+use crate::progress::Part;
 
 /// The limit in robust standard deviations: 95 % as efficient as least squares on normal residuals.
 const LIMIT: f64 = 1.345;
@@ -23,10 +27,10 @@ const ROUNDS: usize = 30;
 /// The change of the standard deviation from round to round, as a share of it, at which all has settled.
 const SETTLED: f64 = 1e-4;
 
-/// A robust fit.
-pub struct Robust {
-    /// The recording with winsorised outputs.
-    pub data: Data,
+/// A fit, and what it is one of.
+pub struct Robust<'a> {
+    /// The recording, with winsorised outputs if outliers count less.
+    pub data: Cow<'a, Data>,
     /// Where the search on it ended.
     pub end: End,
     /// The rows of the recording that are outliers.
@@ -35,11 +39,10 @@ pub struct Robust {
 
 /// Robust fits from the best least-squares end of each kind of muscle, the one to be believed first: outliers can hide
 /// which kind it is from least squares.
-pub fn of_both_kinds<const K: usize>(data: &Data, ends: Vec<End>) -> Vec<Robust> {
-    let (preconditioned, fresh): (Vec<End>, Vec<End>) =
-        ends.into_iter().partition(|(start, _)| start.preconditioned);
-    let best = [preconditioned, fresh].into_iter().filter_map(|ends| ends.into_iter().next());
-    let mut fits: Vec<Robust> = best.map(|end| fit::<K>(data, end)).collect();
+pub fn of_both_kinds<'a, const K: usize>(data: &Data, ends: &[End], part: &Part<'_>) -> Vec<Robust<'a>> {
+    let best = |preconditioned| ends.iter().find(|(end, _)| end.preconditioned == preconditioned);
+    let best = [best(true), best(false)].into_iter().flatten();
+    let mut fits: Vec<Robust> = best.map(|(end, _)| fit::<K>(data, end, part)).collect();
     if let [preconditioned, fresh] = &fits[..]
         && is_clearly_better(&fresh.end, &preconditioned.end)
     {
@@ -49,32 +52,41 @@ pub fn of_both_kinds<const K: usize>(data: &Data, ends: Vec<End>) -> Vec<Robust>
 }
 
 /// Goes on from a least-squares fit.
-fn fit<const K: usize>(data: &Data, mut end: End) -> Robust {
+fn fit<'a, const K: usize>(data: &Data, start: &Start, part: &Part<'_>) -> Robust<'a> {
+    let converge = |data: &Data, start: &Start| search::<K>(data, start, Limits::to_the_end(CONVERGED), part);
+    let mut end = converge(data, start);
     let mut winsorised = data.clone();
     let mut before = f64::INFINITY;
     let mut outliers = Vec::new();
     for _ in 0..ROUNDS {
         let model = model::<K>(&winsorised, &end.0);
-        let residuals: Vec<f64> = data.outputs.iter().zip(&model).map(|(y, model)| y - model).collect();
+        let counted = data.rows.iter().enumerate().filter(|(_, row)| row.weight > 0.0);
+        let residuals: Vec<f64> =
+            counted.clone().zip(&model).map(|((_, row), model)| row.output - model).collect();
         let deviation =
             median(&mut residuals.iter().map(|residual| residual.abs()).collect::<Vec<f64>>()) / MEDIAN;
         let is_outlier =
-            |(&row, residual): (&usize, &f64)| (residual.abs() > OUTLIER * deviation).then_some(row);
-        outliers = data.rows.iter().zip(&residuals).filter_map(is_outlier).collect();
+            |((row, _), residual): ((usize, _), &f64)| (residual.abs() > OUTLIER * deviation).then_some(row);
+        outliers = counted.zip(&residuals).filter_map(is_outlier).collect();
         if deviation == 0.0 || (deviation - before).abs() <= SETTLED * deviation {
             break;
         }
         before = deviation;
         let limit = LIMIT * deviation;
-        winsorised.outputs =
-            model.iter().zip(&residuals).map(|(model, r)| model + r.clamp(-limit, limit)).collect();
-        end = search::<K>(&winsorised, &end.0, CONVERGENCE);
+        let mut places = model.iter().zip(&residuals);
+        for row in winsorised.rows.iter_mut().filter(|row| row.weight > 0.0) {
+            if let Some((model, r)) = places.next() {
+                row.output = model + r.clamp(-limit, limit);
+            }
+        }
+        end = converge(&winsorised, &end.0);
     }
-    Robust { data: winsorised, end, outliers }
+    Robust { data: Cow::Owned(winsorised), end, outliers }
 }
 
 /// The model's outputs at the rows that count.
 fn model<const K: usize>(data: &Data, at: &Start) -> Vec<f64> {
-    let point = Point::<K>::new(data, at.clone());
-    point.residuals.iter().zip(&data.outputs).map(|(residual, output)| output + residual).collect()
+    let residuals = Point::<K>::new(data, at.clone(), None).residuals(data);
+    let counted = data.rows.iter().filter(|row| row.weight > 0.0);
+    counted.zip(residuals).map(|(row, residual)| row.output + residual).collect()
 }

@@ -18,6 +18,11 @@ pub struct Start {
 }
 
 impl Start {
+    /// The same point for the other kind of muscle.
+    pub fn of_other_kind(&self) -> Self {
+        Self { preconditioned: !self.preconditioned, ..self.clone() }
+    }
+
     /// The same point of a model with exponential weights among those with free ones.
     pub fn freed(&self, data: &Data) -> Self {
         let mut coordinates = self.coordinates[..data.structure.shape.coordinates().len()].to_vec();
@@ -27,20 +32,20 @@ impl Start {
     }
 }
 
-/// The starts at `count` points: each for a fresh muscle and for a preconditioned one, since what was before a recording
-/// only the fit can tell.
+/// The starts at `count` points, for a preconditioned muscle: which kind it is, a search tells when it has come nearer.
 pub fn starts(coordinates: &[Coordinate], count: usize, seed: u64) -> Vec<Start> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let shifts: Vec<f64> = coordinates.iter().map(|_| random.random()).collect();
     let bases: Vec<u32> = primes().take(coordinates.len()).collect();
-    let start = |(point, preconditioned): (usize, bool)| {
+    let start = |point: usize| {
         let one = |((coordinate, shift), base): ((&Coordinate, &f64), &u32)| {
             let (low, high) = coordinate.starts;
             low + (radical_inverse(point, *base) + shift).fract() * (high - low)
         };
-        Start { coordinates: coordinates.iter().zip(&shifts).zip(&bases).map(one).collect(), preconditioned }
+        let coordinates = coordinates.iter().zip(&shifts).zip(&bases).map(one).collect();
+        Start { coordinates, preconditioned: true }
     };
-    (1..=count).flat_map(|point| [(point, false), (point, true)]).map(start).collect()
+    (1..=count).map(start).collect()
 }
 
 /// The primes: the bases of the sequence.

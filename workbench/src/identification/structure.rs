@@ -6,6 +6,7 @@ use model_core::memoryless::DEGREE;
 use super::coordinates::Coordinate;
 use super::envelope::Shape;
 use super::plays;
+use super::sums::FURTHER;
 use super::{Options, Weights};
 
 /// The parts of a model.
@@ -47,6 +48,11 @@ impl Structure {
     /// Number of added memoryless functions of the input.
     pub fn added(&self) -> usize {
         if self.kind == Kind::Egpi { DEGREE } else { 0 }
+    }
+
+    /// Number of entries of a row in the sums of a search.
+    pub fn entries(&self) -> usize {
+        self.coordinates().len() + self.added() + FURTHER
     }
 
     /// Number of linear unknowns: offset, slopes and added functions.

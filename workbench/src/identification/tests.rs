@@ -1,10 +1,9 @@
 //! What the identification claims, on models whose truth is known.
 
 use super::problem::Problem as Reduced;
-use std::f64::consts::TAU;
-
-use super::inner::Inner;
+use super::search::{Limits, search};
 use super::*;
+use crate::progress::Planned;
 use levenberg_marquardt::LeastSquaresProblem;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::{EnvelopeParameters, TanhParameters};
@@ -89,7 +88,7 @@ pub fn fit(input: &[f64], output: &[f64], options: &Options) -> Result<Fit, Iden
     identify(&Problem { input, output, scored: &vec![true; input.len()] }, options, &|_| ())
 }
 
-fn data(input: &[f64], output: &[f64], options: &Options) -> Data {
+pub fn data(input: &[f64], output: &[f64], options: &Options) -> Data {
     let scored = vec![true; input.len()];
     normalise(&Problem { input, output, scored: &scored }, options).expect("sound data")
 }
@@ -138,16 +137,45 @@ fn at_the_end_nothing_is_left_for_a_joint_polish() {
     for model in Kind::ALL {
         let options = Options { model, ..options() };
         let data = data(&input, &output, &options);
-        let count = || ();
-        let (start, _) = search_everywhere::<8>(&data, &options, &count).swap_remove(0);
-        let point = Point::<8>::new(&data, start);
-        let (jacobian, residuals) = (point.jacobian(), nalgebra::DVector::from_vec(point.residuals.clone()));
+        let work = Work::new(1.0, &|_| ());
+        let searches = Searches { options: &options, plan: Plan::new(data.count(), &options), work: &work };
+        let (start, _) = searches.everywhere::<16>(&data).swap_remove(0);
+        let point = Point::<16>::new(&data, start, None);
+        let jacobian = jacobian(&data, &point);
+        let residuals = nalgebra::DVector::from_vec(point.residuals(&data));
         let at = data.coordinates.iter().zip(&point.at.coordinates);
         let is_free = at.map(|(coordinate, value)| !coordinate.is_at_bound(*value));
         for (place, is_free) in is_free.chain(point.linear.free.iter().copied()).enumerate() {
             let row = jacobian.row(place);
             let cosine = (row * &residuals)[0] / (row.norm() * residuals.norm());
             assert!(!is_free || cosine.abs() < 1e-3, "{model}, unknown {place}: {cosine}");
+        }
+    }
+}
+
+/// The Jacobian at all unknowns, a row each; a column for each row of the recording that counts.
+fn jacobian<const K: usize>(data: &Data, point: &Point<K>) -> nalgebra::DMatrix<f64> {
+    let unknowns: Vec<usize> = (0..point.all_derivatives().len()).collect();
+    let turn = nalgebra::DMatrix::identity(unknowns.len(), unknowns.len());
+    let mut values = Vec::new();
+    point.derivatives_along(data, &unknowns, &turn, |row| values.extend_from_slice(row));
+    nalgebra::DMatrix::from_vec(unknowns.len(), data.count(), values)
+}
+
+#[test]
+fn the_sums_are_those_of_the_rows_one_by_one() {
+    let input = triangles();
+    let output: Vec<f64> = simulate(&truth(), &input).iter().map(|y| y + 0.5 * (0.3 * y).sin()).collect();
+    for model in Kind::ALL {
+        let data = data(&input, &output, &Options { model, ..options() });
+        for start in starts::starts(&data.coordinates, 4, 3) {
+            let point = Point::<16>::new(&data, start, None);
+            let (jacobian, residuals) = (jacobian(&data, &point), point.residuals(&data));
+            let products = &jacobian * jacobian.transpose();
+            let error = (point.information() - &products).amax() / products.amax();
+            assert!(error < 1e-12, "{model}: JᵀJ is wrong by {error}");
+            let squares: f64 = residuals.iter().map(|r| r * r).sum();
+            assert!((point.cost / squares - 1.0).abs() < 1e-9, "{model}: {} for {squares}", point.cost);
         }
     }
 }
@@ -198,37 +226,21 @@ fn u_is_that_of_the_model_which_the_search_ends_in() {
     for model in Kind::ALL {
         let options = Options { model, ..options() };
         let data = data(&input, &output, &options);
+        let work = Work::new(1.0, &|_| ());
+        let searches = Searches { options: &options, plan: Plan::new(data.count(), &options), work: &work };
         for start in starts::starts(&data.coordinates, 8, 2) {
-            let (end, Reached { reason, .. }) =
-                search::<8>(&data, &start, Limits { patience: 1, tolerance: CONVERGED });
-            let point = Point::<8>::new(&data, end);
-            let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
-            let end = (point.at.clone(), Reached { cost: 0.0, reason });
-            let Ok(fit) = finish::<8>(&problem, &options, &data, end) else { continue };
-            for (row, (y, residual)) in fit.simulated.iter().zip(&point.residuals).enumerate() {
-                let searched = output[row] + residual;
-                assert!((y - searched).abs() < 1e-7, "{model}, row {row}: {y} against {searched}");
+            for start in [start.of_other_kind(), start] {
+                let limits = Limits { patience: 1, tolerance: CONVERGED };
+                let end = search::<16>(&data, &start, limits, &work.begin(Planned::default()));
+                let point = Point::<16>::new(&data, end.0.clone(), None);
+                let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
+                let Ok(fit) = searches.finish::<16>(&problem, &data, end) else { continue };
+                for (row, (y, residual)) in fit.simulated.iter().zip(point.residuals(&data)).enumerate() {
+                    let searched = output[row] + residual;
+                    assert!((y - searched).abs() < 1e-7, "{model}, row {row}: {y} against {searched}");
+                }
             }
         }
-    }
-}
-
-#[test]
-fn a_thinned_recording_has_the_history_of_the_whole() {
-    // Cycles of 40 rows, their amplitude changing; every output is the number of its row.
-    let input = |row: usize| 0.5 - 0.5 * (row as f64 / 40.0).cos() * (row as f64 * TAU / 40.0).cos();
-    let inputs: Vec<f64> = (0..12_000).map(input).collect();
-    let outputs: Vec<f64> = (0..12_000).map(f64::from).collect();
-    let scored: Vec<bool> = (0..12_000).map(|row| row % 4 != 0).collect();
-    let problem = Problem { input: &inputs, output: &outputs, scored: &scored };
-    let whole = normalise(&problem, &options()).expect("sound data");
-    let thinned = whole.thinned();
-    assert!((1500..4000).contains(&thinned.rows.len()), "{} rows count", thinned.rows.len());
-    let inner = Inner::new(&whole.structure, &[0.8, -0.4, -3.0, 1.2, -0.3], whole.span);
-    let (all, kept) = (inner.simulate::<5>(&whole.drive, true), inner.simulate::<5>(&thinned.drive, true));
-    for (&place, &row) in thinned.rows.iter().zip(&thinned.outputs) {
-        let (thinned, whole) = (kept[place].u, all[row as usize].u);
-        assert!((thinned - whole).abs() < 0.02, "row {row}: {thinned} against {whole}");
     }
 }
 
@@ -248,7 +260,7 @@ fn the_projected_gradient_is_that_of_the_cost() {
         let options = Options { model, knots, ..options() };
         check_gradient(&data(&input, &output, &options), &options);
     }
-    check_gradient_of_free_weights(&data(&input, &output, &options()), &options());
+    check_gradient_of_free_weights(data(&input, &output, &options()), &options());
     // Inputs of both signs, and inputs above 0 only: the knots of the dead zones move with them.
     for shift in [-2.5, 1.0] {
         let input: Vec<f64> = input.iter().map(|x| x + shift).collect();
@@ -257,13 +269,15 @@ fn the_projected_gradient_is_that_of_the_cost() {
     }
 }
 
-fn check_gradient_of_free_weights(data: &Data, options: &Options) {
+fn check_gradient_of_free_weights(data: Data, options: &Options) {
     check_gradient(&data.with_free_weights(), options);
 }
 
 fn check_gradient(data: &Data, options: &Options) {
     for start in starts::starts(&data.coordinates, options.starts, options.seed) {
-        let mut problem = Reduced::<8>::new(data, &start);
+        let work = Work::new(1.0, &|_| ());
+        let part = work.begin(Planned::default());
+        let mut problem = Reduced::<16>::new(data, &start, &part);
         let variables = problem.params();
         let residuals = problem.residuals().expect("residuals");
         let gradient = problem.jacobian().expect("Jacobian").tr_mul(&residuals);

@@ -10,7 +10,7 @@
 use model_core::ParameterError;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-use super::autocorrelation::{memory, reach, scatter};
+use super::autocorrelation::{Scatter, memory, reach};
 use super::collinear;
 use super::coordinates::Coordinate;
 use super::data::Data;
@@ -53,18 +53,22 @@ impl Uncertainty {
     ///
     /// # Errors
     /// The numbers of operators are above the capacity.
-    pub fn new<const K: usize>(data: &Data, point: &Point<'_, K>) -> Result<Self, ParameterError> {
+    pub fn new<const K: usize>(data: &Data, point: &Point<K>) -> Result<Self, ParameterError> {
         let (coordinates, coefficients) = (&point.at.coordinates, point.linear.coefficients());
         let unknowns: Vec<f64> = coordinates.iter().copied().chain(coefficients).collect();
         let is_inside = |(coordinate, value): (&Coordinate, &f64)| !coordinate.is_at_bound(*value);
         let is_free = data.coordinates.iter().zip(coordinates).map(is_inside);
         let is_free: Vec<bool> = is_free.chain(point.linear.free.iter().copied()).collect();
-        let jacobian = point.jacobian();
+        let information = point.information();
         // What no row tells anything of is not free either: a play that nothing drives, for one.
         let (free, held): (Vec<usize>, Vec<usize>) =
-            (0..unknowns.len()).partition(|&place| is_free[place] && jacobian.row(place).norm() > 0.0);
+            (0..unknowns.len()).partition(|&place| is_free[place] && information[(place, place)] > 0.0);
         let by_unknowns = raw_by_unknowns::<K>(data, &unknowns)?;
-        let unknown = Unknowns::new(jacobian.select_rows(&free), &point.residuals);
+        let information = information.select_rows(&free).select_columns(&free);
+        let along = |turn: &DMatrix<f64>, scatter: &mut Scatter| {
+            point.derivatives_along(data, &free, turn, |row| scatter.take(row))
+        };
+        let unknown = Unknowns::new(&information, &point.residuals(data), along);
         let by_free = by_unknowns.select_columns(&free);
         let covariance = &by_free * &unknown.covariance * by_free.transpose();
         let error = |row: usize| {
@@ -122,28 +126,31 @@ struct Unknowns {
 }
 
 impl Unknowns {
-    /// From the Jacobian at the free unknowns, a column for each residual.
-    fn new(mut jacobian: DMatrix<f64>, residuals: &[f64]) -> Self {
-        let count = jacobian.nrows();
+    /// From JᵀJ at the free unknowns, and the residuals. `along` hands over the derivatives of each row along some
+    /// directions, the columns of a matrix.
+    fn new(
+        information: &DMatrix<f64>,
+        residuals: &[f64],
+        along: impl FnOnce(&DMatrix<f64>, &mut Scatter),
+    ) -> Self {
         // Unit length first: the unknowns differ by many orders of magnitude.
-        let scales = DVector::from_fn(count, |j, _| 1.0 / jacobian.row(j).norm());
-        for (mut row, scale) in jacobian.row_iter_mut().zip(&scales) {
-            row *= *scale;
-        }
-        let eigen = (&jacobian * jacobian.transpose()).symmetric_eigen();
+        let scales = information.diagonal().map(|square| 1.0 / square.sqrt());
+        let eigen = information.component_mul(&(&scales * scales.transpose())).symmetric_eigen();
         let (told, untold): (Vec<usize>, Vec<usize>) =
-            (0..count).partition(|&k| eigen.eigenvalues[k] > LEAST_EIGENVALUE);
+            (0..scales.len()).partition(|&k| eigen.eigenvalues[k] > LEAST_EIGENVALUE);
         let mut turn = eigen.eigenvectors.select_columns(&told);
         for (mut direction, &k) in turn.column_iter_mut().zip(&told) {
             direction /= eigen.eigenvalues[k].sqrt();
         }
+        let turn = DMatrix::from_diagonal(&scales) * turn;
         // In these directions, orthonormal over the rows, B is 1.
         let memory = memory(residuals);
-        let scatter = scatter(&(turn.transpose() * jacobian), residuals, memory);
+        let mut scatter = Scatter::new(told.len(), residuals, memory);
+        along(&turn, &mut scatter);
+        let scatter = scatter.sum();
         let (rows, squares) = (residuals.len() as f64, residuals.iter().map(|r| r * r).sum::<f64>());
         // Without any residual not a number, and then 1.
         let left = (rows - rows * scatter.trace() / squares).max(1.0);
-        let turn = DMatrix::from_diagonal(&scales) * turn;
         Self {
             covariance: &turn * scatter * turn.transpose() * (rows / left),
             untold: eigen.eigenvectors.select_columns(&untold),
@@ -200,7 +207,10 @@ mod tests {
         let alike = |row: usize| (0.1 * row as f64).sin();
         let jacobian = DMatrix::from_fn(3, 200, |i, row| if i < 2 { alike(row) } else { alike(row * row) });
         let residuals: Vec<f64> = (0..200).map(|row| f64::from(row * row % 7 < 3) - 0.4).collect();
-        let unknown = Unknowns::new(jacobian, &residuals);
+        let along = |turn: &DMatrix<f64>, scatter: &mut Scatter| {
+            (turn.transpose() * &jacobian).column_iter().for_each(|row| scatter.take(row.as_slice()));
+        };
+        let unknown = Unknowns::new(&(&jacobian * jacobian.transpose()), &residuals, along);
         assert!(unknown.is_told(&RowDVector::from_row_slice(&[1.0, 1.0, 0.0])));
         assert!(unknown.is_told(&RowDVector::from_row_slice(&[0.0, 0.0, 1.0])));
         assert!(!unknown.is_told(&RowDVector::from_row_slice(&[1.0, 0.0, 0.0])));

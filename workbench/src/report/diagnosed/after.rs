@@ -64,7 +64,7 @@ pub fn section(view: &View<'_>, columns: &Columns, gained: Option<&Gained<'_>>) 
     }
     let compared = Compared::new(view, columns, gained);
     let Compared { names: [without, with], input, simulated, residuals, errors } = &compared;
-    let outputs = [&view.measured, &simulated[0], &simulated[1]].map(|values| range(values));
+    let outputs = [&view.measured, &simulated[0], &simulated[1]].map(range);
     let low = outputs.iter().fold(f64::INFINITY, |low, output| low.min(output.0));
     let high = outputs.iter().fold(f64::NEG_INFINITY, |high, output| high.max(output.1));
     let looped = |name, simulated| {

@@ -1,0 +1,224 @@
+//! The searches: many starts, screened on a thinned recording; the best go on to their ends on it, and the best of these
+//! on all rows.
+
+use std::borrow::Cow;
+
+use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
+use rayon::prelude::*;
+
+use super::data::Data;
+use super::plan::Plan;
+use super::problem::{Point, Problem};
+use super::robust::{self, Robust};
+use super::starts::{Start, starts};
+use super::{CONVERGED, Loss, Options};
+use crate::progress::{Part, Work};
+
+/// Rows that count of the thinned recording: many for each of a few dozen parameters.
+pub const ROWS: usize = 4000;
+/// The next recording has so many times the rows, or all if that is at least a quarter of them.
+const LEVEL: usize = 16;
+/// Ends whose sums of squares differ by no more than this share are in the same minimum.
+const SAME: f64 = 1e-6;
+/// The share by which the sum of squares of a fresh muscle has to be smaller to be believed.
+const CLEARLY: f64 = 0.02;
+/// How many ends with exponential weights free ones go on from.
+pub const FREED: usize = 3;
+/// How many ends go on on all rows at most, and by which share their sums of squares may be larger than the least: which
+/// of two that are nearly as good is better, the thinned recording may not tell.
+const POLISHED: usize = 4;
+const NEAR: f64 = 0.1;
+/// Evaluations per coordinate that every start gets, and then the better half of them once more.
+pub const SCREENING: usize = 2;
+/// Evaluations per coordinate that a search gets at most.
+const MOST: usize = 60;
+
+/// Where a search ended, and with what.
+pub type End = (Start, Reached);
+
+/// What a search has reached.
+pub struct Reached {
+    /// Sum of squares.
+    pub cost: f64,
+    /// Why it ended.
+    pub reason: TerminationReason,
+}
+
+/// The starts that are screened once more, of a number of starts.
+pub fn better(starts: usize) -> usize {
+    starts.div_ceil(2)
+}
+
+/// The starts that go on to their ends, of a number of starts.
+pub fn best(starts: usize) -> usize {
+    starts.div_ceil(4)
+}
+
+/// The searches of an identification.
+pub struct Searches<'a> {
+    /// How they are made.
+    pub options: &'a Options,
+    /// What they are planned to be.
+    pub plan: Plan,
+    /// Who counts the evaluations.
+    pub work: &'a Work<'a>,
+}
+
+impl Searches<'_> {
+    /// Screens all starts, and brings the best to their ends on a thinned recording; the best end comes first.
+    pub fn everywhere<const K: usize>(&self, data: &Data) -> Vec<End> {
+        let Options { starts: count, seed, tolerance, .. } = *self.options;
+        let thinned = &*data.thinned(ROWS);
+        let screening = Limits { patience: SCREENING, tolerance: CONVERGED };
+        let part = self.work.begin(self.plan.screening);
+        let starts = starts(&data.coordinates, count, seed);
+        let kinds: Vec<Start> = match thinned.where_kinds_agree() {
+            Some(agreed) => {
+                let screened = search_all::<K>(&agreed, &starts, screening, &part).into_iter();
+                screened.take(better(count)).map(|(end, _)| of_better_kind::<K>(thinned, end)).collect()
+            }
+            None => {
+                let both: Vec<Start> =
+                    starts.iter().flat_map(|start| [start.of_other_kind(), start.clone()]).collect();
+                let screened = search_all::<K>(thinned, &both, screening, &part).into_iter();
+                screened.take(better(2 * count)).map(|(end, _)| end).collect()
+            }
+        };
+        let screened = search_all::<K>(thinned, &kinds, screening, &part);
+        drop(part);
+        let best: Vec<Start> = screened.into_iter().take(best(count)).map(|(end, _)| end).collect();
+        let part = self.work.begin(self.plan.converging);
+        let mut ends = search_all::<K>(thinned, &best, Limits::to_the_end(tolerance), &part);
+        // The other kind of muscle, if none is of it.
+        let (first, _) = &ends[0];
+        if ends.iter().all(|(end, _)| end.preconditioned == first.preconditioned) {
+            ends.push(search::<K>(thinned, &first.of_other_kind(), Limits::to_the_end(tolerance), &part));
+        }
+        sort(&mut ends);
+        remove_repeated(&mut ends);
+        ends
+    }
+
+    /// Searches from some starts to their ends on a thinned recording; the best end comes first.
+    pub fn onwards<const K: usize>(&self, data: &Data, starts: &[Start]) -> Vec<End> {
+        let part = self.work.begin(self.plan.freeing);
+        search_all::<K>(&data.thinned(ROWS), starts, Limits::to_the_end(self.options.tolerance), &part)
+    }
+
+    /// Ends on a thinned recording, the one to be believed first.
+    pub fn believed<const K: usize>(&self, data: &Data, ends: Vec<End>) -> Vec<End> {
+        match self.options.loss {
+            Loss::Squares => prefer_preconditioned(ends),
+            Loss::Huber => {
+                let fits = robust::of_both_kinds::<K>(
+                    &data.thinned(ROWS),
+                    &ends,
+                    &self.work.begin(self.plan.robust),
+                );
+                fits.into_iter().map(|fit| fit.end).collect()
+            }
+        }
+    }
+
+    /// Goes on from ends on a thinned recording to those on all rows, by way of less thinned ones; the one to be
+    /// believed comes first.
+    pub fn on_all_rows<'a, const K: usize>(&self, data: &'a Data, ends: &[End]) -> Vec<Robust<'a>> {
+        if self.options.loss == Loss::Huber {
+            return robust::of_both_kinds::<K>(data, ends, &self.work.begin(self.plan.polishing));
+        }
+        let limits = Limits::to_the_end(self.options.tolerance);
+        let mut starts: Vec<Start> = ends.iter().map(|(end, _)| end.clone()).collect();
+        let part = self.work.begin(self.plan.levels);
+        for rows in levels(data.count()) {
+            let mut ends = search_all::<K>(&data.thinned(rows), &starts, limits, &part);
+            remove_repeated(&mut ends);
+            starts = ends.iter().take(near(&ends)).map(|(end, _)| end.clone()).collect();
+        }
+        drop(part);
+        let ends = search_all::<K>(data, &starts, limits, &self.work.begin(self.plan.polishing));
+        let plain = |end| Robust { data: Cow::Borrowed(data), end, outliers: Vec::new() };
+        prefer_preconditioned(ends).into_iter().map(plain).collect()
+    }
+}
+
+/// Keeps the first of ends in the same minimum, of ends that are in order.
+fn remove_repeated(ends: &mut Vec<End>) {
+    ends.dedup_by(|(one, reached), (other, before)| {
+        one.preconditioned == other.preconditioned && reached.cost <= before.cost * (1.0 + SAME)
+    });
+}
+
+/// How many of the first ends are nearly as good as the best of all, at least one.
+pub fn near(ends: &[End]) -> usize {
+    let least = ends.iter().map(|(_, reached)| reached.cost).fold(f64::INFINITY, f64::min);
+    let near = ends.iter().take_while(|(_, reached)| reached.cost <= least * (1.0 + NEAR)).count();
+    near.clamp(1, POLISHED)
+}
+
+/// Rows that count of the recordings between the thinned one and all rows.
+pub fn levels(rows: usize) -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(ROWS * LEVEL), |level| Some(level * LEVEL))
+        .take_while(move |level| 4 * level < rows)
+}
+
+/// The same point for the kind of muscle that fits better there.
+fn of_better_kind<const K: usize>(data: &Data, end: Start) -> Start {
+    let other = Point::<K>::new(data, end.of_other_kind(), None);
+    if other.cost < Point::<K>::new(data, end.clone(), None).cost { other.at } else { end }
+}
+
+/// The ends, best first. Muscles that are measured have mostly been moved before: that one is fresh has to show,
+/// where the recording begins, in a clearly smaller error.
+fn prefer_preconditioned(mut ends: Vec<End>) -> Vec<End> {
+    if let Some(place) = ends.iter().position(|(start, _)| start.preconditioned)
+        && !is_clearly_better(&ends[0], &ends[place])
+    {
+        ends[..=place].rotate_right(1);
+    }
+    ends
+}
+
+/// Whether a fresh muscle fits so much better than a preconditioned one that it is believed.
+pub fn is_clearly_better((_, fresh): &End, (_, preconditioned): &End) -> bool {
+    fresh.cost < preconditioned.cost * (1.0 - CLEARLY)
+}
+
+/// Searches from all starts, side by side. The best end comes first.
+fn search_all<const K: usize>(data: &Data, starts: &[Start], limits: Limits, part: &Part<'_>) -> Vec<End> {
+    let mut ends: Vec<End> = starts.par_iter().map(|start| search::<K>(data, start, limits, part)).collect();
+    sort(&mut ends);
+    ends
+}
+
+/// Stable: of equal ends the first start wins, whichever thread was faster.
+fn sort(ends: &mut [End]) {
+    ends.sort_by(|(_, one), (_, other)| one.cost.total_cmp(&other.cost));
+}
+
+/// What ends a search that gets no further by itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Evaluations per coordinate.
+    pub patience: usize,
+    /// A step that gains less than this share of the sum of squares is the last.
+    pub tolerance: f64,
+}
+
+impl Limits {
+    /// Of a search that is to come to its end.
+    pub fn to_the_end(tolerance: f64) -> Self {
+        Self { patience: MOST, tolerance }
+    }
+}
+
+/// Searches from a start.
+pub fn search<const K: usize>(data: &Data, start: &Start, limits: Limits, part: &Part<'_>) -> End {
+    let kernel = LevenbergMarquardt::new()
+        .with_ftol(limits.tolerance)
+        .with_xtol(CONVERGED)
+        .with_gtol(CONVERGED)
+        .with_patience(limits.patience);
+    let (problem, report) = kernel.minimize(Problem::<K>::new(data, start, part));
+    let point = problem.into_point();
+    (point.at, Reached { cost: point.cost, reason: report.termination })
+}

@@ -31,7 +31,7 @@ pub struct Later {
 /// How a model of the first part does on the second; None where there are no two parts, or the first is too short for the
 /// model.
 pub fn later_cycles(recording: &Recording, options: &Options, progress: Tell<'_>) -> Option<Later> {
-    let Recording { drive, output } = recording;
+    let Recording { drive, output, .. } = recording;
     let first = split(&drive.input.values, &drive.scored)?;
     let problem = Problem { scored: &part(&drive.scored, first, true), ..recording.problem() };
     let fit = identification::identify(&problem, options, progress).ok()?;

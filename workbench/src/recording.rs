@@ -16,6 +16,9 @@
 //! A row without a time or an input is left out: between the rows around it there is a gap. A row without an output is
 //! history of the input, and not scored.
 //!
+//! Samples that no muscle can have made are left out, and so are the first ones where their past is unknown
+//! ([`LeftOut`]).
+//!
 //! # Limits
 //! A pressure below -1.1 bar or above 100 bar is refused: no muscle sees one, and a recording in kPa that is
 //! called bar does. So are rows that are 1 to 1000 s apart, which are milliseconds under another name, until it is said.
@@ -24,8 +27,11 @@ mod selection;
 
 use std::path::{Path, PathBuf};
 
+use crate::drop_out::take_out;
 use crate::figures::{Figures, stroke};
+use crate::history::UnknownPast;
 use crate::identification::Problem;
+use crate::left_out::LeftOut;
 use crate::model_file::Source;
 use crate::table::clock::increasing;
 use crate::table::naming::Naming;
@@ -141,6 +147,8 @@ pub struct Recording {
     pub drive: Drive,
     /// The measured output.
     pub output: Series,
+    /// Which samples are not scored, and why.
+    pub left_out: LeftOut,
 }
 
 impl Recording {
@@ -157,9 +165,15 @@ impl Recording {
     /// # Errors
     /// The table lacks a column, or breaks the module's contract.
     pub fn of(table: &Table, choice: &Choice) -> Result<Self, DataError> {
-        let mut drive = Drive::of(table, choice)?;
-        let output = drive.measured(table, choice)?;
-        Ok(Self { drive, output })
+        let mut drive = Drive::unchecked(table, choice)?;
+        let mut output = drive.measured(table, choice)?;
+        let Drive { time_s, input, scored, rows, .. } = &mut drive;
+        let line = |row: usize| table.place(rows.source(row), TIME).line.unwrap_or(0);
+        let drop_outs = take_out(time_s, input, &mut output, line);
+        drop_outs.iter().for_each(|drop_out| scored[drop_out.samples.clone()].fill(false));
+        check_input(table, input, choice, rows)?;
+        let unknown_past = UnknownPast::take_out(time_s, &input.values, scored);
+        Ok(Self { drive, output, left_out: LeftOut { drop_outs, unknown_past } })
     }
 
     /// The same with other scored rows.
@@ -169,7 +183,7 @@ impl Recording {
 
     /// What is to be identified.
     pub fn problem(&self) -> Problem<'_> {
-        let Self { drive, output } = self;
+        let Self { drive, output, .. } = self;
         Problem { input: &drive.input.values, output: &output.values, scored: &drive.scored }
     }
 
@@ -200,6 +214,13 @@ impl Drive {
     /// # Errors
     /// A column is missing; time goes back; an input is outside its range; a `valid` is neither 0 nor 1, or none is 1.
     pub fn of(table: &Table, choice: &Choice) -> Result<Self, DataError> {
+        let drive = Self::unchecked(table, choice)?;
+        check_input(table, &drive.input, choice, &drive.rows)?;
+        Ok(drive)
+    }
+
+    /// The same, the input not yet checked: it may have drop-outs.
+    fn unchecked(table: &Table, choice: &Choice) -> Result<Self, DataError> {
         let times = Times::of(table)?;
         let chosen = selection::input(table, choice)?;
         let values = table.numbers(chosen.index)?.numbers;
@@ -233,7 +254,6 @@ impl Drive {
         }
         let rows = rows.brought_together(found.begins);
         let input = chosen.series(rows.take(values));
-        check_input(table, &input, choice, &rows)?;
         let scored = scored(table, &rows, found.time_s.len())?;
         notes.extend(selection::not_used(table, times.index));
         let drive = Self {

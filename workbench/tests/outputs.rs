@@ -51,6 +51,7 @@ fn the_figures_have_the_agreed_keys() {
         "heldout",
         "heldout_from_s",
         "invertible",
+        "left_out",
         "notes",
         "outlier_rows",
         "parameters",

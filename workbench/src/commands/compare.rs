@@ -121,6 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     outputs.commit()?;
     say!("{}, from {}", recording.columns(), recording.drive.file.display());
     say!("stroke {:.3} {}", recording.stroke(), recording.output.channel.unit);
+    recording.left_out.say();
     say!("{}", comparison.heldout_in_words());
     say!("\n{}", comparison.to_text().trim_end());
     if let Some((_, best)) = comparison.best() {

@@ -63,7 +63,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     };
     let (columns, recording) = read(file, &choice)?;
     let given = given.map(|file| Operator { parameters: file.parameters, density: file.density });
-    let unit = recording.output.channel.unit;
     let other =
         validate.as_ref().map(|file| read(file, &arguments.columns.choice_of(&recording))).transpose()?;
     let begin = Instant::now();
@@ -92,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     let found = (&extended, &gain, &written);
     if let Some(json) = json {
-        let text = format!("{:#}\n", diagnosed_json::to_json(&diagnosis, found, unit, seconds));
+        let text = format!("{:#}\n", diagnosed_json::to_json(&diagnosis, found, &recording, seconds));
         outputs.stage(json, text.as_bytes())?;
     }
     outputs.commit()?;
@@ -132,8 +131,7 @@ fn to_file(recording: &Recording, written: &Written, other: Option<&Recording>) 
     .with_usual_lead_limit())
 }
 
-/// The columns of a recording that a diagnosis looks at, and the recording that they are from; no row is scored whose past is unknown, and
-/// a noisy input is smoothed.
+/// The columns of a recording that a diagnosis looks at, a noisy input smoothed, and the recording that they are from.
 ///
 /// # Errors
 /// The recording is not what it should be.
@@ -152,7 +150,9 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
         }
     };
     let (load_n, temperature_c) = (column("load_n", Unit::N), column("temperature_c", Unit::CELSIUS));
-    let Recording { drive, output } = &recording;
+    recording.drive.notes.extend(notes);
+    recording.drive.announce();
+    let Recording { drive, output, left_out } = &recording;
     let input_is_command = drive.input.channel.name.starts_with("command");
     let columns = Columns {
         command: if input_is_command { None } else { column("command_bar", drive.input.channel.unit) },
@@ -164,15 +164,12 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
         input_is_command,
         output: output.values.clone(),
         scored: drive.scored.clone(),
-        past_unknown_until_s: None,
+        past_unknown_until_s: left_out.past_unknown_until_s(),
+        drop_outs: left_out.drop_outs.clone(),
         smoothing: None,
     }
-    .with_smooth_input()
-    .with_known_past();
-    recording.drive.scored.clone_from(&columns.scored);
+    .with_smooth_input();
     recording.drive.input.values.clone_from(&columns.input);
-    recording.drive.notes.extend(notes);
-    recording.drive.announce();
     Ok((columns, recording))
 }
 

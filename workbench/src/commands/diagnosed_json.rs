@@ -9,16 +9,17 @@ use crate::diagnosis::reject::Unexplained;
 use crate::diagnosis::stuck::Stuck;
 use crate::diagnosis::words::experiment;
 use crate::diagnosis::{Diagnosis, Named, Smoothing};
-use crate::unit::Unit;
+use crate::recording::Recording;
 
 /// A diagnosis; the keys of errors carry the output's unit. The errors are those of simulated models: `heldout` on the rows behind
 /// the split, or on another recording; `written` is the model that `-o` writes, beside the plain one.
 pub fn to_json(
     diagnosis: &Diagnosis,
     (extended, gain, written): (&Extended, &HeldOutGain, &Written),
-    unit: Unit,
+    recording: &Recording,
     seconds: f64,
 ) -> Value {
+    let unit = recording.output.channel.unit;
     let keyed = |entries: &[(&str, f64)]| -> Value {
         let named =
             entries.iter().map(|(name, value)| (format!("{name}_{}", unit.suffix()), (*value).into()));
@@ -75,6 +76,7 @@ pub fn to_json(
         "share_of_gain": gain.share(),
         "pure_error": diagnosis.pure_error.map(|(before, after)| keyed(&[("before", before), ("after", after)])),
         "past_unknown_until_s": diagnosis.past_unknown_until_s,
+        "left_out": recording.left_out.to_json(),
         "figures_of_misfit": diagnosis.anatomy,
         "examinable": diagnosis.examinable,
         "not_told_apart": names(&diagnosis.inseparable.causes),

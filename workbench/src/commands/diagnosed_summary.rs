@@ -5,9 +5,7 @@ use std::path::Path;
 use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::{Extended, HeldOutGain, Written};
 use crate::diagnosis::verdict::Named;
-use crate::diagnosis::words::{
-    experiment, in_a_sentence, unexamined, unknown_past, written as what_is_written,
-};
+use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, written as what_is_written};
 use crate::diagnosis::{Diagnosis, Smoothing, Verdict};
 use crate::recording::Recording;
 
@@ -53,9 +51,7 @@ pub fn print(
             channel.unit
         );
     }
-    if let Some(past) = unknown_past(diagnosis) {
-        say!("not scored    {past}");
-    }
+    recording.left_out.say();
     let Inseparable { causes, why } = &diagnosis.inseparable;
     if !causes.is_empty() {
         let names: Vec<&str> = causes.iter().map(|cause| cause.name()).collect();

@@ -6,15 +6,14 @@ use serde_json::{Map, Value, json};
 use crate::identification::Fit;
 use crate::identification::named::{Dimension, slope_dimension};
 use crate::model_file::{Identification, ModelFile};
+use crate::recording::Recording;
 use crate::worth::Worth;
 
 /// Figures and parameters of an identification; the keys carry the units of the model's columns.
-/// `notes`: what was done to read the recording.
 pub fn to_json(
     model: &ModelFile,
     identification: &Identification,
-    fit: &Fit,
-    notes: &[String],
+    (recording, fit): (&Recording, &Fit),
     seconds: f64,
 ) -> Value {
     let (names, unit) = (model.names(), model.output.unit);
@@ -48,6 +47,7 @@ pub fn to_json(
         "collinear": known.collinear,
         "residual_memory_rows": known.memory,
         "outlier_rows": fit.outliers,
+        "left_out": recording.left_out.to_json(),
         "validity": keyed([
             ("input_min", Dimension::Input, range.min()),
             ("input_max", Dimension::Input, range.max()),
@@ -61,7 +61,7 @@ pub fn to_json(
         "invertible": true,
         "starts": identification.starts,
         "termination": identification.termination,
-        "notes": notes,
+        "notes": recording.drive.notes,
         "seconds": seconds,
     });
     json[format!("stroke_{}", unit.suffix())] = identification.stroke.into();

@@ -11,7 +11,7 @@ use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::comparison::{self, Comparison, choice};
 use crate::holdout::{self, later_cycles, share_before};
 use crate::identification::named::slope_dimension;
-use crate::identification::{self, CONVERGED, Fit, Loss, Options, Weights};
+use crate::identification::{self, CONVERGED, Fit, Loss, Options, Strays, Weights};
 use crate::model_file::names::Names;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
@@ -211,10 +211,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         outputs.stage(file, report.to_html()?.as_bytes())?;
     }
     if let Some(file) = json {
-        let text = format!(
-            "{:#}\n",
-            identified_json::to_json(&model, &identification, &fit, &recording.drive.notes, seconds)
-        );
+        let text =
+            format!("{:#}\n", identified_json::to_json(&model, &identification, (&recording, &fit), seconds));
         outputs.stage(file, text.as_bytes())?;
     }
     outputs.commit()?;
@@ -305,10 +303,11 @@ fn print_summary(
     fit: &Fit,
     seconds: f64,
 ) {
-    let Recording { drive, output } = recording;
+    let Recording { drive, output, .. } = recording;
     let (timing, unit, stroke) = (&drive.timing, output.channel.unit, identification.stroke);
     say!("model         {}: {}, from {}", fit.parameters.kind(), recording.columns(), drive.file.display());
     say!("rows          {}, of which {} are scored", drive.time_s.len(), identification.scored_rows);
+    recording.left_out.say();
     say!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
     say!("stroke        {stroke:.3} {unit}");
     say!("training      {}", identification.training.in_words(stroke, unit));
@@ -328,6 +327,9 @@ fn print_summary(
         say!(
             "outliers      {count} rows beyond five robust standard deviations, the first at {first_s:.4} s"
         );
+    }
+    if let Some(strays) = Strays::of(recording, fit).filter(|_| fit.outliers.is_empty()) {
+        say!("hint          {strays}");
     }
     say!("termination   {}", identification.termination);
     say!(

@@ -6,10 +6,9 @@ use clap::Args;
 
 use super::reading::Reading;
 use crate::Error;
-use crate::figures::{Figures, stroke};
 use crate::model_file::ModelFile;
 use crate::output::Outputs;
-use crate::recording::{Choice, Drive, Series, TIME};
+use crate::recording::{Choice, Drive, Recording, Series, TIME};
 use crate::simulation;
 use crate::unit::Channel;
 
@@ -46,19 +45,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let choice = Choice { rest_length_mm: arguments.rest_length, ..arguments.reading.choice() };
     let choice = choice.like(&model.input, &model.output);
     let table = choice.table(&arguments.input)?;
-    let mut drive = Drive::of(&table, &choice)?;
     let is_measured = table.find(&model.output.name)?.is_some() || arguments.rest_length.is_some();
-    let measured = is_measured.then(|| drive.measured(&table, &choice)).transpose()?;
+    let compared = is_measured.then(|| Recording::of(&table, &choice)).transpose()?;
+    let mut drive = match &compared {
+        Some(recording) => recording.drive.clone(),
+        None => Drive::of(&table, &choice)?,
+    };
     drive.announce();
+    // As it was measured, drop-outs included.
+    let measured = is_measured.then(|| drive.measured(&table, &choice)).transpose()?;
     let simulated = simulation::simulate(&model, &table, &drive)?;
 
     let text = csv(&drive, &model.output, &simulated, measured.as_ref());
     outputs.stage(&arguments.output, text.as_bytes())?;
     outputs.commit()?;
     say!("{} rows simulated", simulated.len());
-    if let Some(Series { channel, values }) = measured {
-        let figures = Figures::of(&values, &simulated, &drive.scored);
-        say!("{}", figures.in_words(stroke(&values, &drive.scored), channel.unit));
+    if let Some(recording) = compared {
+        recording.left_out.say();
+        let figures = recording.figures(&simulated);
+        say!("{}", figures.in_words(recording.stroke(), recording.output.channel.unit));
     }
     Ok(())
 }

@@ -175,11 +175,9 @@ impl Row {
 impl Outcome {
     /// What the model is worth that was identified from a recording.
     pub fn worth(&self, recording: &Recording) -> Worth {
-        Worth {
-            share: self.judged().rmse / recording.stroke(),
-            is_heldout: self.heldout.is_some(),
-            limit: Limit::of(recording, &self.training, self.heldout.as_ref()),
-        }
+        let heldout = self.heldout.as_ref();
+        let limit = Limit::of(recording, &self.training, heldout);
+        Worth::from_figures(&self.training, heldout, recording.stroke(), limit)
     }
 
     /// The figures that models are chosen by.

@@ -6,7 +6,6 @@
 //! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
 //! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
-//! | `history` | from when on it tells what the muscle has been through |
 //! | `rates` | how a measured signal moves |
 //! | `recorded` | all rows of it, for what is quicker than the kept ones show |
 //! | `scored` | the scored rows of it |
@@ -52,7 +51,6 @@ pub mod fit;
 mod follower;
 pub mod free_run;
 pub mod gain;
-mod history;
 mod measured;
 mod noisy_input;
 pub mod output;
@@ -85,6 +83,7 @@ mod tests;
 
 use thiserror::Error;
 
+use crate::drop_out::DropOut;
 use crate::identification::IdentificationError;
 use crate::numbers::{range, root_mean_square};
 use crate::unit::Unit;
@@ -130,10 +129,12 @@ pub struct Columns {
     pub load_n: Option<Vec<f64>>,
     /// Unit: degree Celsius.
     pub temperature_c: Option<Vec<f64>>,
-    /// No row before is scored since its past is unknown, see [`Self::with_known_past`]; None where all pasts are known. Unit: s.
+    /// No row before is scored since its past is unknown, see [`crate::history`]; None where all pasts are known. Unit: s.
     pub past_unknown_until_s: Option<f64>,
     /// How the input was smoothed, see [`Self::with_smooth_input`]; None where it is as measured.
     pub smoothing: Option<Smoothing>,
+    /// What the sensors did not measure; it is not scored, and straight lines are in its place.
+    pub drop_outs: Vec<DropOut>,
 }
 
 impl Columns {

@@ -5,7 +5,8 @@
 //! - A pure error that stays large: visits to the same state still differ by much of the residual, and naming the causes
 //!   has removed less than half of that. Beside a warm-up that takes strokes away all of it has to be gone: a muscle that
 //!   loses pressure, say, does so as well, but does not settle.
-//! - Single rows far off their neighbours.
+//! - Rows far off their neighbours, in several places: one drop-out of a sensor is left out and said, but one that drops
+//!   out again and again is not to be trusted between.
 //! - A reading that hangs while the muscle goes on.
 //! - Causes that gain next to nothing where a model with them runs free, or with which none does.
 //! - A model that is written and describes nothing (`poor`).
@@ -42,7 +43,7 @@ const NEAREST: f64 = 0.06;
 /// Where no cause is named, few visits that differ by so many times what most do are not by chance either: something acts now and then.
 /// Sound muscles come to 6.3, a sensor that hangs at times to 7 to 50.
 const NOW_AND_THEN: f64 = 7.0;
-/// A row is far off beyond so many times the noise, and so many such rows are too many.
+/// A row is far off beyond so many times the noise, and so many places with such rows are too many.
 const FAR: f64 = 10.0;
 const MOVES: f64 = 4.0;
 const TOO_MANY: usize = 4;
@@ -120,8 +121,11 @@ fn outliers(signals: &Signals) -> Option<Unexplained> {
             (off > FAR * signals.noise && off > MOVES * moves).then_some(off)
         })
         .collect();
-    let largest = far.iter().copied().fold(0.0, f64::max);
-    (far.len() >= TOO_MANY).then_some(Unexplained::Outliers { rows: far.len(), largest })
+    let places = far.len() + signals.drop_outs.len();
+    let rows = far.len() + signals.drop_outs.iter().map(|drop_out| drop_out.samples.len()).sum::<usize>();
+    let left_out = signals.drop_outs.iter().map(|drop_out| drop_out.distance);
+    let largest = far.iter().copied().chain(left_out).fold(0.0, f64::max);
+    (places >= TOO_MANY).then_some(Unexplained::Outliers { rows, largest })
 }
 
 /// The best step beside a fit.

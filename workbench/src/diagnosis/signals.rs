@@ -18,6 +18,7 @@ use super::output::low_pass;
 use super::rates::{JERK_WINDOW, WINDOW, local_cubic, speed};
 use super::recorded::Recorded;
 use super::thinning::Thinning;
+use crate::drop_out::DropOut;
 use crate::numbers::{quantiles, range, root_mean_square, travel};
 
 /// Most rows that are scored in the search.
@@ -67,6 +68,8 @@ pub struct Signals {
     kept: Vec<usize>,
     /// What they are kept of, all of it.
     pub recorded: Arc<Recorded>,
+    /// What the sensors did not measure.
+    pub drop_outs: Vec<DropOut>,
     /// Unit: s.
     pub time_s: Vec<f64>,
     /// What the muscle is modelled from.
@@ -158,6 +161,7 @@ impl Signals {
         let whole = Self {
             kept: (0..time_s.len()).collect(),
             recorded: Arc::new(recorded),
+            drop_outs: columns.drop_outs.clone(),
             input_span: (highest - lowest).max(1e-9),
             slow: creep_s.iter().map(slow).collect(),
             creep_s,
@@ -254,6 +258,7 @@ impl Signals {
         Self {
             kept: thinning.of(&self.kept),
             recorded: Arc::clone(&self.recorded),
+            drop_outs: self.drop_outs.clone(),
             kept_step_s: steps(&time_s).0,
             time_s,
             input: of(&self.input),

@@ -68,16 +68,6 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
     }
 }
 
-/// The rows that are not scored since their past is unknown, and why; None where there are none.
-pub fn unknown_past(diagnosis: &Diagnosis) -> Option<String> {
-    diagnosis.past_unknown_until_s.map(|until_s| {
-        format!(
-            "what lies before {until_s:.1} s: the recording begins within the range of the input, and until that has been at both \
-             ends its past is unknown"
-        )
-    })
-}
-
 /// What causes would do that the recording cannot show; None where there are none.
 pub fn unexamined(diagnosis: &Diagnosis) -> Option<String> {
     let Diagnosis { alternatives, unexamined, examinable, .. } = diagnosis;

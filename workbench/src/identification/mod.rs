@@ -16,6 +16,7 @@
 //! | `plan` | how much work they are |
 //! | `raw`, [`named`] | the way to the raw parameters, and their names |
 //! | `robust` | Huber's loss |
+//! | `strays` | when it is needed |
 //! | `thinning` | a shorter recording that is enough to search on |
 //! | `uncertainty` | standard errors, intervals and correlation of the raw parameters |
 //! | `autocorrelation`, `collinear` | what makes them larger: residuals that are alike, parameters that are |
@@ -51,6 +52,7 @@ mod raw;
 mod robust;
 mod search;
 mod starts;
+mod strays;
 mod structure;
 mod sums;
 mod termination;
@@ -67,6 +69,7 @@ use problem::Point;
 use robust::Robust;
 use search::{End, FREED, Reached, Searches, near};
 use starts::Start;
+pub use strays::Strays;
 use structure::Structure;
 use sums::FURTHER;
 pub use termination::Termination;

@@ -60,14 +60,11 @@ fn fit<'a, const K: usize>(data: &Data, start: &Start, part: &Part<'_>) -> Robus
     let mut outliers = Vec::new();
     for _ in 0..ROUNDS {
         let model = model::<K>(&winsorised, &end.0);
-        let counted = data.rows.iter().enumerate().filter(|(_, row)| row.weight > 0.0);
+        let counted: Vec<usize> = (0..data.rows.len()).filter(|&row| data.rows[row].weight > 0.0).collect();
         let residuals: Vec<f64> =
-            counted.clone().zip(&model).map(|((_, row), model)| row.output - model).collect();
-        let deviation =
-            median(&mut residuals.iter().map(|residual| residual.abs()).collect::<Vec<f64>>()) / MEDIAN;
-        let is_outlier =
-            |((row, _), residual): ((usize, _), &f64)| (residual.abs() > OUTLIER * deviation).then_some(row);
-        outliers = counted.zip(&residuals).filter_map(is_outlier).collect();
+            counted.iter().zip(&model).map(|(&row, model)| data.rows[row].output - model).collect();
+        let deviation = deviation(&residuals);
+        outliers = beyond(&residuals, deviation).map(|place| counted[place]).collect();
         if deviation == 0.0 || (deviation - before).abs() <= SETTLED * deviation {
             break;
         }
@@ -82,6 +79,16 @@ fn fit<'a, const K: usize>(data: &Data, start: &Start, part: &Part<'_>) -> Robus
         end = converge(&winsorised, &end.0);
     }
     Robust { data: Cow::Owned(winsorised), end, outliers }
+}
+
+/// Robust standard deviation of residuals.
+pub fn deviation(residuals: &[f64]) -> f64 {
+    median(&mut residuals.iter().map(|residual| residual.abs()).collect::<Vec<f64>>()) / MEDIAN
+}
+
+/// The places of the residuals that are outliers beside a standard deviation.
+pub fn beyond(residuals: &[f64], deviation: f64) -> impl Iterator<Item = usize> {
+    (0..residuals.len()).filter(move |&place| residuals[place].abs() > OUTLIER * deviation)
 }
 
 /// The model's outputs at the rows that count.

@@ -134,6 +134,9 @@ impl Identified<'_> {
                 (termination) "."
                 @if worth.may_deploy() { " The model is strictly increasing, and so invertible." }
             }
+            @for words in self.recording.left_out.in_words() {
+                p { "Not scored: " (words) "." }
+            }
             @if self.recording.drive.scored.contains(&false) {
                 p { "Rows that are not valid are history of the input only: they are not scored, and leave gaps "
                     "in the loops and in the error." }

@@ -1,7 +1,7 @@
 //! What limits a model, as a value that goes with it.
 
 use super::shape::Shape;
-use super::{DEPLOYABLE, GOOD};
+use super::{DEPLOYABLE, GOOD, Worth};
 use crate::diagnosis::anatomy::noise;
 use crate::figures::Figures;
 use crate::recording::Recording;
@@ -53,13 +53,13 @@ impl Limit {
     /// What limits a model of a recording, from its figures there and on held-out samples. Output
     /// unit.
     pub fn of(recording: &Recording, training: &Figures, heldout: Option<&Figures>) -> Option<Self> {
-        let Recording { drive, output } = recording;
+        let Recording { drive, output, .. } = recording;
         let of_scored = |values: &[f64]| -> Vec<f64> {
             values.iter().zip(&drive.scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
         };
         let floor = noise::floor(&of_scored(&drive.time_s), &of_scored(&output.values)).deviation;
         let is_most = |part: f64| part.powi(2) > MOST * training.rmse.powi(2);
-        let share = heldout.unwrap_or(training).rmse / recording.stroke();
+        let share = Worth::from_figures(training, heldout, recording.stroke(), None).share;
         if is_most(floor) && share < DEPLOYABLE {
             return Some(Self::Noise);
         }
@@ -147,7 +147,7 @@ mod tests {
     use crate::recording::Choice;
     use crate::table::Table;
 
-    /// What limits a model of an output over six triangles of the input from -1 to 1, 2,000 samples
+    /// What limits a model of an output over six triangles of the input from -1 to 1, 1,800 samples
     /// with little noise; `of` has the input, the input some samples before and the time in cycles.
     fn limit(of: impl Fn(f64, f64, f64) -> f64) -> Option<Limit> {
         let input = |row: f64| {

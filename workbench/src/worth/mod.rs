@@ -7,7 +7,8 @@
 //! | `limit` | what limits a model, found where it is identified and kept in the model file |
 //! | `shape` | the output over the input, by direction: whether it rises, falls, turns, or leads |
 //!
-//! The error is that on held-out samples, if there are any, else that on the samples of the fit.
+//! The error is the larger of that on held-out samples, if there are any, and that on the samples of the fit: a
+//! model has to do on both.
 
 mod limit;
 mod shape;
@@ -17,6 +18,7 @@ use std::fmt;
 pub use limit::Limit;
 use serde_json::{Value, json};
 
+use crate::figures::Figures;
 use crate::model_file::{Identification, ModelFile};
 
 /// A good model's largest error. Unit: share of stroke. The paper's model, ten plays and ten dead
@@ -55,7 +57,7 @@ impl Grade {
 pub struct Worth {
     /// Root mean square error. Unit: share of stroke.
     pub share: f64,
-    /// Whether the error is that on samples that took no part in the fit.
+    /// Whether the error is that on samples that took no part in the fit, which is the larger one then.
     pub is_heldout: bool,
     /// What limits the model; None where that is not known.
     pub limit: Option<Limit>,
@@ -65,8 +67,18 @@ impl Worth {
     /// That of an identification.
     pub fn of(identification: &Identification) -> Self {
         let Identification { training, heldout, stroke, limit, .. } = identification;
-        let judged = heldout.as_ref().map_or(training, |heldout| &heldout.figures);
-        Self { share: judged.rmse / stroke, is_heldout: heldout.is_some(), limit: *limit }
+        Self::from_figures(training, heldout.as_ref().map(|heldout| &heldout.figures), *stroke, *limit)
+    }
+
+    /// That of a model with these figures and this stroke. Output unit.
+    pub fn from_figures(
+        training: &Figures,
+        heldout: Option<&Figures>,
+        stroke: f64,
+        limit: Option<Limit>,
+    ) -> Self {
+        let worse = heldout.filter(|heldout| heldout.rmse >= training.rmse);
+        Self { share: worse.unwrap_or(training).rmse / stroke, is_heldout: worse.is_some(), limit }
     }
 
     /// Root mean square error. Unit: percent of stroke.

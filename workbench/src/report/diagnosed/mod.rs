@@ -28,9 +28,7 @@ use super::page::{explained, page, reading};
 use super::plot::Style;
 use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::{Extended, HeldOutGain, Written};
-use crate::diagnosis::words::{
-    experiment, in_a_sentence, unexamined, unknown_past, written as what_is_written,
-};
+use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, written as what_is_written};
 use crate::diagnosis::{Columns, Diagnosis, Verdict};
 use crate::recording::Recording;
 
@@ -53,7 +51,7 @@ pub fn to_html(
     recording: &Recording,
     gained: Option<&Gained<'_>>,
 ) -> String {
-    let Recording { drive, output } = recording;
+    let Recording { drive, output, .. } = recording;
     let view = View::new(diagnosis, recording);
     let file = drive.file.file_name().unwrap_or_default().display().to_string();
     let body = html! {
@@ -69,7 +67,7 @@ pub fn to_html(
         @if let Some(Gained { written, .. }) = gained {
             p { "The model that is written: " (what_is_written(written, output.channel.unit)) "." }
         }
-        (unseen(diagnosis))
+        (unseen(diagnosis, recording))
     };
     let title =
         format!("Diagnosis of {file}: {} over {}", output.channel.words(), drive.input.channel.words());
@@ -133,14 +131,14 @@ fn confounded(diagnosis: &Diagnosis) -> Markup {
     }
 }
 
-fn unseen(diagnosis: &Diagnosis) -> Markup {
+fn unseen(diagnosis: &Diagnosis, recording: &Recording) -> Markup {
     let (seen, unseen): (Vec<_>, Vec<_>) = diagnosis.examinable.iter().partition(|judged| judged.examinable);
     let seen: Vec<&str> = seen.iter().map(|judged| judged.cause.name()).collect();
     html! {
         h2 { "What this recording could not show" }
         p { "Examined were: " (seen.join(", ")) "." }
-        @if let Some(past) = unknown_past(diagnosis) {
-            p { "Not scored is " (past) "." }
+        @for words in recording.left_out.in_words() {
+            p { "Not scored: " (words) "." }
         }
         @if unseen.is_empty() {
             p { "Nothing was left out." }

@@ -1,0 +1,102 @@
+//! From when on a recording tells what the muscle has been through.
+//!
+//! What an operator answers depends on what the input did before. A recording that begins at an end of
+//! the input's range leaves no doubt: the muscle has come there from rest, or from its whole range, and
+//! both are tried. One that begins within the range may be anywhere between the two branches of the
+//! loop, until the input has been at both ends: by then it has wiped out whatever came before. What it
+//! is scored on until then would teach the model a past that it has not had.
+//!
+//! # Limits
+//! Where that would take more than [`MOST`] of the scored samples, all stay: a doubtful past is worth
+//! less than many samples.
+
+use crate::numbers::range;
+
+/// So near an end of the range the input is at it, as a share of the range: what lies beyond wipes out
+/// next to nothing.
+const NEAR: f64 = 0.05;
+/// The largest share of the scored samples whose past may be unknown.
+const MOST: f64 = 0.25;
+
+/// Which of the first samples are history of the input only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnknownPast {
+    /// How many.
+    pub samples: usize,
+    /// The time of the first one after them. Unit: s.
+    pub until_s: f64,
+}
+
+impl UnknownPast {
+    /// Takes them out of the scored samples; None where there are none, or too many.
+    pub fn take_out(time_s: &[f64], input: &[f64], scored: &mut [bool]) -> Option<Self> {
+        let samples = known_from(input)?;
+        let count = |scored: &[bool]| scored.iter().filter(|&&scored| scored).count();
+        let (unknown, all) = (count(&scored[..samples]), count(scored));
+        if unknown == 0 || unknown as f64 > MOST * all as f64 {
+            return None;
+        }
+        scored[..samples].fill(false);
+        Some(Self { samples, until_s: time_s[samples] })
+    }
+
+    /// A sentence without its full stop.
+    pub fn in_words(&self) -> String {
+        format!(
+            "what lies before {:.1} s: the first {} samples are history of the input only, since the recording begins \
+             within the range of the input, and until that has been at both ends its past is unknown",
+            self.until_s, self.samples
+        )
+    }
+}
+
+/// The first sample whose past is known; None where that of all samples is.
+fn known_from(input: &[f64]) -> Option<usize> {
+    let (low, high) = range(input);
+    let near = NEAR * (high - low);
+    let first = |is_there: &dyn Fn(&f64) -> bool| input.iter().position(is_there);
+    let (at_low, at_high) = (first(&|&x| x <= low + near)?, first(&|&x| x >= high - near)?);
+    (at_low.min(at_high) > 0).then(|| at_low.max(at_high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is taken out of a sample a second of a triangle between 0 and 10, from a sample of it on.
+    fn triangle(from: usize, samples: usize, unscored: usize) -> (Option<UnknownPast>, Vec<bool>) {
+        let input: Vec<f64> =
+            (from..from + samples).map(|sample| (sample as f64 % 20.0 - 10.0).abs()).collect();
+        let time_s: Vec<f64> = (0..samples).map(|sample| sample as f64).collect();
+        let mut scored: Vec<bool> = (0..samples).map(|sample| sample >= unscored).collect();
+        (UnknownPast::take_out(&time_s, &input, &mut scored), scored)
+    }
+
+    #[test]
+    fn a_recording_that_begins_at_an_end_is_scored_from_its_first_sample_on() {
+        for end in [0, 10] {
+            let (past, scored) = triangle(end, 100, 0);
+            assert_eq!(past, None);
+            assert!(scored.iter().all(|&scored| scored));
+        }
+    }
+
+    #[test]
+    fn one_that_begins_within_the_range_is_scored_once_the_input_has_been_at_both_ends() {
+        let (past, scored) = triangle(5, 100, 0);
+        assert_eq!(past, Some(UnknownPast { samples: 15, until_s: 15.0 }));
+        assert_eq!(scored.iter().position(|&scored| scored), Some(15));
+    }
+
+    #[test]
+    fn samples_that_do_not_count_anyway_take_nothing_away() {
+        assert_eq!(triangle(5, 100, 20).0, None);
+    }
+
+    #[test]
+    fn all_samples_stay_where_too_many_would_go() {
+        let (past, scored) = triangle(5, 40, 0);
+        assert_eq!(past, None);
+        assert!(scored.iter().all(|&scored| scored));
+    }
+}

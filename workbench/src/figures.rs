@@ -41,9 +41,15 @@ impl Figures {
         self.keyed(unit).into_iter().map(|(key, value)| (key, value.into())).collect::<Map<_, _>>().into()
     }
 
-    /// The three for people, with their shares of the stroke.
+    /// The three for people, in percent of the stroke: that of [`stroke`], or of
+    /// [`crate::model_file::ModelFile::stroke`].
     pub fn in_words(&self, stroke: f64, unit: Unit) -> String {
-        let share = |value: f64| format!("{value:.4} {unit} ({:.2} % of stroke)", 100.0 * value / stroke);
+        self.in_words_beside((stroke, "stroke"), unit)
+    }
+
+    /// The three for people, in percent of a length with a name.
+    pub fn in_words_beside(&self, (length, name): (f64, &str), unit: Unit) -> String {
+        let share = |value: f64| format!("{value:.4} {unit} ({:.2} % of {name})", 100.0 * value / length);
         format!(
             "RMSE {}, mean absolute error {}, largest error {}",
             share(self.rmse),
@@ -53,7 +59,8 @@ impl Figures {
     }
 }
 
-/// Highest less lowest scored value: the stroke, in the values' unit.
+/// The stroke of a recording, which percentages refer to: highest less lowest scored value, in the values'
+/// unit. Drop-outs are not scored.
 pub fn stroke(values: &[f64], scored: &[bool]) -> f64 {
     let scored = values.iter().zip(scored).filter(|(_, scored)| **scored);
     let (min, max) = scored

@@ -15,7 +15,6 @@ use crate::Error;
 use crate::bus::settings::settle;
 use crate::child::Stop;
 use crate::emulator::image;
-use crate::identification::simulate;
 use crate::model_file::ModelFile;
 use crate::output::Outputs;
 use crate::part::Part;
@@ -135,12 +134,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     if let Some(file) = json_file {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }
-    let stroke_mm = stroke_mm(&model);
+    let stroke_mm = model.stroke();
     if let Some(file) = &arguments.report {
         let (model, reference) = (arguments.model.display(), arguments.reference.display());
         let source = format!("Reference {reference}, model {model}");
         let runs: Vec<_> = named().collect();
-        let stroke = Stroke { mm: stroke_mm, whose: "the model's stroke" };
+        let stroke = Stroke { mm: stroke_mm, whose: "stroke" };
         outputs.stage(file, tracked::to_html(&runs, stroke, &source).as_bytes())?;
     }
     outputs.commit()?;
@@ -165,13 +164,6 @@ fn keep(parts: Vec<Option<Part>>, runs: &[Run]) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// From the lowest to the highest input that the model is valid for, coming from rest.
-fn stroke_mm(model: &ModelFile) -> f64 {
-    let (lowest, highest) = model.parameters.input();
-    let contraction_mm = simulate(&model.model, &[lowest, highest]);
-    contraction_mm[1] - contraction_mm[0]
 }
 
 /// Does the work under a progress bar; the work calls what it is given once a tick.

@@ -142,8 +142,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     if let Some(file) = json {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }
+    let stroke = match &model {
+        Some(model) => Stroke { mm: model.stroke(), whose: "stroke" },
+        None => Stroke { mm: highest - lowest, whose: "the reference's range" },
+    };
     if let Some(page) = report {
-        let stroke = Stroke { mm: highest - lowest, whose: "the reference's range" };
         let source = format!("Reference {}", file.display());
         outputs.stage(page, tracked::to_html(&[(name, &run)], stroke, &source).as_bytes())?;
     }
@@ -151,7 +154,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     if let Some(grown) = grown {
         grown.remove();
     }
-    say!("{name:<17} {}", results::figures(&run).in_words(highest - lowest, unit));
+    say!("{name:<17} {}", results::figures(&run).in_words_beside((stroke.mm, stroke.whose), unit));
     say!("{}", in_words(&played, board.identity().period_s));
     Ok(())
 }

@@ -34,7 +34,7 @@ use model_core::{ExtensionParameters, ParameterError};
 use thiserror::Error;
 
 use crate::figures::Figures;
-use crate::identification::{Density, HostExtendedModel, HostModel, HostParameters};
+use crate::identification::{Density, HostExtendedModel, HostModel, HostParameters, simulate};
 use crate::input;
 use crate::unit::Channel;
 use crate::worth::Limit;
@@ -161,6 +161,19 @@ impl ModelFile {
     /// The file's text.
     pub fn to_toml(&self) -> String {
         write::to_toml(self)
+    }
+
+    /// The stroke that percentages refer to: that of the recording that the model was identified from; of a
+    /// model without a recording, from the lowest to the highest input, coming from rest. Output unit.
+    pub fn stroke(&self) -> f64 {
+        self.identification.as_ref().map_or_else(
+            || {
+                let (lowest, highest) = self.parameters.input();
+                let output = simulate(&self.model, &[lowest, highest]);
+                output[1] - output[0]
+            },
+            |identification| identification.stroke,
+        )
     }
 
     /// The model with its extensions, from its input on: one from a pressure is without the valve.

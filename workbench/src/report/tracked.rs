@@ -7,7 +7,7 @@ use super::page::{explained, page};
 use super::tracking::Tracking;
 use crate::pil::lock_step::Run;
 
-/// What percentages refer to.
+/// What percentages refer to: a stroke, or another length.
 #[derive(Clone, Copy, Debug)]
 pub struct Stroke {
     /// Unit: mm.
@@ -35,7 +35,7 @@ pub fn to_html(runs: &[(&str, &Run)], stroke: Stroke, source: &str) -> String {
     };
     let body = html! {
         p { "The firmware tracked the reference " (times) "; " (overruns) " ticks were late. Per cent refer to "
-            (stroke.whose) " of " (format!("{:.1}", stroke.mm)) " mm." }
+            (stroke.whose) ", which is " (format!("{:.1}", stroke.mm)) " mm." }
         (figures(&runs, stroke))
         @for Named { name, tracking } in &runs {
             h2 { (name) }

@@ -79,7 +79,7 @@ pub const USUAL: [(&str, f64); 2] = [("pressure_bar", 1.0), ("contraction_mm", 1
 
 /// Compares rows with those that they are of; times are counted from the first one.
 pub fn compare(recording: &Recording, columns: [(&str, f64); 2], source: impl Fn(usize) -> usize) {
-    let Recording { drive, output } = recording;
+    let Recording { drive, output, .. } = recording;
     assert_eq!([&drive.input.channel.name, &output.channel.name], columns.map(|(name, _)| name));
     let [first_s, ..] = row(source(0));
     for (place, time_s) in drive.time_s.iter().enumerate() {

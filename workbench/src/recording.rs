@@ -178,7 +178,7 @@ impl Recording {
 
     /// The same with other scored rows.
     pub fn with_scored(&self, scored: Vec<bool>) -> Self {
-        Self { drive: Drive { scored, ..self.drive.clone() }, output: self.output.clone() }
+        Self { drive: Drive { scored, ..self.drive.clone() }, ..self.clone() }
     }
 
     /// What is to be identified.

@@ -15,7 +15,6 @@ use crate::Error;
 use crate::bus::settings::settle;
 use crate::child::Stop;
 use crate::emulator::image;
-use crate::model_file::ModelFile;
 use crate::output::Outputs;
 use crate::part::Part;
 use crate::pil::followed;

@@ -5,24 +5,22 @@
 //! jumps away in one step, and back in one. A run of samples is a drop-out where all of these hold:
 //!
 //! 1. *It jumps*: both ends are steps of more than [`FAR`] times the largest step that the
-//! recording makes elsewhere, its    largest few excepted. The steps at the ends of drop-outs do
-//! not count as elsewhere: which those are is found by    raising the limit until nothing changes.
+//!    recording makes elsewhere, its largest few excepted. The steps at the ends of drop-outs do
+//!    not count as elsewhere: the limit is raised until nothing changes.
 //! 2. *It returns*: from the sample before the run to the one after it the muscle can have gone by
-//! its own steps, and    the run is on one side of that way. 3. *Nothing drives it*: no step of the
-//! driving signal explains it ([`Signal::driven`]). 4. *It bears the mark of a sensor*
-//! ([`Search::is_marked`]): at most [`BRIEF`] samples off a signal that moves    slowly there, or
-//! one value for longer than the sensor ever shows one elsewhere, or outside the range of nearly
-//! all    samples, or a jump that takes more acceleration than muscles have.
+//!    its own steps, and the run is on one side of that way.
+//! 3. *Nothing drives it*: no step of the driving signal explains it ([`Signal::driven`]).
+//! 4. *It bears the mark of a sensor* ([`Search::is_marked`]): at most [`BRIEF`] samples, or one
+//!    value for longer than the sensor shows any elsewhere, or a range of its own, or jumps within,
+//!    or jumps that no muscle or hand is fast enough for.
 //!
 //! At the beginning and at the end of a recording there is only one jump: there the mark has to be
-//! one value, or a range of its own.
+//! one value, or a range far outside that of the other samples.
 //!
 //! # Limits
-//! A drop-out that is no larger than the muscle's own steps (a recording of one sample a second),
-//! or that begins or ends where the driving signal jumps or where rows are missing, is not told
-//! from the muscle. An unrecorded load that is taken off for a few samples and put back is told
-//! from a drop-out by its acceleration only: where samples are far apart, by nothing unless it is
-//! brief.
+//! A drop-out that is no larger than the muscle's own steps (a recording of one sample a second), or
+//! that begins or ends where the driving signal jumps or where rows are missing, is not told from
+//! the muscle. An unrecorded load that is taken off and put back within two samples is called one.
 
 use std::ops::Range;
 

@@ -92,7 +92,10 @@ fn the_page_shows_the_loop_stops_the_board_and_releases_a_fault() {
     browser.open(&watch.address, 1200);
     browser.wait("document.querySelector('#state')?.textContent === 'Tracking'");
     for plot in ["contraction", "pressure", "loop", "error"] {
-        browser.wait(&format!("document.querySelector('#{plot} polyline').points.numberOfItems > 40"));
+        // A set point that stays is a line of two points.
+        browser.wait(&format!(
+            "[...document.querySelectorAll('#{plot} polyline')].some(line => line.points.numberOfItems > 40)"
+        ));
     }
     browser.wait("parseFloat(document.querySelector('#now').textContent) > 20");
     browser.wait("/^\\d+\\.\\d+ mm over the last \\d+ s/.test(document.querySelector('#rmse').textContent)");
@@ -104,9 +107,10 @@ fn the_page_shows_the_loop_stops_the_board_and_releases_a_fault() {
     assert!(["kp", "ki", "kd"].iter().all(|gain| gains.contains(gain)), "{gains}");
     browser.picture("watch-tracking");
     browser.click("#pause");
-    let held = browser.value("document.querySelector('#contraction polyline').getAttribute('points')");
+    let drawn = "[...document.querySelectorAll('#contraction polyline')].map(line => line.getAttribute('points')).join('|')";
+    let held = browser.value(drawn);
     thread::sleep(Duration::from_millis(400));
-    let later = browser.value("document.querySelector('#contraction polyline').getAttribute('points')");
+    let later = browser.value(drawn);
     assert_eq!(held, later, "a paused page goes on");
     browser.click("#pause");
     browser.wait("document.querySelector('#pause').textContent === 'Pause the page'");

@@ -11,7 +11,8 @@ use firmware::sized::{self, SizedInverse};
 use firmware::{Control, LockStepBoard, scaling};
 use model_core::{InverseHysteresis, Mode, TrackingParameters};
 use wire::{
-    Configuration, DEAD_ZONES, FRAME_BYTES, PLAYS, Receiver, Request, Response, TickRequest, VERSION,
+    Configuration, DEAD_ZONES, FRAME_BYTES, PLAYS, Protection, Receiver, Request, Response, TickRequest,
+    VERSION,
 };
 
 use super::inputs::Sample;
@@ -45,6 +46,8 @@ pub fn emulated(link: &UnixStream, parameters: &Parameters, samples: &[Sample]) 
         Ok(answer)
     };
 
+    // The samples come from no muscle: the monitors of one would end the run.
+    demand(&Request::Protect(Protection::SIMULATED)).context("its protection")?;
     let configuration = Configuration { version: VERSION, tracking: parameters.clone() };
     demand(&Request::Configure(configuration)).context("its configuration")?;
     let mut mode = Mode::Both;

@@ -17,7 +17,7 @@ use firmware::law::{extended_parameters, paper_parameters};
 use firmware::{AdcCode, Samples, scaling};
 use model_core::{Mode, Surroundings};
 use probe::Production;
-use wire::{Configuration, Protection, Request, Response, VERSION};
+use wire::{Configuration, Protection, Refusal, Request, Response, VERSION};
 
 use super::bounds::Figure;
 use super::counted::{Cost, plugin_option, read_costs};
@@ -111,12 +111,13 @@ fn run(
     let mut board = Production::start(&image.path, &[], None, &options)?;
     board.tick(Some(converted(0.0)))?;
     // What watches the plant is at work like the rest, but the plant is no muscle here.
-    demand(&mut board, &Request::Protect(Protection::SIMULATED))?;
-    demand(&mut board, &Request::Configure(Configuration { version: VERSION, tracking: parameters }))?;
-    demand(&mut board, &Request::Start(Mode::Both))?;
+    demand(&mut board, &Request::Protect(Protection::SIMULATED), UNSTORED)?;
+    let configuration = Configuration { version: VERSION, tracking: parameters };
+    demand(&mut board, &Request::Configure(configuration), UNSTORED)?;
+    demand(&mut board, &Request::Start(Mode::Both), Response::Accepted)?;
     for sample in inputs::dearest(samples) {
         board.tick(Some(converted(sample.contraction_mm)))?;
-        demand(&mut board, &Request::Reference(sample.reference_mm))?;
+        demand(&mut board, &Request::Reference(sample.reference_mm), Response::Accepted)?;
     }
     let stack = [board.stack_bytes()?, board.stack_room()];
     board.end()?;
@@ -138,8 +139,11 @@ fn converted(contraction_mm: f32) -> Samples {
     }
 }
 
-fn demand(board: &mut Production, request: &Request) -> Result<()> {
+/// The answer to a change of what the board keeps: the emulated flash stores nothing.
+const UNSTORED: Response = Response::Refused(Refusal::NotStored);
+
+fn demand(board: &mut Production, request: &Request, expected: Response) -> Result<()> {
     let response = board.request(request)?;
-    ensure!(response == Response::Accepted, "the production image answers {response:?} to {request:?}");
+    ensure!(response == expected, "the production image answers {response:?} to {request:?}");
     Ok(())
 }

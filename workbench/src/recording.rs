@@ -243,6 +243,13 @@ impl Drive {
         };
         let first_s = stamps_s[0];
         let count = stamps_s.len();
+        // What is written on purpose repeats a time by mistake, not by a logger's habit.
+        let repeats = |row: &usize| stamps_s[*row] == stamps_s[row - 1];
+        if choice.may_be_sparse
+            && let Some(row) = (1..count).find(repeats)
+        {
+            return Err(at_time(row).error(DataProblem::TimeRepeats(stamps_s[row])));
+        }
         let found = increasing(stamps_s).map_err(goes_back)?;
         if found.time_s.len() == 1 && count > 1 {
             return Err(at_time(0).error(DataProblem::TimeStands(first_s)));

@@ -109,8 +109,10 @@ fn an_existing_table_is_kept_unless_forced() {
 #[test]
 fn a_recording_that_no_model_can_be_made_of_is_refused() {
     let bench = bench();
-    bench
-        .write("still.csv", "time_s,pressure_bar,contraction_mm\n0,1,2\n1,1,2\n2,1,2\n3,1,2\n4,1,2\n5,1,2\n");
+    bench.write(
+        "still.csv",
+        "time_s,pressure_bar,contraction_mm\n0,1,2\n.1,1,2\n.2,1,2\n.3,1,2\n.4,1,2\n.5,1,2\n",
+    );
     let refusal = bench.refuses("compare still.csv -o t.csv --models cpi --sizes 1/1");
     assert!(refusal.contains("the input is constant (1)"), "{refusal}");
 }

@@ -130,7 +130,7 @@ fn the_report_is_one_file_that_needs_nothing_from_outside() {
     let bench = bench();
     bench.succeeds("identify rec.csv -o model.toml --report r.html --starts 2");
     let page = bench.read("r.html");
-    assert_self_contained(&page, 8);
+    assert_self_contained(&page, 11);
     for text in [
         "Loops: contraction over pressure",
         "Error over time",
@@ -178,7 +178,7 @@ fn the_papers_figures_are_drawn_from_a_log() {
     let report = "report --model paper.toml --recording rec.csv --log log.csv -o r.html";
     bench.succeeds(report);
     let page = bench.read("r.html");
-    assert_self_contained(&page, 8);
+    assert_self_contained(&page, 12);
     for text in ["Fig. 8", "Fig. 11", "Fig. 12", "Fig. 13", "largest error 0.5000 mm"] {
         assert!(page.contains(text), "{text} is missing");
     }

@@ -257,7 +257,8 @@ fn the_second_recording_needs_the_columns_of_the_first() {
     let message = bench.refuses("identify rec.csv -o model.toml --validate second.csv");
     assert_eq!(
         message,
-        "error: second.csv: no column pressure_bar; the file has time_s, command_bar, contraction_mm\n"
+        "error: second.csv: no column pressure_bar; the file has time_s, command_bar, contraction_mm; \
+         if command_bar is meant, say --input command_bar\n"
     );
 }
 

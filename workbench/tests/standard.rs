@@ -59,7 +59,7 @@ fn what_was_done_to_read_a_file_is_said_and_kept() {
     bench.write("stutter.csv", &text);
     let output = bench.mgpi("identify stutter.csv -o model.toml --json r.json --starts 2 --no-holdout");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    let note = "1 rows with a repeated time were averaged with those of the same time";
+    let note = "1 row with a repeated time was averaged with those of the same time";
     assert!(said.contains(&format!("note: stutter.csv: {note}\n")), "{said}");
     let figures: serde_json::Value = serde_json::from_str(&bench.read("r.json")).expect("JSON");
     assert_eq!(figures["notes"][0], note);

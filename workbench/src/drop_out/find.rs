@@ -34,6 +34,11 @@ const FAR: f64 = 4.0;
 const RARE: f64 = 1e-3;
 /// The search for the limit begins at the steps that this share is above.
 const ORDINARY: f64 = 1e-2;
+/// A step of so many times the range of nine tenths of the samples leads out of all that the signal
+/// does, however often it is made.
+const BEYOND: f64 = 2.0;
+/// The share of samples below, or above, those nine tenths.
+const TENTH: f64 = 0.05;
 /// Samples that are off on their own, without any other mark.
 const BRIEF: usize = 2;
 /// A movement goes on: its next step is more than this share of the last.
@@ -96,7 +101,9 @@ impl<'a> Search<'a> {
         let sizes = || steps.iter().map(|step| step.abs());
         // What a sensor resolves is no jump.
         let quantum = sizes().filter(|size| *size > 0.0).fold(f64::INFINITY, f64::min);
-        let limit = FAR * nth_largest(sizes(), ORDINARY).max(quantum);
+        let (low, high) = quantiles(values, TENTH);
+        let ordinary = FAR * nth_largest(sizes(), ORDINARY).max(quantum);
+        let limit = if high > low { ordinary.min(BEYOND * (high - low)) } else { ordinary };
         Some(Self { signal, step_s, steps, outer: quantiles(values, OUTER), limit })
     }
 

@@ -60,7 +60,12 @@ pub fn increasing(stamps_s: Vec<f64>) -> Result<Increasing, usize> {
         }
     }
     let again = rows - stamps;
-    let note = format!("{again} rows with a repeated time were averaged with those of the same time");
+    let rows = if again == 1 {
+        "1 row with a repeated time was"
+    } else {
+        &format!("{again} rows with a repeated time were")
+    };
+    let note = format!("{rows} averaged with those of the same time");
     let time_s = begins.iter().map(|&row| stamps_s[row]).collect();
     Ok(Increasing { time_s, begins: Some(begins), note: Some(note) })
 }

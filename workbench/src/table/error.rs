@@ -133,6 +133,8 @@ pub enum DataProblem {
          split the file there, or sort its rows"
     )]
     TimeGoesBack { value: f64, previous: f64 },
+    #[error("time does not increase: {0} s stands in two rows of a reference")]
+    TimeRepeats(f64),
     #[error("all rows have the same time, {0} s")]
     TimeStands(f64),
     #[error(

@@ -7,7 +7,7 @@
 //! is scored on until then would teach the model a past that it has not had.
 //!
 //! # Limits
-//! Where that would take more than [`MOST`] of the scored samples, all stay: a doubtful past is worth
+//! Where that would take more than `MOST` of the scored samples, all stay: a doubtful past is worth
 //! less than many samples.
 
 use crate::numbers::range;

@@ -23,7 +23,7 @@
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`], [`stuck`] | what is wrong but none of the causes |
 //! | `proven` | whether what is named holds in a model that is simulated |
-//! | [`poor`], [`trivial`] | whether the model that is written describes the recording |
+//! | [`mod@poor`], [`trivial`] | whether the model that is written describes the recording |
 //! | `noisy_input` | the input smoothed where its noise would pass for movement |
 //! | [`physical`] | the parameters in units that people measure in |
 //! | [`mod@extend`] | the operator model extended by the named causes, running free, and its gain |

@@ -99,7 +99,7 @@ pub fn unexplained(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> 
 }
 
 /// That a simulated model with the named causes is no better than one without: it has to be better over all samples and, by more than
-/// the standard error, over those that took no part in the fit; and by [`GAIN`] over one or the other.
+/// the standard error, over those that took no part in the fit; and by `GAIN` over one or the other.
 pub fn no_gain(extended: &Extended) -> Option<Unexplained> {
     let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
     let HeldOutGain { before: held_before, after: held_after, .. } = &extended.heldout;

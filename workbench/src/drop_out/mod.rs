@@ -122,8 +122,10 @@ fn bridge_over(
 fn bridge(time_s: &[f64], values: &[f64], run: &Range<usize>, at: usize) -> f64 {
     match (run.start.checked_sub(1), Some(run.end).filter(|&end| end < values.len())) {
         (Some(before), Some(after)) => {
+            // Neither the times nor the values may be so far apart that their difference is no number.
             let share = (time_s[at] - time_s[before]) / (time_s[after] - time_s[before]);
-            values[before] + share * (values[after] - values[before])
+            let share = if share.is_finite() { share } else { 0.0 };
+            (1.0 - share) * values[before] + share * values[after]
         }
         (Some(side), None) | (None, Some(side)) => values[side],
         (None, None) => values[at],

@@ -46,7 +46,9 @@ impl Rows {
 
 fn mean(values: &[f64]) -> f64 {
     let present = || values.iter().filter(|value| !value.is_nan());
-    present().sum::<f64>() / present().count() as f64
+    let count = present().count() as f64;
+    // Divided first: the sum of large values may be no number.
+    if count == 0.0 { f64::NAN } else { present().map(|value| value / count).sum() }
 }
 
 /// Stretches of missing values: from where to where.

@@ -78,6 +78,8 @@ class Chip:
         self.is_halted = self._is_asleep = self._is_stopped = False
         # How often the processor has waited for an interrupt.
         self.sleeps = 0
+        # What lay on the stack when an exception began, at the most. Unit: byte.
+        self.below = {}
         self._make_processor()
         self._make_peripherals()
 
@@ -263,6 +265,8 @@ class Chip:
         values = [self.uc.reg_read(register) for register in CORE + FLOATS]
         values[6] = self._pc & ~1
         stack = self.uc.reg_read(arm.UC_ARM_REG_SP)
+        used = struct.unpack("<I", self.memory_read(START, 4))[0] - stack
+        self.below[number] = max(used, self.below.get(number, 0))
         is_odd = stack >> 2 & 1
         stack = (stack & ~7) - 4 * FRAME_WORDS
         if not RAM <= stack:

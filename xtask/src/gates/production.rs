@@ -79,17 +79,17 @@ pub fn figures(image: &Image, plugin: &Path, samples: &[Sample]) -> Result<Vec<F
     Ok(figures)
 }
 
-/// The most stack over all calls: while the image starts, where no interrupt comes; or by a message, with a tick on top. `room`: what
-/// there is. Unit: byte.
+/// The most stack over all calls: while the image starts, where ticks come but no message; or by a message, with a tick on top.
+/// `room`: what there is. Unit: byte.
 fn deepest_stack(image: &Image, room: u32) -> Result<Figure> {
     let mut depths = Depths::of(image)?;
-    let start = depths.deepest(image.function(MAIN)?)?;
+    let tick = depths.interrupt(image.function(TICK)?)?;
+    let start = depths.deepest(image.function(MAIN)?)? + tick;
     let mut message = 0;
     for port in PORTS {
         message = message.max(depths.interrupt(image.function(port)?)?);
     }
-    let running =
-        depths.deepest(image.function(SUPERVISOR)?)? + message + depths.interrupt(image.function(TICK)?)?;
+    let running = depths.deepest(image.function(SUPERVISOR)?)? + message + tick;
     Ok(Figure {
         name: "image stm32f405, most bytes of stack over all calls".to_owned(),
         value: start.max(running) as f64,

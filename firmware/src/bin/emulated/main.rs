@@ -22,6 +22,8 @@
 mod bus_port;
 #[path = "../../hardware/link.rs"]
 mod link;
+#[path = "../../hardware/ports.rs"]
+mod ports;
 #[path = "../../hardware/safe_end.rs"]
 mod safe_end;
 #[path = "../../hardware/usart.rs"]
@@ -49,6 +51,7 @@ mod app {
 
     use crate::bus_port::{BusPort, DriverEnable};
     use crate::link::{answer, log_change};
+    use crate::ports;
     use crate::usart::Usart;
 
     /// The emulated port does not time its bits; any clock will do.
@@ -112,6 +115,7 @@ mod app {
         capture: Capture = Capture::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
+        ports::hold();
         let mut usart = Usart::new(cx.device.USART2, CLOCK_HZ);
         let parameters = Parameters::FACTORY;
         let mut control = Control::new(parameters.protection, None, cx.local.black_box, cx.local.capture);
@@ -128,6 +132,7 @@ mod app {
     /// Sleeps between bytes: a processor that spins takes the host's time from the plant.
     #[idle]
     fn idle(_: idle::Context) -> ! {
+        ports::release();
         loop {
             cortex_m::asm::wfi();
         }

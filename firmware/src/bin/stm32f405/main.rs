@@ -33,12 +33,12 @@ mod bus_port;
 mod drivers;
 #[path = "../../hardware/link.rs"]
 mod link;
+#[path = "../../hardware/ports.rs"]
+mod ports;
 #[path = "../../hardware/safe_end.rs"]
 mod safe_end;
 #[path = "../../hardware/usart.rs"]
 mod usart;
-
-use core::sync::atomic::AtomicBool;
 
 use defmt_rtt as _;
 use drivers::{memory, valve};
@@ -47,8 +47,6 @@ use wire::Fault;
 
 /// Where the tasks check in.
 static CHECK_INS: CheckIns = CheckIns::new();
-/// Whether `init` is over, and its stack free again: interrupts come before that.
-static IS_UP: AtomicBool = AtomicBool::new(false);
 
 /// Vents, whatever state the program is in.
 fn make_safe() {
@@ -71,8 +69,6 @@ unsafe fn NonMaskableInt() -> ! {
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
-    use core::sync::atomic::Ordering;
-
     use firmware::bus::Bus;
     use firmware::node::{Node, apply};
     use firmware::store::{ParameterStore, Parameters, SaveError};
@@ -93,7 +89,7 @@ mod app {
     use crate::drivers::{SensorsAndValve, memory, output};
     use crate::link::{answer, log_change};
     use crate::usart::Usart;
-    use crate::{CHECK_INS, IS_UP};
+    use crate::{CHECK_INS, ports};
 
     /// The standard's silence before a frame is 1.75 ms, and a byte of 0.09 ms follows; a tick may delay either end by 0.07 ms.
     /// Unit: µs.
@@ -150,7 +146,7 @@ mod app {
         /// Whichever task comes first behind `init`, which has not the stack for it, takes what was stored.
         fn new(control: C, kept: &'a mut Kept) -> Self {
             let mut node = Self { control, kept };
-            if !node.kept.is_taken && IS_UP.load(Ordering::Relaxed) {
+            if !node.kept.is_taken {
                 node.kept.is_taken = true;
                 node.take();
             }
@@ -203,6 +199,7 @@ mod app {
 
     #[init(local = [capture: Capture = Capture::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
+        ports::hold();
         let device = cx.device;
         clock::feed_peripherals(&device.RCC);
         let hardware_watchdog = HardwareWatchdog::start(device.IWDG, &device.DBGMCU);
@@ -254,7 +251,7 @@ mod app {
     /// The supervisor. The tick wakes it.
     #[idle(shared = [control], local = [light, logged])]
     fn supervise(mut cx: supervise::Context) -> ! {
-        IS_UP.store(true, Ordering::Relaxed);
+        ports::release();
         loop {
             CHECK_INS.check_in(Task::Supervisor);
             rtic::pend(Interrupt::USART2);

@@ -17,6 +17,7 @@ use crate::output::OutputError;
 use crate::part::PartError;
 use crate::pil::PilError;
 use crate::plan::PlanError;
+use crate::simulation::SimulationError;
 use crate::table::DataError;
 
 /// Why a command did not do its work.
@@ -28,6 +29,9 @@ pub enum Error {
     /// A model file is not what it should be.
     #[error(transparent)]
     ModelFile(#[from] ModelFileError),
+    /// A model does not answer a recording.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
     /// Parameters that no model can be made of.
     #[error(transparent)]
     Parameter(#[from] ParameterError),

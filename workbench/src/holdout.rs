@@ -33,7 +33,7 @@ pub struct Later {
 pub fn later_cycles(recording: &Recording, options: &Options, progress: Tell<'_>) -> Option<Later> {
     let Recording { drive, output, .. } = recording;
     let first = split(&drive.input.values, &drive.scored)?;
-    let problem = Problem { scored: &part(&drive.scored, first, true), ..recording.problem() };
+    let problem = Problem { scored: &part(&drive.scored, first, true), ..recording.into() };
     let fit = identification::identify(&problem, options, progress).ok()?;
     let scored = part(&drive.scored, first, false);
     let figures = Figures::of(&output.values, &fit.simulated, &scored);

@@ -30,9 +30,7 @@ use std::path::{Path, PathBuf};
 use crate::drop_out::take_out;
 use crate::figures::{Figures, stroke};
 use crate::history::UnknownPast;
-use crate::identification::Problem;
 use crate::left_out::LeftOut;
-use crate::model_file::Source;
 use crate::table::clock::increasing;
 use crate::table::naming::Naming;
 use crate::table::rows::{Rows, fill, holes};
@@ -95,6 +93,15 @@ pub struct Series {
     pub channel: Channel,
     /// A value a row, in the channel's unit.
     pub values: Vec<f64>,
+}
+
+/// A file that figures come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The file, as it was named.
+    pub file: String,
+    /// SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
 }
 
 /// How regular the times of a recording are.
@@ -179,12 +186,6 @@ impl Recording {
     /// The same with other scored rows.
     pub fn with_scored(&self, scored: Vec<bool>) -> Self {
         Self { drive: Drive { scored, ..self.drive.clone() }, ..self.clone() }
-    }
-
-    /// What is to be identified.
-    pub fn problem(&self) -> Problem<'_> {
-        let Self { drive, output, .. } = self;
-        Problem { input: &drive.input.values, output: &output.values, scored: &drive.scored }
     }
 
     /// Highest less lowest scored output. Output unit.

@@ -9,19 +9,30 @@
 //! The first row finds the muscle standing still.
 
 use model_core::extension::Sample;
-use model_core::{ExtendedModel, InputError, Surroundings};
+use model_core::{ExtendedModel, InputError, ParameterError, Surroundings};
+use thiserror::Error;
 
-use crate::Error;
 use crate::model_file::ModelFile;
 use crate::recording::{Drive, TIME};
-use crate::table::{DataProblem, Table};
+use crate::table::{DataError, DataProblem, Table};
 use crate::unit::Unit;
+
+/// Why a model does not answer a recording.
+#[derive(Debug, Error)]
+pub enum SimulationError {
+    /// The recording lacks a column, or a row cannot follow another.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// The file's parameters are no model with these extensions.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+}
 
 /// The model's output for every row.
 ///
 /// # Errors
 /// A column that an extension needs is missing; rows too near each other for a delay.
-pub fn simulate(model: &ModelFile, table: &Table, drive: &Drive) -> Result<Vec<f64>, Error> {
+pub fn simulate(model: &ModelFile, table: &Table, drive: &Drive) -> Result<Vec<f64>, SimulationError> {
     let column = |needed: bool, name, unit| match needed {
         true => {
             let found = drive.beside(table, name, unit)?;

@@ -1,6 +1,6 @@
 //! What `mgpi capture` plays where nobody says what: slow triangles of falling height, two fast swings, holds.
 
-use crate::plan::course::{Course, Limits};
+use crate::course::{Course, Limits};
 
 /// Peaks of the triangles, as shares of the range: the loop and its inner loops, as in Fig. 8 of the paper.
 const PEAKS: [f64; 6] = [1.0, 5.0 / 6.0, 4.0 / 6.0, 3.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0];

@@ -4,10 +4,9 @@ use model_core::Hysteresis;
 use serde_json::{Map, Value, json};
 
 use crate::identification::Fit;
-use crate::identification::named::{Dimension, slope_dimension};
+use crate::model::named::{Dimension, slope_dimension};
 use crate::model_file::{Identification, ModelFile};
 use crate::recording::Recording;
-use crate::worth::Worth;
 
 /// Figures and parameters of an identification; the keys carry the units of the model's columns.
 pub fn to_json(
@@ -40,7 +39,7 @@ pub fn to_json(
         "training": identification.training.to_json(unit),
         "heldout": identification.heldout.as_ref().map(|heldout| heldout.figures.to_json(unit)),
         "heldout_from_s": identification.heldout.as_ref().and_then(|heldout| heldout.from_s),
-        "worth": Worth::of(identification).to_json(),
+        "worth": identification.worth().to_json(),
         "parameters": parameters.collect::<Vec<_>>(),
         // In the order of the parameters; serialisation makes null of what is not a number.
         "correlation": correlation.collect::<Vec<_>>(),

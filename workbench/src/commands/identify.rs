@@ -10,15 +10,15 @@ use super::identified_json;
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::comparison::{self, Comparison, choice};
 use crate::holdout::{self, later_cycles, share_before};
-use crate::identification::named::slope_dimension;
 use crate::identification::{self, CONVERGED, Fit, Loss, Options, Strays, Weights};
+use crate::model::named::slope_dimension;
 use crate::model_file::names::Names;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::output::Outputs;
 use crate::progress::within;
 use crate::recording::{Recording, Timing};
 use crate::report::identified::Identified;
-use crate::worth::{Limit, Worth};
+use crate::worth::Limit;
 use crate::{Error, TOOL};
 
 /// Identifies a model from a recording.
@@ -172,7 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let holds_out = other.is_none() && !arguments.no_holdout;
     let share = if holds_out { share_before(&recording, &options) } else { 1.0 };
     let (fit, seconds, later) = with_bar("identifying", |progress| {
-        let fit = identification::identify(&recording.problem(), &options, &within(progress, [0.0, share]))?;
+        let fit = identification::identify(&(&recording).into(), &options, &within(progress, [0.0, share]))?;
         let seconds = begin.elapsed().as_secs_f64();
         let later = || later_cycles(&recording, &options, &within(progress, [share, 1.0]));
         Ok((fit, seconds, holds_out.then(later).flatten()))
@@ -217,7 +217,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     outputs.commit()?;
     print_summary(&recording, &identification, &model.names(), &fit, seconds);
-    warn_of_poor_fit(&recording, &Worth::of(&identification));
+    warn_of_poor_fit(&recording, &identification.worth());
     Ok(())
 }
 
@@ -321,7 +321,7 @@ fn print_summary(
         }
         None => say!("held out      nothing: no second half of cycles, and no other recording (--validate)"),
     }
-    say!("worth         {}", Worth::of(identification));
+    say!("worth         {}", identification.worth());
     if let [first, ..] = fit.outliers[..] {
         let (count, first_s) = (fit.outliers.len(), drive.time_s[first]);
         say!(

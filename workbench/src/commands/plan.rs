@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::plant::positive;
 use crate::Error;
+use crate::course::Limits;
 use crate::diagnosis::cause::Cause;
 use crate::output::Outputs;
-use crate::plan::course::Limits;
 use crate::plan::{Plan, Wish};
 
 /// Plans an excitation: a command whose recording separates causes that are still confounded.

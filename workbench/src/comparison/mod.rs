@@ -137,7 +137,7 @@ impl Row {
     fn of(recording: &Recording, heldout: HeldOut<'_>, options: &Options, progress: Tell<'_>) -> Self {
         let begin = Instant::now();
         let share = heldout.share_before(recording, options);
-        let fit = identification::identify(&recording.problem(), options, &within(progress, [0.0, share]));
+        let fit = identification::identify(&recording.into(), options, &within(progress, [0.0, share]));
         let seconds = begin.elapsed().as_secs_f64();
         let outcome = fit.map(|fit| Outcome {
             training: recording.figures(&fit.simulated),

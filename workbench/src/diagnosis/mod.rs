@@ -85,11 +85,11 @@ use thiserror::Error;
 
 use crate::drop_out::DropOut;
 use crate::identification::IdentificationError;
+use crate::noise::{self, NoiseFloor};
 use crate::numbers::{range, root_mean_square};
 use crate::unit::Unit;
 use anatomy::examinable::{Examinable, Inseparable, ValveView, examinable, inseparable};
 use anatomy::excitation::Excitation;
-use anatomy::noise::NoiseFloor;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
 use cause::Cause;
@@ -140,7 +140,7 @@ pub struct Columns {
 impl Columns {
     /// The noise of the output in the scored rows. Output unit.
     pub fn noise_floor(&self) -> NoiseFloor {
-        anatomy::noise::floor(&self.of_scored(&self.time_s), &self.of_scored(&self.output))
+        noise::floor(&self.of_scored(&self.time_s), &self.of_scored(&self.output))
     }
 
     /// What a column has in the rows that may be scored.
@@ -309,7 +309,7 @@ pub fn diagnose_and_extend(
     }
     diagnosis.inseparable = inseparable;
     diagnosis.unexamined = unexamined;
-    measure(&mut diagnosis, &extended, is_third_order, anatomy::steps(&columns.time_s).0);
+    measure(&mut diagnosis, &extended, is_third_order, noise::steps(&columns.time_s).0);
     if diagnosis.verdict != Verdict::Unexplained
         && let Some(poor) = poor(&search, columns, &extended)
     {

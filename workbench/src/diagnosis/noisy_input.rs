@@ -5,7 +5,7 @@
 //! operators are driven by the input smoothed.
 
 use super::Columns;
-use super::anatomy::noise;
+use crate::noise;
 use crate::numbers::quantiles;
 use crate::smoothing::{Smoothed, smoothed};
 

@@ -10,15 +10,15 @@
 use std::sync::Arc;
 
 use super::Columns;
-use super::anatomy::noise::NoiseFloor;
 use super::anatomy::spectrum::InputLines;
-use super::anatomy::steps;
 use super::effect::Rate;
 use super::output::low_pass;
 use super::rates::{JERK_WINDOW, WINDOW, local_cubic, speed};
 use super::recorded::Recorded;
 use super::thinning::Thinning;
 use crate::drop_out::DropOut;
+use crate::noise::NoiseFloor;
+use crate::noise::steps;
 use crate::numbers::{quantiles, range, root_mean_square, travel};
 
 /// Most rows that are scored in the search.

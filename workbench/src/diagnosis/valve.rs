@@ -10,10 +10,10 @@
 use rayon::prelude::*;
 
 use super::Columns;
-use super::anatomy::steps;
 use super::cause::Cause;
 use super::equivalent::delayed;
 use super::output::low_pass;
+use crate::noise::steps;
 use crate::numbers::range;
 use crate::unit::Unit;
 

@@ -3,9 +3,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::named::Named;
 use super::tests::{fit, options, triangles, truth};
 use super::{Options, simulate};
+use crate::model::named::Named;
 
 /// Recordings of each kind of noise.
 const RECORDINGS: usize = 50;

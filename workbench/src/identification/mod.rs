@@ -14,7 +14,7 @@
 //! | `starts` | where the searches begin |
 //! | `search` | the searches, one after the other and side by side |
 //! | `plan` | how much work they are |
-//! | `raw`, [`named`] | the way to the raw parameters, and their names |
+//! | `raw` | the way to the raw parameters |
 //! | `robust` | Huber's loss |
 //! | `strays` | when it is needed |
 //! | `thinning` | a shorter recording that is enough to search on |
@@ -42,7 +42,6 @@ mod data;
 mod envelope;
 mod error;
 mod inner;
-pub mod named;
 mod nnls;
 mod plan;
 mod plays;
@@ -60,7 +59,7 @@ mod thinning;
 mod uncertainty;
 
 use model_core::envelope::KNOTS;
-use model_core::{ExtendedModel, Hysteresis, Invertible, Kind, Model, ModelParameters, ParameterError};
+use model_core::{Invertible, Kind, ParameterError};
 
 use data::{Data, normalise};
 pub use error::IdentificationError;
@@ -75,21 +74,12 @@ use sums::FURTHER;
 pub use termination::Termination;
 pub use uncertainty::{Estimate, Uncertainty};
 
+pub use crate::model::{DEAD_ZONES, Density, HostExtendedModel, HostModel, HostParameters, PLAYS, simulate};
 use crate::progress::{Tell, Work};
+use crate::recording::Recording;
 
-/// The largest number of plays of a model on the host.
-pub const PLAYS: usize = 128;
-/// The largest number of dead zones of a model on the host.
-pub const DEAD_ZONES: usize = 128;
 /// The largest number of plays with free weights.
 pub const FREE: usize = 32;
-/// Raw parameters of a model on the host.
-pub type HostParameters = ModelParameters<f64, PLAYS, DEAD_ZONES>;
-/// A model on the host.
-pub type HostModel = Model<f64, PLAYS, DEAD_ZONES>;
-/// A model with its extensions on the host.
-pub type HostExtendedModel = ExtendedModel<f64, PLAYS, DEAD_ZONES>;
-
 /// Number of starts, unless the user has it otherwise.
 pub const STARTS: usize = 24;
 /// Seed of the starts, unless the user has it otherwise.
@@ -106,6 +96,12 @@ pub struct Problem<'a> {
     pub output: &'a [f64],
     /// Whether a row counts; the others are input history only.
     pub scored: &'a [bool],
+}
+
+impl<'a> From<&'a Recording> for Problem<'a> {
+    fn from(Recording { drive, output, .. }: &'a Recording) -> Self {
+        Self { input: &drive.input.values, output: &output.values, scored: &drive.scored }
+    }
 }
 
 /// How to identify.
@@ -157,25 +153,6 @@ pub enum Weights {
     Exponential,
     /// Each by itself.
     Free,
-}
-
-/// What the thresholds and weights of the plays come from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Density {
-    /// Equations (9) and (10).
-    Exponential {
-        /// Weight of a play of threshold 0.
-        rho: f64,
-        /// Decay of the weights with the threshold.
-        tau: f64,
-        /// Distance of the thresholds.
-        alpha: f64,
-    },
-    /// Equally spaced thresholds, equation (9), each with a weight of its own.
-    Free {
-        /// Distance of the thresholds.
-        alpha: f64,
-    },
 }
 
 /// An identified model.
@@ -297,12 +274,6 @@ impl Searches<'_> {
             density,
         })
     }
-}
-
-/// The model's output for every input, from rest; the inputs are finite.
-pub fn simulate(model: &HostModel, input: &[f64]) -> Vec<f64> {
-    let mut state = model.rest_state();
-    input.iter().map(|&x| model.step(&mut state, x).unwrap_or(f64::NAN)).collect()
 }
 
 #[cfg(test)]

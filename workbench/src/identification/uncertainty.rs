@@ -15,10 +15,10 @@ use super::collinear;
 use super::coordinates::Coordinate;
 use super::data::Data;
 use super::inner::Inner;
-use super::named::{Named, named};
 use super::problem::{LEAST_EIGENVALUE, Point, grid};
 use super::projection::Linear;
 use super::raw;
+use crate::model::named::{Named, named};
 
 /// The share of a parameter's largest derivative by an unknown up to which another unknown, held at a bound, leaves it
 /// free: weights of plays that are next to nothing move the other weights by next to nothing.

@@ -15,8 +15,8 @@ use model_core::envelope::EnvelopeParameters;
 use super::names::Names;
 use super::{HeldOut, Identification, ModelFile, extensions};
 use crate::figures::Figures;
-use crate::identification::named::{Dimension, named};
-use crate::identification::{Density, HostModel, HostParameters};
+use crate::model::named::{Dimension, named};
+use crate::model::{Density, HostModel, HostParameters};
 use crate::unit::{Channel, Unit};
 
 /// How many of the new units one of the old is.

@@ -7,7 +7,7 @@ use toml::Table;
 use super::names::Names;
 use super::section::Section;
 use super::{Problem, extensions, parameters, read, write};
-use crate::identification::HostParameters;
+use crate::model::HostParameters;
 
 /// The model as a table.
 pub fn to_table(parameters: &HostParameters, extensions: &ExtensionParameters<f64>) -> Table {

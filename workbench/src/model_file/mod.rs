@@ -34,10 +34,11 @@ use model_core::{ExtensionParameters, ParameterError};
 use thiserror::Error;
 
 use crate::figures::Figures;
-use crate::identification::{Density, HostExtendedModel, HostModel, HostParameters, simulate};
 use crate::input;
+use crate::model::{Density, HostExtendedModel, HostModel, HostParameters, simulate};
+use crate::recording::Source;
 use crate::unit::Channel;
-use crate::worth::Limit;
+use crate::worth::{Limit, Worth};
 use names::Names;
 use section::KeyError;
 
@@ -96,6 +97,14 @@ pub struct Identification {
     pub standard_errors: Vec<(String, f64)>,
 }
 
+impl Identification {
+    /// What the model is worth.
+    pub fn worth(&self) -> Worth {
+        let Self { training, heldout, stroke, limit, .. } = self;
+        Worth::from_figures(training, heldout.as_ref().map(|heldout| &heldout.figures), *stroke, *limit)
+    }
+}
+
 /// Figures on rows that took no part in identifying the model that they are of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeldOut {
@@ -106,15 +115,6 @@ pub struct HeldOut {
     pub from_s: Option<f64>,
     /// The figures. Output unit.
     pub figures: Figures,
-}
-
-/// A file that figures come from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Source {
-    /// The file, as it was named.
-    pub file: String,
-    /// SHA-256 of its bytes, in hexadecimal.
-    pub sha256: String,
 }
 
 /// What is wrong with a model file.
@@ -141,6 +141,11 @@ pub(crate) enum Problem {
 }
 
 impl ModelFile {
+    /// What the model is worth; None of a model that was not identified from a recording.
+    pub fn worth(&self) -> Option<Worth> {
+        self.identification.as_ref().map(Identification::worth)
+    }
+
     /// Reads a model file.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Keys and units of the raw parameters, with the units that they take over from the model's input and output.
 
-use crate::identification::named::Dimension;
+use crate::model::named::Dimension;
 use crate::unit::Unit;
 
 /// Units of a model's parameters.

@@ -23,8 +23,8 @@ use super::Problem;
 use super::names::Names;
 use super::section::{KeyError, Section};
 use super::write::{count, list, table};
-use crate::identification::named::Dimension;
-use crate::identification::{DEAD_ZONES, Density, HostParameters, PLAYS};
+use crate::model::named::Dimension;
+use crate::model::{DEAD_ZONES, Density, HostParameters, PLAYS};
 
 const TANH: &str = "tanh";
 const PIECEWISE_LINEAR: &str = "piecewise_linear";

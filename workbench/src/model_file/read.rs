@@ -5,12 +5,13 @@ use model_core::{Invertible, Kind, ParameterError};
 use super::names::Names;
 use super::section::{KeyError, Section};
 use super::{
-    FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, Problem, Source,
-    extensions, parameters,
+    FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, Problem, extensions,
+    parameters,
 };
 use crate::figures::Figures;
-use crate::identification::named::{Named, named};
-use crate::identification::{HostExtendedModel, HostModel};
+use crate::model::named::{Named, named};
+use crate::model::{HostExtendedModel, HostModel};
+use crate::recording::Source;
 use crate::unit::{Channel, Unit};
 use crate::worth::Limit;
 

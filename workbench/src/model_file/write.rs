@@ -4,12 +4,12 @@ use toml::{Table, Value};
 
 use super::names::Names;
 use super::{
-    FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, Source, extensions,
-    parameters,
+    FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, extensions, parameters,
 };
 use crate::figures::Figures;
-use crate::identification::HostParameters;
-use crate::identification::named::named;
+use crate::model::HostParameters;
+use crate::model::named::named;
+use crate::recording::Source;
 use crate::unit::Unit;
 
 /// The text of a model file.

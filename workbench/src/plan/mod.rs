@@ -8,7 +8,6 @@
 //! # Limits
 //! A slew limit slows the fast pieces down; how fast they still are is the user's to judge.
 
-pub mod course;
 mod part;
 mod rivals;
 #[cfg(test)]
@@ -21,9 +20,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use thiserror::Error;
 
-use self::course::{Course, Limits};
 pub use self::part::Part;
 use crate::TOOL;
+use crate::course::{Course, Limits};
 use crate::diagnosis::cause::Cause;
 
 /// How far slow pieces may be stretched, as a factor.

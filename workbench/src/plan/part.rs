@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::course::Course;
+use crate::course::Course;
 use crate::diagnosis::cause::Cause;
 
 /// A part of an excitation.

@@ -10,7 +10,7 @@ use super::parts::parts;
 use crate::identification::Uncertainty;
 use crate::model_file::{HeldOut, Identification, ModelFile};
 use crate::recording::Recording;
-use crate::worth::{Grade, Worth};
+use crate::worth::Grade;
 
 /// What an identification reports on.
 pub struct Identified<'a> {
@@ -110,7 +110,7 @@ impl Identified<'_> {
     fn figures(&self) -> Markup {
         let Identification { training, heldout, stroke, termination, starts, scored_rows, .. } =
             self.identification;
-        let (unit, worth) = (self.model.output.unit, Worth::of(self.identification));
+        let (unit, worth) = (self.model.output.unit, self.identification.worth());
         html! {
             @match worth.grade() {
                 Grade::Poor => {

@@ -2,8 +2,8 @@
 
 use super::shape::Shape;
 use super::{DEPLOYABLE, GOOD, Worth};
-use crate::diagnosis::anatomy::noise;
 use crate::figures::Figures;
+use crate::noise;
 use crate::recording::Recording;
 
 /// Less of the output's variance that goes with the input is no dependence: a quarter is a

@@ -19,7 +19,6 @@ pub use limit::Limit;
 use serde_json::{Value, json};
 
 use crate::figures::Figures;
-use crate::model_file::{Identification, ModelFile};
 
 /// A good model's largest error. Unit: share of stroke. The paper's model, ten plays and ten dead
 /// zones on one muscle, has an RMSE of 0.7 % of stroke; with the sensor and the muscle of another
@@ -64,12 +63,6 @@ pub struct Worth {
 }
 
 impl Worth {
-    /// That of an identification.
-    pub fn of(identification: &Identification) -> Self {
-        let Identification { training, heldout, stroke, limit, .. } = identification;
-        Self::from_figures(training, heldout.as_ref().map(|heldout| &heldout.figures), *stroke, *limit)
-    }
-
     /// That of a model with these figures and this stroke. Output unit.
     pub fn from_figures(
         training: &Figures,
@@ -127,13 +120,6 @@ impl fmt::Display for Worth {
         let samples = if self.is_heldout { "held-out samples" } else { "the samples of the fit" };
         write!(f, "{}, RMSE {:.2} % of stroke on {samples}", self.grade().name(), self.percent())?;
         self.reason().map_or(Ok(()), |reason| write!(f, "; {reason}"))
-    }
-}
-
-impl ModelFile {
-    /// What the model is worth; None of a model that was not identified from a recording.
-    pub fn worth(&self) -> Option<Worth> {
-        self.identification.as_ref().map(Worth::of)
     }
 }
 

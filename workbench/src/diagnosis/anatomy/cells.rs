@@ -1,6 +1,6 @@
 //! Fewer rows for the same answer: means of the residual over equal steps of time.
 
-use super::steps;
+use crate::noise::steps;
 
 /// The most cells.
 const MOST: usize = 4096;

@@ -8,10 +8,10 @@
 
 use serde::Serialize;
 
+use super::Residual;
 use super::axis::follows_time;
 use super::motion::{LEAST_SWING, Motion, since_elsewhere};
-use super::noise::floor;
-use super::{Residual, steps};
+use crate::noise::{floor, steps};
 use crate::numbers::range;
 
 /// The shortest hold that counts. Unit: s.

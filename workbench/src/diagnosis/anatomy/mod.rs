@@ -11,8 +11,7 @@
 //! | `recurring` | chance on an axis that comes back to its values: circular shifts |
 //! | `progressing` | chance on an axis that goes on and on: the neighbouring frequencies |
 //! | [`spectrum`] | the residual by frequency, and its peaks above the local level |
-//! | [`noise`] | the noise floor, from the data alone |
-//! | [`whiteness`] | whether the residual is white, and how long it remembers |
+//! //! | [`whiteness`] | whether the residual is white, and how long it remembers |
 //! | [`stretches`] | where in the recording it is worst |
 //! | [`excitation`] | what the recording excites |
 //! | [`examinable`] | which causes it can show at all, and why not the others |
@@ -31,13 +30,10 @@ mod distribution;
 pub mod examinable;
 pub mod excitation;
 mod motion;
-pub mod noise;
 mod progressing;
 mod recurring;
 pub mod spectrum;
 pub mod stretches;
-#[cfg(test)]
-mod synthetic;
 #[cfg(test)]
 mod tests;
 pub mod whiteness;
@@ -48,11 +44,11 @@ use thiserror::Error;
 use self::axis::AxisMean;
 use self::cells::Cells;
 use self::motion::Motion;
-use self::noise::NoiseFloor;
 use self::spectrum::Spectrum;
 use self::stretches::Stretch;
 use self::whiteness::Whiteness;
-use crate::numbers::{median, quantiles, root_mean_square};
+use crate::noise::{self, NoiseFloor};
+use crate::numbers::root_mean_square;
 
 /// The fewest rows that anything can be said of.
 pub const LEAST_ROWS: usize = 100;
@@ -126,15 +122,4 @@ impl Anatomy {
             stretches: stretches::worst(residual, &motion),
         })
     }
-}
-
-/// The median of the steps of time, and the step above which there is a gap. Unit: s.
-pub(super) fn steps(time_s: &[f64]) -> (f64, f64) {
-    /// A step of time that many times as long as all but a few is a gap: the muscle may have moved in it.
-    const GAP_STEPS: f64 = 5.0;
-    /// So few: where single rows are missing all over the recording, no step that leaves some out is a gap.
-    const FEW: f64 = 0.05;
-    let mut all: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let (_, usual_s) = quantiles(&all, FEW);
-    (median(&mut all), GAP_STEPS * usual_s)
 }

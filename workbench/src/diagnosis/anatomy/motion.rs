@@ -12,8 +12,8 @@
 
 use std::collections::VecDeque;
 
-use super::noise::floor;
-use super::{Residual, steps};
+use super::Residual;
+use crate::noise::{floor, steps};
 use crate::numbers::{self, range};
 use crate::turning::turning_points;
 
@@ -163,8 +163,8 @@ pub(super) fn since_elsewhere(time_s: &[f64], values: &[f64], height: f64) -> Ve
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{Noise, held_triangles, times};
     use super::*;
+    use crate::synthetic::{Noise, held_triangles, times};
 
     #[test]
     fn direction_rest_rate_and_cycle_are_those_of_noisy_triangles_with_holds() {

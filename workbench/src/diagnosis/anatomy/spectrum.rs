@@ -16,7 +16,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use serde::Serialize;
 
-use super::steps;
+use crate::noise::steps;
 use crate::numbers::{median, range};
 
 /// Periods of a tone: what comes back less often is as well a drift, a warm-up or the order of an experiment.
@@ -280,8 +280,8 @@ fn summit(lines: &[f64], line: usize) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{Noise, alarms, times, triangles};
     use super::*;
+    use crate::synthetic::{Noise, alarms, times, triangles};
 
     fn no_input(rows: usize) -> Vec<f64> {
         (0..rows).map(|row| row as f64).collect()

@@ -84,8 +84,8 @@ pub fn worst(residual: &Residual<'_>, motion: &Motion) -> Vec<Stretch> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{Noise, times, triangles};
     use super::*;
+    use crate::synthetic::{Noise, times, triangles};
 
     #[test]
     fn the_loud_part_is_found_with_what_the_input_does_in_it() {

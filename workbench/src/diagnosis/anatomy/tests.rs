@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::axis::{Axis, AxisMean, LEVEL, axes};
-use super::synthetic::{Noise, held_triangles, times, triangles};
 use super::*;
+use crate::synthetic::{Noise, held_triangles, times, triangles};
 
 /// A recording of 120 s whose output follows its input, with a temperature that wanders, and a residual.
 struct Bench {
@@ -184,7 +184,7 @@ fn single_rows_that_are_missing_all_over_make_no_gaps_and_an_hour_does() {
     });
     let longest_s = time_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     assert!(longest_s > 0.055, "{longest_s}");
-    assert!(super::steps(&time_s).1 > longest_s);
+    assert!(crate::noise::steps(&time_s).1 > longest_s);
     time_s.extend(times(6000, 0.01).iter().map(|t| t + 3600.0));
-    assert!(super::steps(&time_s).1 < 0.3);
+    assert!(crate::noise::steps(&time_s).1 < 0.3);
 }

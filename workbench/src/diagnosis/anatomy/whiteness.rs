@@ -61,8 +61,8 @@ fn standardised_square(centred: &[f64], lag: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{Noise, alarms, times};
     use super::*;
+    use crate::synthetic::{Noise, alarms, times};
 
     fn whiteness(residual: &[f64]) -> Whiteness {
         Whiteness::of(residual, &Cells::of(&times(residual.len(), 0.01), residual))

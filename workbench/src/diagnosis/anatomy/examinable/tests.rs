@@ -1,6 +1,6 @@
 use super::super::Residual;
-use super::super::synthetic::{Noise, held_triangles, times, triangles};
 use super::*;
+use crate::synthetic::{Noise, held_triangles, times, triangles};
 
 type View = for<'a> fn(&'a Excitation) -> ValveView<'a>;
 type Input = fn(f64) -> f64;

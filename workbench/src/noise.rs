@@ -14,7 +14,7 @@
 
 use serde::Serialize;
 
-use super::steps;
+use crate::numbers::{median, quantiles};
 
 /// Values beyond so many standard deviations are no noise.
 const CLIP: f64 = 3.0;
@@ -34,6 +34,17 @@ pub struct NoiseFloor {
     pub quantum: f64,
     /// Rows that it was estimated from.
     pub rows: usize,
+}
+
+/// The median of the steps of time, and the step above which there is a gap. Unit: s.
+pub fn steps(time_s: &[f64]) -> (f64, f64) {
+    /// A step of time that many times as long as all but a few is a gap: the muscle may have moved in it.
+    const GAP_STEPS: f64 = 5.0;
+    /// So few: where single rows are missing all over the recording, no step that leaves some out is a gap.
+    const FEW: f64 = 0.05;
+    let mut all: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let (_, usual_s) = quantiles(&all, FEW);
+    (median(&mut all), GAP_STEPS * usual_s)
 }
 
 /// The noise floor of a signal; 0 of fewer than three rows.
@@ -93,8 +104,8 @@ fn quantum(values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic::{Noise, held_triangles, times, triangles};
     use super::*;
+    use crate::synthetic::{Noise, held_triangles, times, triangles};
 
     #[test]
     fn white_noise_on_triangles_and_holds_is_found_within_5_percent() {

@@ -1,4 +1,4 @@
-//! Made-up signals for the tests of the anatomy.
+//! Made-up signals for tests.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use levenberg_marquardt::TerminationReason;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::data::{Data, normalise};
 use super::inner::Inner;
-use super::search::{Limits, search};
+use super::search::{Limits, Reached, best, better, finalists, remove_repeated, search};
 use super::tests::{data, fit, options, truth};
 use super::{CONVERGED, Problem, simulate, starts};
 use crate::progress::{Planned, Work};
@@ -66,4 +67,19 @@ fn a_long_recording_has_the_model_that_a_search_on_all_its_rows_has() {
     let squares: f64 = fit.simulated.iter().zip(&output).map(|(model, y)| (model - y).powi(2)).sum();
     // A share of one over the rows is one standard error of one parameter.
     assert!(squares < least * (1.0 + 1.0 / output.len() as f64), "{squares} with thinning, {least} without");
+}
+
+#[test]
+fn of_a_long_recording_all_starts_go_to_their_ends_and_a_minimum_takes_one_place_among_the_finalists() {
+    assert_eq!((best(24, 12_000), best(24, 1_000_000), better(24, 1_000_000)), (6, 24, 24));
+    let data = data(&cycles(0.0), &cycles(0.01), &options()).thinned(1000).into_owned();
+    let start = starts::starts(&data.coordinates, 1, 1).remove(0);
+    let reached = |cost| Reached { cost, reason: TerminationReason::Converged { ftol: true, xtol: false } };
+    // A minimum that four searches came to, within a hundredth of a standard error, and four that are as good as it.
+    let costs = [1.0, 1.000_01, 1.000_01, 1.000_01, 1.01, 1.02, 1.03, 1.04, 2.0];
+    let mut ends: Vec<_> = costs.map(|cost| (start.clone(), reached(cost))).into();
+    remove_repeated(&mut ends, &data);
+    let left: Vec<f64> = ends.iter().map(|(_, reached)| reached.cost).collect();
+    assert_eq!(left, [1.0, 1.01, 1.02, 1.03, 1.04, 2.0]);
+    assert_eq!((finalists(&ends, 12_000), finalists(&ends, 1_000_000)), (4, 5));
 }

@@ -23,8 +23,8 @@
 //! | `termination` | how a search ended |
 //!
 //! The problem has several minima, so that many starts are tried side by side: each gets a few steps on a thinned
-//! recording, the better half a few more, then the best quarter goes on to convergence on it, and the best of these ends on
-//! all rows, where few steps are left. The answer depends on the seed, not on the number of threads.
+//! recording, the better half a few more, then the best quarter (of a long recording all) goes on to convergence on it, and the
+//! best of these ends on less thinned recordings and in the end on all rows, where few steps are left. The answer depends on the seed, not on the number of threads.
 //!
 //! # Contract
 //! Whatever the recording is, the result is a validated, invertible model or a typed error. Before the recording the
@@ -66,7 +66,7 @@ pub use error::IdentificationError;
 use plan::Plan;
 use problem::Point;
 use robust::Robust;
-use search::{End, FREED, Reached, Searches, near};
+use search::{End, FREED, Reached, Searches, finalists};
 use starts::Start;
 pub use strays::Strays;
 use structure::Structure;
@@ -238,7 +238,7 @@ impl Searches<'_> {
         let mut refusal = IdentificationError::Size("starts", self.options.starts, [1, usize::MAX]);
         let mut ends = self.believed::<K>(data, ends);
         while !ends.is_empty() {
-            let later = ends.split_off(near(&ends));
+            let later = ends.split_off(finalists(&ends, data.count()));
             for Robust { data, end, outliers } in self.on_all_rows::<K>(data, &ends) {
                 match self.finish::<K>(problem, &data, end) {
                     Ok(fit) => return Ok(Fit { outliers, ..fit }),

@@ -58,15 +58,16 @@ impl Plan {
         let thinned = rows.min(WITH_TURNS * ROWS);
         let starts = options.starts;
         let freed = if options.weights == Weights::Free { FREED } else { 0 };
-        let polished = POLISHED.min(best(starts) + 1);
+        let searches = best(starts, rows) + 1;
+        let polished = POLISHED.min(searches);
         // A robust fit goes on from one end of each kind, in rounds, and knows no levels.
         let (thinned_rounds, rounds, level) = match options.loss {
             Loss::Squares => (0, 1, WITH_TURNS * levels(rows).sum::<usize>()),
             Loss::Huber => (ROUNDS, ROUNDS, 0),
         };
         Self {
-            screening: part(&exponential, starts + better(starts), SCREENING, thinned),
-            converging: part(&exponential, best(starts) + 1, TO_THE_END, thinned),
+            screening: part(&exponential, starts + better(starts, rows), SCREENING, thinned),
+            converging: part(&exponential, searches, TO_THE_END, thinned),
             freeing: part(&last, freed, TO_THE_END, thinned),
             robust: part(&last, thinned_rounds, ONWARDS, thinned),
             levels: part(&last, polished, ONWARDS, level),

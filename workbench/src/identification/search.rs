@@ -17,17 +17,20 @@ use crate::progress::{Part, Work};
 /// Rows that count of the thinned recording: many for each of a few dozen parameters.
 pub const ROWS: usize = 4000;
 /// The next recording has so many times the rows, or all if that is at least a quarter of them.
-const LEVEL: usize = 16;
-/// Ends whose sums of squares differ by no more than this share are in the same minimum.
-const SAME: f64 = 1e-6;
+const LEVEL: usize = 4;
 /// The share by which the sum of squares of a fresh muscle has to be smaller to be believed.
 const CLEARLY: f64 = 0.02;
 /// How many ends with exponential weights free ones go on from.
 pub const FREED: usize = 3;
-/// How many ends go on on all rows at most, and by which share their sums of squares may be larger than the least: which
-/// of two that are nearly as good is better, the thinned recording may not tell.
+/// How many ends go on to the next recording at most, to all rows and to one between, and by which
+/// share their sums of squares may be larger than the least: which of two that are nearly as good
+/// is better, few rows may not tell.
 const POLISHED: usize = 4;
+const FINALISTS: usize = 12;
 const NEAR: f64 = 0.1;
+/// One more search goes to its end on the thinned recording for so many rows: all together take
+/// less time than the few on all rows do (million rows, 24 starts: 1 s of 4).
+const ROWS_A_SEARCH: usize = 2 * ROWS;
 /// Evaluations per coordinate that every start gets, and then the better half of them once more.
 pub const SCREENING: usize = 2;
 /// Evaluations per coordinate that a search gets at most.
@@ -44,14 +47,15 @@ pub struct Reached {
     pub reason: TerminationReason,
 }
 
-/// The starts that are screened once more, of a number of starts.
-pub fn better(starts: usize) -> usize {
-    starts.div_ceil(2)
+/// The starts that are screened once more, of a number of starts for so many rows that count.
+pub fn better(starts: usize, rows: usize) -> usize {
+    starts.div_ceil(2).max(best(starts, rows))
 }
 
-/// The starts that go on to their ends, of a number of starts.
-pub fn best(starts: usize) -> usize {
-    starts.div_ceil(4)
+/// The starts that go on to their ends, of a number of starts for so many rows that count: a
+/// quarter, of a long recording all.
+pub fn best(starts: usize, rows: usize) -> usize {
+    (rows / ROWS_A_SEARCH).clamp(starts.div_ceil(4), starts)
 }
 
 /// The searches of an identification.
@@ -68,25 +72,25 @@ impl Searches<'_> {
     /// Screens all starts, and brings the best to their ends on a thinned recording; the best end comes first.
     pub fn everywhere<const K: usize>(&self, data: &Data) -> Vec<End> {
         let Options { starts: count, seed, tolerance, .. } = *self.options;
-        let thinned = &*data.thinned(ROWS);
+        let (thinned, rows) = (&*data.thinned(ROWS), data.count());
         let screening = Limits { patience: SCREENING, tolerance: CONVERGED };
         let part = self.work.begin(self.plan.screening);
         let starts = starts(&data.coordinates, count, seed);
         let kinds: Vec<Start> = match thinned.where_kinds_agree() {
             Some(agreed) => {
                 let screened = search_all::<K>(&agreed, &starts, screening, &part).into_iter();
-                screened.take(better(count)).map(|(end, _)| of_better_kind::<K>(thinned, end)).collect()
+                screened.take(better(count, rows)).map(|(end, _)| of_better_kind::<K>(thinned, end)).collect()
             }
             None => {
                 let both: Vec<Start> =
                     starts.iter().flat_map(|start| [start.of_other_kind(), start.clone()]).collect();
                 let screened = search_all::<K>(thinned, &both, screening, &part).into_iter();
-                screened.take(better(2 * count)).map(|(end, _)| end).collect()
+                screened.take(better(2 * count, rows)).map(|(end, _)| end).collect()
             }
         };
         let screened = search_all::<K>(thinned, &kinds, screening, &part);
         drop(part);
-        let best: Vec<Start> = screened.into_iter().take(best(count)).map(|(end, _)| end).collect();
+        let best: Vec<Start> = screened.into_iter().take(best(count, rows)).map(|(end, _)| end).collect();
         let part = self.work.begin(self.plan.converging);
         let mut ends = search_all::<K>(thinned, &best, Limits::to_the_end(tolerance), &part);
         // The other kind of muscle, if none is of it.
@@ -95,7 +99,7 @@ impl Searches<'_> {
             ends.push(search::<K>(thinned, &first.of_other_kind(), Limits::to_the_end(tolerance), &part));
         }
         sort(&mut ends);
-        remove_repeated(&mut ends);
+        remove_repeated(&mut ends, thinned);
         ends
     }
 
@@ -130,9 +134,10 @@ impl Searches<'_> {
         let mut starts: Vec<Start> = ends.iter().map(|(end, _)| end.clone()).collect();
         let part = self.work.begin(self.plan.levels);
         for rows in levels(data.count()) {
-            let mut ends = search_all::<K>(&data.thinned(rows), &starts, limits, &part);
-            remove_repeated(&mut ends);
-            starts = ends.iter().take(near(&ends)).map(|(end, _)| end.clone()).collect();
+            let thinned = data.thinned(rows);
+            let mut ends = search_all::<K>(&thinned, &starts, limits, &part);
+            remove_repeated(&mut ends, &thinned);
+            starts = ends.iter().take(near(&ends, POLISHED)).map(|(end, _)| end.clone()).collect();
         }
         drop(part);
         let ends = search_all::<K>(data, &starts, limits, &self.work.begin(self.plan.polishing));
@@ -141,18 +146,26 @@ impl Searches<'_> {
     }
 }
 
-/// Keeps the first of ends in the same minimum, of ends that are in order.
-fn remove_repeated(ends: &mut Vec<End>) {
+/// Keeps the first of ends in the same minimum, of ends that are in order: their sums of squares
+/// differ by less than what one standard error of one parameter costs, a share of one over the rows.
+pub fn remove_repeated(ends: &mut Vec<End>, data: &Data) {
+    let same = 1.0 / data.count() as f64;
     ends.dedup_by(|(one, reached), (other, before)| {
-        one.preconditioned == other.preconditioned && reached.cost <= before.cost * (1.0 + SAME)
+        one.preconditioned == other.preconditioned && reached.cost <= before.cost * (1.0 + same)
     });
 }
 
+/// How many of the first ends on the thinned recording go on to the next, of one with so many rows
+/// that count.
+pub fn finalists(ends: &[End], rows: usize) -> usize {
+    near(ends, if levels(rows).next().is_some() { FINALISTS } else { POLISHED })
+}
+
 /// How many of the first ends are nearly as good as the best of all, at least one.
-pub fn near(ends: &[End]) -> usize {
+fn near(ends: &[End], most: usize) -> usize {
     let least = ends.iter().map(|(_, reached)| reached.cost).fold(f64::INFINITY, f64::min);
     let near = ends.iter().take_while(|(_, reached)| reached.cost <= least * (1.0 + NEAR)).count();
-    near.clamp(1, POLISHED)
+    near.clamp(1, most)
 }
 
 /// Rows that count of the recordings between the thinned one and all rows.

@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value};
 
+use crate::numbers::legible;
 use crate::unit::Unit;
 
 /// Root mean square, mean absolute and maximum error. Unit: that of the compared values.
@@ -49,7 +50,8 @@ impl Figures {
 
     /// The three for people, in percent of a length with a name.
     pub fn in_words_beside(&self, (length, name): (f64, &str), unit: Unit) -> String {
-        let share = |value: f64| format!("{value:.4} {unit} ({:.2} % of {name})", 100.0 * value / length);
+        let share =
+            |value: f64| format!("{} {unit} ({:.2} % of {name})", legible(value, 4), 100.0 * value / length);
         format!(
             "RMSE {}, mean absolute error {}, largest error {}",
             share(self.rmse),

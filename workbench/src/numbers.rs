@@ -23,6 +23,14 @@ pub fn apart(value: f64, limit: f64, decimals: usize) -> String {
     texts.clone().find(|text| text.parse() != Ok(limit)).or(texts.next_back()).unwrap_or_default()
 }
 
+/// A number with so many decimals, and with as many more as show two digits of it: small units make small numbers.
+pub fn legible(value: f64, decimals: usize) -> String {
+    const MOST: f64 = 12.0;
+    let needed = if value == 0.0 { 0.0 } else { 1.0 - value.abs().log10().floor() };
+    let decimals = decimals.max(needed.clamp(0.0, MOST) as usize);
+    format!("{value:.decimals$}")
+}
+
 /// The values that the given share lies below and above; 0 of none.
 pub fn quantiles(values: &[f64], share: f64) -> (f64, f64) {
     let mut sorted = values.to_vec();
@@ -70,6 +78,15 @@ mod tests {
             ["19.98", "9.99", "3.2"]
         );
         assert_eq!(apart(20.0, 20.0, 0), "20.000000000");
+    }
+
+    #[test]
+    fn two_digits_of_a_number_are_shown_however_small_its_unit_makes_it() {
+        let texts = [(12.3456, "12.346"), (0.0123, "0.012"), (0.000_123, "0.00012"), (-0.004, "-0.0040")];
+        for (value, text) in texts {
+            assert_eq!(legible(value, 3), text);
+        }
+        assert_eq!((legible(0.0, 2), legible(f64::NAN, 2)), ("0.00".to_owned(), "NaN".to_owned()));
     }
 
     #[test]

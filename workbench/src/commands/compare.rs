@@ -9,6 +9,7 @@ use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::Error;
 use crate::comparison::{Comparison, FREE_WEIGHTS, HeldOut, PIECEWISE_LINEAR, has_dead_zones};
 use crate::identification::{CONVERGED, DEAD_ZONES, Loss, Options, PLAYS, Weights};
+use crate::numbers::legible;
 use crate::output::Outputs;
 use crate::report::comparison::to_html;
 
@@ -120,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     outputs.commit()?;
     say!("{}, from {}", recording.columns(), recording.drive.file.display());
-    say!("stroke {:.3} {}", recording.stroke(), recording.output.channel.unit);
+    say!("stroke {} {}", legible(recording.stroke(), 3), recording.output.channel.unit);
     recording.left_out.say();
     say!("{}", comparison.heldout_in_words());
     say!("\n{}", comparison.to_text().trim_end());

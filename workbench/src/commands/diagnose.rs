@@ -152,7 +152,8 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
     let (load_n, temperature_c) = (column("load_n", Unit::N), column("temperature_c", Unit::CELSIUS));
     let input_is_command = recording.drive.input.channel.name.starts_with("command");
     let input_unit = recording.drive.input.channel.unit;
-    let command = if input_is_command { None } else { column("command_bar", input_unit) };
+    let command =
+        if input_is_command { None } else { column(&format!("command_{}", input_unit.suffix()), input_unit) };
     recording.drive.notes.extend(notes);
     recording.drive.announce();
     let Recording { drive, output, left_out } = &recording;

@@ -6,9 +6,11 @@ use crate::diagnosis::cause::Cause;
 use crate::diagnosis::extend::{Extended, HeldOutGain, Written};
 use crate::diagnosis::poor::Poor;
 use crate::diagnosis::reject::Unexplained;
+use crate::diagnosis::shown::key;
 use crate::diagnosis::stuck::Stuck;
 use crate::diagnosis::words::experiment;
 use crate::diagnosis::{Diagnosis, Named, Smoothing};
+use crate::model_file::names::Names;
 use crate::recording::Recording;
 
 /// A diagnosis; the keys of errors carry the output's unit. The errors are those of simulated models: `heldout` on the rows behind
@@ -19,7 +21,7 @@ pub fn to_json(
     recording: &Recording,
     seconds: f64,
 ) -> Value {
-    let unit = recording.output.channel.unit;
+    let unit = Names::of(recording).output;
     let keyed = |entries: &[(&str, f64)]| -> Value {
         let named =
             entries.iter().map(|(name, value)| (format!("{name}_{}", unit.suffix()), (*value).into()));
@@ -30,7 +32,7 @@ pub fn to_json(
         let cause = |named: &Named| {
             json!({
                 "name": named.cause.name(),
-                "parameters": parameters(&named.parameters),
+                "parameters": parameters(&named.parameters, Names::of(recording)),
                 "share_of_residual": named.share,
                 "evidence": named.evidence,
             })
@@ -77,6 +79,7 @@ pub fn to_json(
         "pure_error": diagnosis.pure_error.map(|(before, after)| keyed(&[("before", before), ("after", after)])),
         "past_unknown_until_s": diagnosis.past_unknown_until_s,
         "left_out": recording.left_out.to_json(),
+        "notes": recording.drive.notes,
         "figures_of_misfit": diagnosis.anatomy,
         "examinable": diagnosis.examinable,
         "not_told_apart": names(&diagnosis.inseparable.causes),
@@ -87,8 +90,8 @@ pub fn to_json(
     })
 }
 
-/// Parameters by name; a name that comes several times is a list.
-fn parameters(all: &[(&str, f64)]) -> Value {
+/// Parameters by name, with the recording's units; a name that comes several times is a list.
+fn parameters(all: &[(&str, f64)], units: Names) -> Value {
     let mut map = Map::new();
     for (name, value) in all {
         if name.ends_with("time_constants_s") {
@@ -96,7 +99,7 @@ fn parameters(all: &[(&str, f64)]) -> Value {
                 list.push((*value).into());
             }
         } else {
-            map.insert((*name).to_owned(), (*value).into());
+            map.insert(key(name, units), (*value).into());
         }
     }
     Value::Object(map)

@@ -4,9 +4,12 @@ use std::path::Path;
 
 use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::{Extended, HeldOutGain, Written};
+use crate::diagnosis::shown::key;
 use crate::diagnosis::verdict::Named;
 use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, written as what_is_written};
 use crate::diagnosis::{Diagnosis, Smoothing, Verdict};
+use crate::model_file::names::Names;
+use crate::numbers::legible;
 use crate::recording::Recording;
 
 /// Prints a diagnosis of a file, with the file that the model went to, if one was asked for.
@@ -16,27 +19,28 @@ pub fn print(
     (extended, gain, written): (&Extended, &HeldOutGain, &Written),
     seconds: f64,
 ) {
-    let unit = recording.output.channel.unit;
+    let units = Names::of(recording);
+    let unit = units.output;
     say!("{}: {}", file.display(), diagnosis.verdict.name());
     say!("{}", in_a_sentence(diagnosis, unit));
     if let Some(given) = extended.given.filter(|given| given.is_of_another_muscle()) {
         say!(
-            "another muscle  the given model errs by {:.3} {unit}, its form fitted to this recording by {:.3} {unit}",
-            given.rmse,
-            given.refitted_rmse
+            "another muscle  the given model is off by {} {unit}, its form fitted to this recording by {} {unit}",
+            legible(given.rmse, 3),
+            legible(given.refitted_rmse, 3)
         );
     }
     errors((diagnosis, recording), (extended, gain, written));
-    let words = what_is_written(written, unit);
+    let words = what_is_written(written, units);
     match model_file {
         Some(model_file) => say!("written       {}: {words}", model_file.display()),
         None => say!("best model    {words}; -o writes it"),
     }
     for named in &diagnosis.causes {
-        cause(named.cause.name(), named);
+        cause(named.cause.name(), named, units);
     }
     for named in &diagnosis.best_fit {
-        cause(&format!("({})", named.cause.name()), named);
+        cause(&format!("({})", named.cause.name()), named, units);
     }
     for set in &diagnosis.alternatives {
         let names: Vec<&str> = set.iter().map(|cause| cause.name()).collect();
@@ -45,9 +49,11 @@ pub fn print(
     if let Some(Smoothing { noise, left }) = diagnosis.smoothing {
         let channel = &recording.drive.input.channel;
         say!(
-            "smoothed      {}: its noise of {noise:.3} {} would pass for movement; {left:.3} {} of it are left",
+            "smoothed      {}: its noise of {} {} would pass for movement; {} {} of it are left",
             channel.name,
+            legible(noise, 3),
             channel.unit,
+            legible(left, 3),
             channel.unit
         );
     }
@@ -78,23 +84,26 @@ fn errors(
     let unit = recording.output.channel.unit;
     let percent = |rmse: f64| 100.0 * rmse / recording.stroke();
     if diagnosis.causes.is_empty() {
-        let (rmse, held, noise) = (written.rmse, written.gain.after.rmse, written.gain.noise_floor);
+        let [rmse, held, noise] =
+            [written.rmse, written.gain.after.rmse, written.gain.noise_floor].map(|error| legible(error, 3));
         let from = if written.from_command { ", from the command" } else { "" };
-        say!("simulated     RMSE {rmse:.3} {unit} ({:.2} % of stroke){from}", percent(rmse));
-        say!("held out      RMSE {held:.3} {unit}; noise {noise:.3} {unit}");
+        say!("simulated     RMSE {rmse} {unit} ({:.2} % of stroke){from}", percent(written.rmse));
+        say!("held out      RMSE {held} {unit}; noise {noise} {unit}");
         return;
     }
     let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
     say!(
-        "simulated     RMSE {before:.3} {unit} without, {after:.3} {unit} ({:.2} % of stroke) with the causes",
+        "simulated     RMSE {} {unit} without, {} {unit} ({:.2} % of stroke) with the causes",
+        legible(before, 3),
+        legible(after, 3),
         percent(after)
     );
     say!(
-        "held out      RMSE {:.3} {unit} without, {:.3} {unit} with the causes (+- {:.3}); noise {:.3} {unit}",
-        gain.before.rmse,
-        gain.after.rmse,
-        gain.gain_error,
-        gain.noise_floor
+        "held out      RMSE {} {unit} without, {} {unit} with the causes (+- {}); noise {} {unit}",
+        legible(gain.before.rmse, 3),
+        legible(gain.after.rmse, 3),
+        legible(gain.gain_error, 3),
+        legible(gain.noise_floor, 3)
     );
     if !extended.gains(gain) {
         say!(
@@ -104,9 +113,9 @@ fn errors(
 }
 
 /// A cause with its parameters and what speaks for it.
-fn cause(name: &str, named: &Named) {
-    let parameters: Vec<String> =
-        named.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
+fn cause(name: &str, named: &Named, units: Names) {
+    let words = |(name, value): &(&str, f64)| format!("{} {}", key(name, units), legible(*value, 4));
+    let parameters: Vec<String> = named.parameters.iter().map(words).collect();
     say!("{name:<22}{}", parameters.join(", "));
     for words in &named.evidence {
         say!("{:<22}{words}", "");

@@ -14,6 +14,7 @@ use crate::identification::{self, CONVERGED, Fit, Loss, Options, Strays, Weights
 use crate::model::named::slope_dimension;
 use crate::model_file::names::Names;
 use crate::model_file::{HeldOut, Identification, ModelFile};
+use crate::numbers::legible;
 use crate::output::Outputs;
 use crate::progress::within;
 use crate::recording::{Recording, Timing};
@@ -309,7 +310,7 @@ fn print_summary(
     say!("rows          {}, of which {} are scored", drive.time_s.len(), identification.scored_rows);
     recording.left_out.say();
     say!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
-    say!("stroke        {stroke:.3} {unit}");
+    say!("stroke        {} {unit}", legible(stroke, 3));
     say!("training      {}", identification.training.in_words(stroke, unit));
     match &identification.heldout {
         Some(HeldOut { figures, from_s: Some(from_s), .. }) => say!(

@@ -166,6 +166,8 @@ impl Comparison<'_> {
             })
         };
         let mut json = json!({ "rows": self.rows.iter().map(row).collect::<Vec<_>>() });
+        json["left_out"] = self.recording.left_out.to_json();
+        json["notes"] = self.recording.drive.notes.clone().into();
         json[format!("stroke_{}", unit.suffix())] = self.recording.stroke().into();
         json
     }

@@ -26,6 +26,7 @@
 //! | [`mod@poor`], [`trivial`] | whether the model that is written describes the recording |
 //! | `noisy_input` | the input smoothed where its noise would pass for movement |
 //! | [`physical`] | the parameters in units that people measure in |
+//! | [`shown`] | their names and units, those of the recording |
 //! | [`mod@extend`] | the operator model extended by the named causes, running free, and its gain |
 //! | `measured` | the named causes' parameters as that has them |
 //! | [`words`] | the verdict in a sentence, and the experiment that is left to be made |
@@ -68,6 +69,7 @@ mod scored;
 pub mod screen;
 pub mod search;
 mod series;
+pub mod shown;
 pub mod signals;
 pub mod stuck;
 mod swing;

@@ -13,6 +13,7 @@ use super::candidate::Candidate;
 use super::cause::Cause;
 use super::extend::{Extender, Extension};
 use super::search::Search;
+use crate::numbers::legible;
 
 /// A cause leaves at most this share of the operator model's error.
 const LEAVES: f64 = 0.8;
@@ -47,8 +48,9 @@ pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extende
         set: fast[best].clone(),
         alternatives: others.into_iter().map(|other| fast[other].causes.clone()).collect(),
         evidence: format!(
-            "running free, the operator model with it errs by {:.3} instead of {:.3} over all rows",
-            errors[best], without
+            "simulated, the operator model with it is off by {} instead of {} over all rows",
+            legible(errors[best], 3),
+            legible(without, 3)
         ),
     })
 }

@@ -11,6 +11,7 @@ use super::reject::Unexplained;
 use super::search::Search;
 use super::valve::ValveFit;
 use crate::identification::HostParameters;
+use crate::numbers::legible;
 
 /// What a diagnosis comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +46,7 @@ pub struct Named {
     /// Its parameters.
     pub parameters: Parameters,
     /// The share of the square of the baseline's error, on blocks that no fit has seen, that goes if this cause is added to
-    /// the others.
+    /// the others; where they are worse than none, to none. At most 1.
     pub share: f64,
     /// Why it is named, in words with figures.
     pub evidence: Vec<String>,
@@ -79,8 +80,9 @@ impl Named {
             parameters: sizes(richer),
             share: given.share(),
             evidence: vec![format!(
-                "fitted to the recording, the form of the given model errs by {:.3}, a richer one by {:.3}",
-                given.refitted_rmse, given.richer_rmse
+                "fitted to the recording, the form of the given model is off by {}, a richer one by {}",
+                legible(given.refitted_rmse, 3),
+                legible(given.richer_rmse, 3)
             )],
             without: None,
         }
@@ -143,7 +145,7 @@ pub fn named(
         .into_iter()
         .map(|(cause, parameters)| {
             let without = search.without(best, cause, sizes);
-            let share = without.as_ref().map_or(0.0, |set| (square(set) - square(best)) / before);
+            let share = without.as_ref().map_or(0.0, |set| (square(set).min(before) - square(best)) / before);
             let evidence = without.as_ref().map_or_else(Vec::new, |set| evidence(set, best));
             let without = without.map(|set| Tried::of(search, &set));
             Named { cause, parameters, share, evidence, without }
@@ -163,9 +165,9 @@ pub fn named(
             parameters: physical::of_valve(&fit.valve, *cause),
             share: 1.0 - (-2.0 * gain).exp(),
             evidence: vec![format!(
-                "between command and pressure: without it the error is {:.1} times as large as {:.4} {}",
+                "between command and pressure: without it the error is {:.1} times as large as {} {}",
                 gain.exp(),
-                fit.rmse_bar,
+                legible(fit.rmse_bar, 4),
                 fit.unit
             )],
             without: None,
@@ -213,15 +215,19 @@ fn damping(named: &[Named]) -> Option<Named> {
 fn evidence(without: &Candidate, with: &Candidate) -> Vec<String> {
     let (gain, error) = (without.score.gain(&with.score), without.score.gain_error(&with.score));
     let mut words = vec![format!(
-        "held-out error {:.3} instead of {:.3} without it (gain {gain:.2} +- {error:.2})",
-        with.score.mean(),
-        without.score.mean()
+        "held-out error {} instead of {} without it (gain {gain:.2} +- {error:.2})",
+        legible(with.score.mean(), 3),
+        legible(without.score.mean(), 3)
     )];
     if without.has_viscous_width() && !with.has_viscous_width() {
         words.push("without it the width grows with as high a power of the speed as it may".into());
     }
     if let (Some(before), Some(after)) = (without.pure_error, with.pure_error) {
-        words.push(format!("visits to the same state differ by {after:.3} instead of {before:.3}"));
+        words.push(format!(
+            "visits to the same state differ by {} instead of {}",
+            legible(after, 3),
+            legible(before, 3)
+        ));
     }
     words
 }

@@ -1,16 +1,16 @@
 //! A diagnosis in words: the verdict in a sentence, and the experiment that is left to be made.
 
-use std::fmt::Display;
-
 use super::cause::Cause;
 use super::extend::Written;
 use super::physical::Parameters;
 use super::poor::Poor;
 use super::reject::Unexplained;
+use super::shown::quantity;
 use super::stuck::Stuck;
 use super::{Diagnosis, Verdict};
+use crate::model_file::names::Names;
+use crate::numbers::legible;
 use crate::report::bars::significant;
-use crate::report::diagnosed::quantity;
 use crate::unit::Unit;
 
 /// The verdict in a sentence.
@@ -31,25 +31,31 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
         ),
         Verdict::Unexplained => match &diagnosis.unexplained {
             Some(Unexplained::ZeroStep { time_s, height }) => {
-                format!("{none}: the zero jumps by {height:.2} {unit} at {time_s:.0} s.")
+                format!("{none}: the zero jumps by {} {unit} at {time_s:.0} s.", legible(*height, 2))
             }
             Some(Unexplained::Outliers { rows, largest }) => {
-                format!("{none}: {rows} single rows are off their neighbours, by up to {largest:.2} {unit}.")
+                format!(
+                    "{none}: {rows} single rows are off their neighbours, by up to {} {unit}.",
+                    legible(*largest, 2)
+                )
             }
             Some(Unexplained::Stuck(Stuck { rows, longest_s })) => format!(
                 "{none}: in {rows} rows the same value is read again while the muscle goes on, for up to {longest_s:.2} s."
             ),
             Some(Unexplained::Poor(Poor { rmse, percent_of_stroke, better, better_rmse })) => format!(
-                "The operator model is off by {rmse:.3} {unit}, {percent_of_stroke:.1} % of the stroke, and {} by {better_rmse:.3} \
-                 {unit}: this kind of model does not describe the recording.",
-                better.words()
+                "The operator model is off by {} {unit}, {percent_of_stroke:.1} % of the stroke, and {} by {} {unit}: \
+                 this kind of model does not describe the recording.",
+                legible(*rmse, 3),
+                better.words(),
+                legible(*better_rmse, 3)
             ),
             Some(Unexplained::NotSimulated) => {
                 format!("{none}: no model with those that fit best can be simulated.")
             }
             Some(Unexplained::NoGain { before, after }) => format!(
-                "{none}: with those that fit best a model errs by {after:.3} {unit} where it runs free, \
-                 without them by {before:.3}."
+                "{none}: simulated with those that fit best a model is off by {} {unit}, without them by {} {unit}.",
+                legible(*after, 3),
+                legible(*before, 3)
             ),
             Some(Unexplained::NotRepeatable { pure_error, tones_hz }) => {
                 let tones: Vec<String> = tones_hz.iter().map(|hz| format!("{hz:.3} Hz")).collect();
@@ -59,8 +65,9 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
                     format!("with peaks at {}", tones.join(", "))
                 };
                 format!(
-                    "{none}: visits to the same state differ by {pure_error:.2} {unit}, {tones}; \
-                     something acts that no column shows."
+                    "{none}: visits to the same state differ by {} {unit}, {tones}; \
+                     something acts that no column shows.",
+                    legible(*pure_error, 2)
                 )
             }
             None => format!("{none} explains it."),
@@ -104,23 +111,22 @@ pub fn experiment(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// The model that is written, and what it is worth beside the plain one.
-pub fn written(written: &Written, unit: impl Display) -> String {
-    let Written { model, rmse, plain_rmse, from_command, .. } = written;
+pub fn written(written: &Written, units: Names) -> String {
+    let Written { model, from_command, .. } = written;
+    let unit = units.output;
+    let (rmse, plain_rmse) = (legible(written.rmse, 3), legible(written.plain_rmse, 3));
     let from = if *from_command { " from the command" } else { "" };
     let kind = model.parameters.kind();
     if !written.is_extended() {
-        return format!("{kind} without extensions; {rmse:.3} {unit}");
+        return format!("{kind} without extensions; {rmse} {unit}");
     }
-    let extensions: Vec<String> = written.extensions().iter().map(extension).collect();
-    format!(
-        "{kind} with {}; {rmse:.3} {unit} instead of {plain_rmse:.3} {unit}{from}",
-        extensions.join(" and ")
-    )
+    let extensions: Vec<String> = written.extensions().iter().map(|all| extension(all, units)).collect();
+    format!("{kind} with {}; {rmse} {unit} instead of {plain_rmse} {unit}{from}", extensions.join(" and "))
 }
 
 /// A cause with the first of its parameters.
-fn extension((cause, parameters): &(Cause, Parameters)) -> String {
+fn extension((cause, parameters): &(Cause, Parameters), units: Names) -> String {
     let Some((name, value)) = parameters.first() else { return cause.name().to_owned() };
-    let (words, unit) = quantity(name);
+    let (words, unit) = quantity(name, units);
     format!("{} ({words} {} {unit})", cause.name(), significant(*value))
 }

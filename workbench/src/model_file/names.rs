@@ -1,6 +1,7 @@
 //! Keys and units of the raw parameters, with the units that they take over from the model's input and output.
 
 use crate::model::named::Dimension;
+use crate::recording::Recording;
 use crate::unit::Unit;
 
 /// Units of a model's parameters.
@@ -15,6 +16,11 @@ pub struct Names {
 impl Names {
     /// Those of a board's model.
     pub const BOARD: Self = Self { input: Unit::BAR, output: Unit::MM };
+
+    /// Those of a recording's columns.
+    pub fn of(recording: &Recording) -> Self {
+        Self { input: recording.drive.input.channel.unit, output: recording.output.channel.unit }
+    }
 
     /// The key with the unit: `c1_per_bar`, `w0_mm`, `gain_mm_per_bar`, `q`.
     pub fn key(&self, name: &str, dimension: Dimension) -> String {

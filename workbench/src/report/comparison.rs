@@ -7,6 +7,7 @@ use super::bars::{Bar, bars};
 use super::model_run::ModelRun;
 use super::page::page;
 use crate::comparison::{Comparison, Outcome, Row};
+use crate::numbers::legible;
 
 /// The report as an HTML file.
 pub fn to_html(comparison: &Comparison<'_>) -> String {
@@ -17,7 +18,7 @@ pub fn to_html(comparison: &Comparison<'_>) -> String {
         (table(comparison))
         p { "n plays, m dead zones; parameters: the independent numbers that were found. ME is the largest absolute "
             "error, MAE the mean one, RMSE the root of the mean square; per cent refer to the stroke of "
-            (format!("{stroke:.2}")) " " (unit) ". -pl: a piecewise-linear envelope, else tanh; -free: each play has a weight of its own, else an exponential \
+            (legible(stroke, 2)) " " (unit) ". -pl: a piecewise-linear envelope, else tanh; -free: each play has a weight of its own, else an exponential \
             density. Tick: the most instructions of the controller on the board, where that has been measured \
             (cargo xtask gates)." }
         @for (row, error) in comparison.refused() { p { (row.name()) ": " (error) "." } }
@@ -61,7 +62,7 @@ fn errors(comparison: &Comparison<'_>) -> Markup {
     html! {
         h2 { "How far each model is from the muscle" }
         (bars(&format!("Root mean square error ({unit})"), &["training", "held out"], &rows, None))
-        p { "The shorter, the better. Where the lower bar of a model is much longer than the upper one, it has "
+        p { "The shorter, the better. Where the lower line of a model is much longer than the upper one, it has "
             "learnt the recording rather than the muscle." }
     }
 }

@@ -9,6 +9,7 @@ use super::parameters::parameters;
 use super::parts::parts;
 use crate::identification::Uncertainty;
 use crate::model_file::{HeldOut, Identification, ModelFile};
+use crate::numbers::legible;
 use crate::recording::Recording;
 use crate::worth::Grade;
 
@@ -130,7 +131,7 @@ impl Identified<'_> {
                     (figures.in_words(*stroke, unit)) "."
                 }
             }
-            p { "The stroke is " (format!("{stroke:.2}")) " " (unit) ". The best of " (starts) " starts "
+            p { "The stroke is " (legible(*stroke, 2)) " " (unit) ". The best of " (starts) " starts "
                 (termination) "."
                 @if worth.may_deploy() { " The model is strictly increasing, and so invertible." }
             }

@@ -6,6 +6,7 @@ use super::model_run::ModelRun;
 use super::page::page;
 use super::plot::Plot;
 use super::tracking::Tracking;
+use crate::numbers::legible;
 use crate::recording::Recording;
 
 /// The report as an HTML file. `simulated`: the model's output for every row of the recording, output unit.
@@ -34,7 +35,7 @@ pub fn to_html(recording: &Recording, simulated: &[f64], tracking: &Tracking, so
         p { "The hysteresis that the controller drives the muscle around." }
         (section("Fig. 13: desired and actual length", &linearity))
         p { "On the dashed line both are equal; what is left of the hysteresis is at most "
-            (format!("{:.3} {unit}", missed.max_error)) " from it." }
+            (legible(missed.max_error, 3)) " " (unit) " from it." }
     };
     page("The paper's figures from own measurements", &body, source)
 }

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::excitation::{Excitation, Variation};
 use crate::diagnosis::cause::Cause;
-use crate::numbers::apart;
+use crate::numbers::{apart, legible};
 
 /// The least ratio of two speeds over the same range that shows an effect of the speed.
 const SPEED_RATIO: f64 = 2.5;
@@ -179,14 +179,15 @@ impl Judge<'_> {
         if *swings == 0 {
             return Err("the input never swings".to_owned());
         }
+        let (slowest, fastest) = (legible(*slowest, 2), legible(*fastest, 2));
         if *speed_ratio >= SPEED_RATIO {
             return Ok(format!(
-                "swings of {slowest:.2} to {fastest:.2} {unit}/s, over the same range up to {speed_ratio:.1} times as fast"
+                "swings of {slowest} to {fastest} {unit}/s, over the same range up to {speed_ratio:.1} times as fast"
             ));
         }
         Err(format!(
             "swings over the same range differ in speed by a factor of {} at most, and {SPEED_RATIO} is \
-             needed ({slowest:.2} to {fastest:.2} {unit}/s in all)",
+             needed ({slowest} to {fastest} {unit}/s in all)",
             apart(*speed_ratio, SPEED_RATIO, 1)
         ))
     }
@@ -219,11 +220,12 @@ impl Judge<'_> {
         let needed = FAST_SPANS * input_span;
         if *fastest < needed {
             return Err(format!(
-                "the fastest swing has {} {unit}/s, and {needed:.2} {unit}/s is needed to excite a mass",
-                apart(*fastest, (100.0 * needed).round() / 100.0, 2)
+                "the fastest swing has {} {unit}/s, and {} {unit}/s is needed to excite a mass",
+                legible(*fastest, 2),
+                legible(needed, 2)
             ));
         }
-        Ok(format!("swings of up to {fastest:.2} {unit}/s, {jumps} jumps that end in a hold"))
+        Ok(format!("swings of up to {} {unit}/s, {jumps} jumps that end in a hold", legible(*fastest, 2)))
     }
 
     fn creep(&self) -> Judged {

@@ -3,25 +3,13 @@
 use maud::{Markup, html};
 
 use super::are_causes_named;
+use crate::diagnosis::shown::quantity;
 use crate::diagnosis::{Diagnosis, Named, Verdict};
+use crate::model_file::names::Names;
 use crate::report::bars::significant;
 
-/// Ends of parameters' names, each with its unit; the longer of two that fit comes first.
-const UNITS: [(&str, &str); 10] = [
-    ("_mm_per_n", "mm/N"),
-    ("_mm_per_k", "mm/K"),
-    ("mm_per_s", "mm/s"),
-    ("_per_decade", "per decade"),
-    ("_per_n", "1/N"),
-    ("_per_k", "1/K"),
-    ("_bar", "bar"),
-    ("_hz", "Hz"),
-    ("_mm", "mm"),
-    ("_s", "s"),
-];
-
 /// The section of the report.
-pub fn section(diagnosis: &Diagnosis) -> Markup {
+pub fn section(diagnosis: &Diagnosis, units: Names) -> Markup {
     let is_explained = diagnosis.verdict != Verdict::Unexplained;
     let listed = if is_explained { &diagnosis.causes } else { &diagnosis.best_fit };
     html! {
@@ -41,7 +29,7 @@ pub fn section(diagnosis: &Diagnosis) -> Markup {
                         div.wide { table {
                             thead { tr { th { "parameter" } th { "value (unit of the row)" } th { "unit" } } }
                             tbody { @for same in named.parameters.chunk_by(|one, other| one.0 == other.0) {
-                            @let (words, unit) = quantity(same[0].0);
+                            @let (words, unit) = quantity(same[0].0, units);
                             @let values: Vec<String> = same.iter().map(|(_, value)| significant(*value)).collect();
                                 tr { td { (words) } td { (values.join(", ")) } td { (unit) } }
                             } }
@@ -60,33 +48,4 @@ fn share(named: &Named, heldout: f64) -> f64 {
     let share =
         named.without.as_ref().map_or(named.share, |without| 1.0 - (heldout / without.heldout).powi(2));
     share.clamp(0.0, 1.0)
-}
-
-/// A parameter's name in words, and its unit.
-pub fn quantity(name: &str) -> (String, &'static str) {
-    let (stem, unit) = UNITS
-        .iter()
-        .find_map(|(end, unit)| name.strip_suffix(end).map(|stem| (stem, *unit)))
-        .unwrap_or((name, "1"));
-    let words = if stem.is_empty() { "rate".to_owned() } else { stem.replace('_', " ") };
-    (words, unit)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_longest_end_of_a_name_is_its_unit() {
-        let pairs = [
-            ("time_constant_s", ("time constant", "s")),
-            ("offset_mm_per_n", ("offset", "mm/N")),
-            ("gain_per_k", ("gain", "1/K")),
-            ("mm_per_s", ("rate", "mm/s")),
-            ("damping_ratio", ("damping ratio", "1")),
-        ];
-        for (name, (words, unit)) in pairs {
-            assert_eq!(quantity(name), (words.to_owned(), unit));
-        }
-    }
 }

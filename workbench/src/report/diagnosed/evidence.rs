@@ -21,7 +21,7 @@ pub fn section(diagnosis: &Diagnosis, unit: Unit) -> Markup {
         p { "Each set of causes was fitted together with the model, and tried on blocks of time that its fit had not seen: there \
             a cause that is not at work gains nothing. Bold: what the verdict names. The causes that are not listed promised less." }
         (bars(&format!("Error of the model with … ({unit})"), &names, &groups, Some(&noise)))
-        p { "The second bar compares visits of the muscle to the same state, far apart in time. An error of shape is the same at \
+        p { "The second line compares visits of the muscle to the same state, far apart in time. An error of shape is the same at \
             both, and cancels; what differs, a missing cause has done, or a disturbance." }
     }
 }

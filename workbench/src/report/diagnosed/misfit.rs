@@ -169,14 +169,17 @@ impl Frequencies {
             name(peak) + whose
         };
         let peaks: Vec<String> = spectrum.peaks.iter().map(named).collect();
-        let peaks = if peaks.is_empty() { "there is none".to_owned() } else { peaks.join(", ") };
         Self {
             frequency_hz: spectrum.density.iter().map(|point| point.frequency_hz).collect(),
             density: spectrum.density.iter().map(|point| point.power.sqrt()).collect(),
             name: spectrum.peaks.first().map(name).unwrap_or_default(),
-            words: format!(
-                "Slow errors are on the left, fast ones on the right. Tones that stand above their neighbours: {peaks}."
-            ),
+            words: match peaks.is_empty() {
+                true => "Slow errors are on the left, fast ones on the right. No tone stands above its neighbours.".to_owned(),
+                false => format!(
+                    "Slow errors are on the left, fast ones on the right. Tones that stand above their neighbours: {}.",
+                    peaks.join(", ")
+                ),
+            },
         }
     }
 

@@ -21,7 +21,6 @@ mod view;
 
 use maud::{Markup, html};
 
-pub use self::causes::quantity;
 use self::view::View;
 use super::bars::significant;
 use super::page::{explained, page, reading};
@@ -30,6 +29,7 @@ use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::{Extended, HeldOutGain, Written};
 use crate::diagnosis::words::{experiment, in_a_sentence, unexamined, written as what_is_written};
 use crate::diagnosis::{Columns, Diagnosis, Verdict};
+use crate::model_file::names::Names;
 use crate::recording::Recording;
 
 /// An extended model and what it gains.
@@ -59,13 +59,13 @@ pub fn to_html(
         (reading(&file, &drive.notes))
         (before(&view))
         (misfit::section(&view))
-        (causes::section(diagnosis))
+        (causes::section(diagnosis, Names::of(recording)))
         (evidence::section(diagnosis, output.channel.unit))
         (valve::section(&view, columns))
         (confounded(diagnosis))
         (after::section(&view, columns, gained))
         @if let Some(Gained { written, .. }) = gained {
-            p { "The model that is written: " (what_is_written(written, output.channel.unit)) "." }
+            p { "The model that is written: " (what_is_written(written, Names::of(recording))) "." }
         }
         (unseen(diagnosis, recording))
     };

@@ -11,7 +11,6 @@ use model_core::dead_zone::{DeadZoneParameters, DeadZones};
 use model_core::envelope::{Envelope, TanhEnvelope};
 use model_core::play::PlayBank;
 use model_core::{Hysteresis, Mgpi, ParameterError, paper};
-use workbench::output::Outputs;
 use workbench::report::plot::{Line, Plot, Point, Style, sheet};
 
 /// Samples on each way from one turning point to the next.
@@ -51,11 +50,9 @@ fn perform(cli: &Cli) -> Result<()> {
         };
     }
     std::fs::create_dir_all(&cli.directory)?;
-    let mut outputs = Outputs::claim(figures.iter().map(|(path, _)| path), &[], true)?;
     for (path, drawing) in &figures {
-        outputs.stage(path, drawing.as_bytes())?;
+        std::fs::write(path, drawing)?;
     }
-    outputs.commit()?;
     Ok(())
 }
 

@@ -21,13 +21,6 @@ impl LeftOut {
         past.into_iter().chain(drop_out::in_words(&self.drop_outs)).collect()
     }
 
-    /// Says them, a line each, under names of a column's width.
-    pub fn say(&self) {
-        for words in self.in_words() {
-            say!("not scored    {words}");
-        }
-    }
-
     /// The time that what came before is not known until. Unit: s.
     pub fn past_unknown_until_s(&self) -> Option<f64> {
         self.unknown_past.map(|past| past.until_s)

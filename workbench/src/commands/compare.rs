@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use model_core::Kind;
 
+use super::instructions;
+use super::reading::say_left_out;
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
 use crate::Error;
 use crate::comparison::{Comparison, FREE_WEIGHTS, HeldOut, PIECEWISE_LINEAR, has_dead_zones};
@@ -107,8 +109,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     };
 
     let models = arguments.models();
-    let comparison = with_bar("comparing", |progress| Comparison::of(&recording, heldout, &models, progress))
-        .map_err(|source| unidentified(&recording, source))?;
+    let comparison = with_bar("comparing", |progress| {
+        Comparison::of(&recording, heldout, &models, instructions::of_tick, progress)
+    })
+    .map_err(|source| unidentified(&recording, source))?;
 
     if let Some(file) = table {
         outputs.stage(file, comparison.to_csv().as_bytes())?;
@@ -122,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     outputs.commit()?;
     say!("{}, from {}", recording.columns(), recording.drive.file.display());
     say!("stroke {} {}", legible(recording.stroke(), 3), recording.output.channel.unit);
-    recording.left_out.say();
+    say_left_out(&recording.left_out);
     say!("{}", comparison.heldout_in_words());
     say!("\n{}", comparison.to_text().trim_end());
     if let Some((_, best)) = comparison.best() {

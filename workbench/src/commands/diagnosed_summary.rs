@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::reading::say_left_out;
 use crate::diagnosis::anatomy::examinable::Inseparable;
 use crate::diagnosis::extend::{Extended, HeldOutGain, Written};
 use crate::diagnosis::shown::key;
@@ -57,7 +58,7 @@ pub fn print(
             channel.unit
         );
     }
-    recording.left_out.say();
+    say_left_out(&recording.left_out);
     let Inseparable { causes, why } = &diagnosis.inseparable;
     if !causes.is_empty() {
         let names: Vec<&str> = causes.iter().map(|cause| cause.name()).collect();

@@ -6,8 +6,9 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use model_core::{ExtensionParameters, Kind};
 
-use super::identified_json;
+use super::reading::say_left_out;
 use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
+use super::{identified_json, instructions};
 use crate::comparison::{self, Comparison, choice};
 use crate::holdout::{self, later_cycles, share_before};
 use crate::identification::{self, CONVERGED, Fit, Loss, Options, Strays, Weights};
@@ -250,9 +251,10 @@ impl Arguments {
         };
         let candidates = choice::candidates(&self.options(Kind::Mgpi), self.knots);
         let heldout = comparison::HeldOut::LaterCycles;
-        let comparison =
-            with_bar("comparing", |progress| Comparison::of(&seen, heldout, &candidates, progress))
-                .map_err(|source| unidentified(recording, source))?;
+        let comparison = with_bar("comparing", |progress| {
+            Comparison::of(&seen, heldout, &candidates, instructions::of_tick, progress)
+        })
+        .map_err(|source| unidentified(recording, source))?;
         say!("{}", comparison.heldout_in_words());
         say!("\n{}\n", comparison.to_text().trim_end());
         let chosen = comparison.chosen().map(|row| (row.name(), row.options));
@@ -308,7 +310,7 @@ fn print_summary(
     let (timing, unit, stroke) = (&drive.timing, output.channel.unit, identification.stroke);
     say!("model         {}: {}, from {}", fit.parameters.kind(), recording.columns(), drive.file.display());
     say!("rows          {}, of which {} are scored", drive.time_s.len(), identification.scored_rows);
-    recording.left_out.say();
+    say_left_out(&recording.left_out);
     say!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
     say!("stroke        {} {unit}", legible(stroke, 3));
     say!("training      {}", identification.training.in_words(stroke, unit));

@@ -13,6 +13,7 @@ pub mod emulate;
 mod gains;
 mod identified_json;
 pub mod identify;
+mod instructions;
 pub mod man;
 pub mod pil;
 pub mod plan;

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use crate::left_out::LeftOut;
 use crate::recording::Choice;
 use crate::table::naming::{Naming, Renamed, UnitOf};
 
@@ -35,5 +36,12 @@ impl Reading {
             is_strict: self.strict,
             ..Choice::default()
         }
+    }
+}
+
+/// Says which rows are not scored, a line each, under names of a column's width.
+pub fn say_left_out(left_out: &LeftOut) {
+    for words in left_out.in_words() {
+        say!("not scored    {words}");
     }
 }

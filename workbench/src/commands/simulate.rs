@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::reading::Reading;
+use super::reading::{Reading, say_left_out};
 use crate::Error;
 use crate::model_file::ModelFile;
 use crate::output::Outputs;
@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     outputs.commit()?;
     say!("{} rows simulated", simulated.len());
     if let Some(recording) = compared {
-        recording.left_out.say();
+        say_left_out(&recording.left_out);
         let figures = recording.figures(&simulated);
         say!("{}", figures.in_words(recording.stroke(), recording.output.channel.unit));
     }

@@ -59,6 +59,7 @@ mod tests {
         let row = |plays, rmse| {
             let figures = Figures { rmse, mae: rmse, max_error: rmse };
             Row {
+                tick_instructions: None,
                 options: Options {
                     model: Kind::Mgpi,
                     knots: None,

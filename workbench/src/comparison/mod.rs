@@ -4,7 +4,6 @@
 //! cannot be made (an extended model without an inverse, say) keeps its row, which says why.
 
 pub mod choice;
-mod instructions;
 mod table;
 
 use std::time::Instant;
@@ -45,6 +44,8 @@ pub struct Row {
     pub options: Options,
     /// Duration of the search. Unit: s.
     pub seconds: f64,
+    /// The most instructions of a tick on the board with this model; None where that has not been measured.
+    pub tick_instructions: Option<u64>,
     /// The identified model's figures, or why there is none.
     pub outcome: Result<Outcome, IdentificationError>,
 }
@@ -62,7 +63,8 @@ pub struct Outcome {
 }
 
 impl<'a> Comparison<'a> {
-    /// Identifies each model. `progress` is told the share of the work on all models that is done.
+    /// Identifies each model. `tick_instructions` tells the most instructions of a tick on the board with the model of a
+    /// name as [`Row::name`] has it; None where that has not been measured. `progress` is told the share of the work on all models that is done.
     ///
     /// # Errors
     /// That of the first model, if none can be made.
@@ -70,6 +72,7 @@ impl<'a> Comparison<'a> {
         recording: &'a Recording,
         heldout: HeldOut<'a>,
         models: &[Options],
+        tick_instructions: fn(&str) -> Option<u64>,
         progress: Tell<'_>,
     ) -> Result<Self, IdentificationError> {
         let mut rows = Vec::new();
@@ -77,7 +80,8 @@ impl<'a> Comparison<'a> {
         let (all, mut before) = (work.iter().sum::<f64>(), 0.0);
         for (options, work) in models.iter().zip(work) {
             let progress = within(progress, [before / all, (before + work) / all]);
-            rows.push(Row::of(recording, heldout, options, &progress));
+            let row = Row::of(recording, heldout, options, &progress);
+            rows.push(Row { tick_instructions: tick_instructions(&row.name()), ..row });
             before += work;
         }
         match rows.first() {
@@ -145,7 +149,7 @@ impl Row {
             termination: fit.termination.to_string(),
             simulated: fit.simulated,
         });
-        Self { options: *options, seconds, outcome }
+        Self { options: *options, seconds, tick_instructions: None, outcome }
     }
 
     /// The model's name, with [`PIECEWISE_LINEAR`] and [`FREE_WEIGHTS`] at its end where it has them.
@@ -158,11 +162,6 @@ impl Row {
     /// Number of dead zones of a model that has them.
     pub fn dead_zones(&self) -> Option<usize> {
         has_dead_zones(self.options.model).then_some(self.options.dead_zones)
-    }
-
-    /// The most instructions of a tick on the board with this model; None where that has not been measured.
-    pub fn tick_instructions(&self) -> Option<u64> {
-        instructions::of_tick(&self.name())
     }
 
     /// Name and sizes: `mgpi 10/10`, `sgpi 10`.

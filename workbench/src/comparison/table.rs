@@ -54,7 +54,7 @@ impl Comparison<'_> {
             cells.extend(figures(made.and_then(|outcome| outcome.heldout.as_ref())));
         }
         cells.push(format!("{:.2}", row.seconds));
-        cells.push(row.tick_instructions().map_or(NOTHING.to_owned(), |count| count.to_string()));
+        cells.push(row.tick_instructions.map_or(NOTHING.to_owned(), |count| count.to_string()));
         cells
     }
 
@@ -136,7 +136,7 @@ impl Comparison<'_> {
             fields.extend(figures(made.map(|outcome| &outcome.training)));
             fields.extend(figures(made.and_then(|outcome| outcome.heldout.as_ref())));
             fields.push(row.seconds.to_string());
-            fields.push(row.tick_instructions().map_or(String::new(), |count| count.to_string()));
+            fields.push(row.tick_instructions.map_or(String::new(), |count| count.to_string()));
             text += &(fields.join(",") + "\n");
         }
         text
@@ -157,7 +157,7 @@ impl Comparison<'_> {
                 "training": made.map(|outcome| outcome.training.to_json(unit)),
                 "heldout": made.and_then(|outcome| Some(outcome.heldout?.to_json(unit))),
                 "seconds": row.seconds,
-                "tick_instructions": row.tick_instructions(),
+                "tick_instructions": row.tick_instructions,
                 "starts": row.options.starts,
                 "termination": match &row.outcome {
                     Ok(outcome) => outcome.termination.clone(),

@@ -5,11 +5,11 @@
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use diagnosis::{Columns, diagnose_and_extend};
 use host_tests::game::case::Case;
+use recording::unit::Unit;
 use rig::effect::Effect;
 use rig::plant::Kind;
-use workbench::diagnosis::{Columns, diagnose_and_extend};
-use workbench::unit::Unit;
 
 /// What is hidden in turn.
 const HIDDEN: [&[Effect]; 8] = [

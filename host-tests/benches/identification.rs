@@ -5,10 +5,10 @@
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use identification::{CONVERGED, Loss, Options, Problem, Weights, identify, simulate};
 use model_core::{Kind, Model, ModelParameters};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use workbench::identification::{CONVERGED, Loss, Options, Problem, Weights, identify, simulate};
 
 const ROWS: [usize; 3] = [12_000, 100_000, 1_000_000];
 /// Noise of the pressure and of the contraction, to either side. Units: bar, mm.

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
+use board_client::emulator::terminal::PseudoTerminal;
 use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE};
 use rig::plant::{Plant, Setup};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use workbench::emulator::terminal::PseudoTerminal;
 
 use crate::PERIOD_S;
 use crate::bus::BusBoard;

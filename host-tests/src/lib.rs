@@ -12,19 +12,19 @@ pub mod flash;
 pub mod game;
 pub mod store;
 
+use board_client::pil::lock_step::{self, Board, Measurement, Plant, Run, Wanted};
+use board_client::pil::{PilError, preview_s};
 use firmware::order::prepare;
 use firmware::{BlackBox, Capture, Control, LockStepBoard};
+use identification::{HostParameters, Options, Problem, identify, simulate};
 use model_core::pid::PidParameters;
 use model_core::{
     ExtensionParameters, Mode, Model, ModelParameters, Surroundings, TrackingParameters, paper,
 };
+use recording::figures::Figures;
 use rig::parameters::DEAD_LOAD_N;
 use rig::sensor::Sensors;
 use wire::{Configuration, Protection, Request, Response, VERSION};
-use workbench::figures::Figures;
-use workbench::identification::{HostParameters, Options, Problem, identify, simulate};
-use workbench::pil::lock_step::{self, Board, Measurement, Plant, Run, Wanted};
-use workbench::pil::{PilError, preview_s};
 
 /// The board's tick. Unit: s.
 pub const PERIOD_S: f64 = 1e-3;

@@ -4,11 +4,11 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use board_client::bus::Board;
+use board_client::bus::client::Address;
+use board_client::bus::port::{Line, Parity};
 use host_tests::desk_commands::DeskBench as Bench;
 use wire::registers::{BAUD, Id, Register, TABLE, UNIT};
-use workbench::bus::Board;
-use workbench::bus::client::Address;
-use workbench::bus::port::{Line, Parity};
 
 /// The board by its registers.
 fn board(bench: &Bench) -> Board {

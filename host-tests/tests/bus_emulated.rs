@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 
+use board_client::child::Stop;
+use board_client::emulator::line::Line;
+use board_client::emulator::{Emulator, image, real_time};
+use board_client::pil::lock_step::protect;
 use firmware::law::{extended_parameters, paper_parameters};
 use host_tests::rig;
 use libtest_mimic::{Arguments, Failed, Trial};
 use wire::registers::UPLOAD_BYTES;
 use wire::{Configuration, Protection, VERSION};
-use workbench::child::Stop;
-use workbench::emulator::line::Line;
-use workbench::emulator::{Emulator, image, real_time};
-use workbench::pil::lock_step::protect;
 
 /// The environment variable that names the Python which has the clients.
 const VARIABLE: &str = "MGPI_BUS_PYTHON";
@@ -74,7 +74,7 @@ fn clients() -> Result<(), Failed> {
         let said = [ran.stdout, ran.stderr].map(|said| String::from_utf8_lossy(&said).into_owned()).concat();
         print!("{said}");
         match (ran.status.success(), ended) {
-            (true, Ok(Ok(()) | Err(workbench::pil::PilError::Stopped))) => Ok(()),
+            (true, Ok(Ok(()) | Err(board_client::pil::PilError::Stopped))) => Ok(()),
             (true, ended) => Err(format!("the board: {ended:?}").into()),
             (false, _) => Err(said.into()),
         }

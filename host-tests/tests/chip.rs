@@ -5,12 +5,12 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use board_client::emulator::image;
 use firmware::store::ParameterStore;
 use host_tests::flash::MockFlash;
 use host_tests::store::{numbered, paper_set};
 use libtest_mimic::{Arguments, Conclusion, Failed, Trial};
 use wire::State;
-use workbench::emulator::image;
 
 /// The environment variable that names a Python which has Unicorn.
 const PYTHON: &str = "MGPI_CHIP_PYTHON";

@@ -4,17 +4,17 @@
 
 use std::process::Command;
 
+use board_client::child::Stop;
+use board_client::emulator::{Emulator, image};
+use board_client::pil::PilError;
+use board_client::pil::lock_step::{Measurement, Plant, protect};
+use board_client::pil::results::log;
 use firmware::law::extended_parameters;
 use host_tests::{HostBoard, configuration, identified, raised_cosines, rig, run};
+use identification::{CONVERGED, Loss, Options, Weights};
 use libtest_mimic::{Arguments, Failed, Trial};
 use model_core::{Kind, Mode, ModelParameters, Surroundings, paper};
 use wire::{Configuration, Protection, VERSION};
-use workbench::child::Stop;
-use workbench::emulator::{Emulator, image};
-use workbench::identification::{CONVERGED, Loss, Options, Weights};
-use workbench::pil::PilError;
-use workbench::pil::lock_step::{Measurement, Plant, protect};
-use workbench::pil::results::log;
 
 fn main() {
     let missing = missing();

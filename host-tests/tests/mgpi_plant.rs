@@ -5,9 +5,9 @@
 use host_tests::{
     FunctionPlant, HostBoard, PERIOD_S, configuration, figures, identified, raised_cosines, run,
 };
+use identification::{CONVERGED, Loss, Options, Weights};
 use model_core::envelope::EnvelopeParameters;
 use model_core::{Hysteresis, Kind, Mgpi, MgpiParameters, Mode, ModelParameters, paper};
-use workbench::identification::{CONVERGED, Loss, Options, Weights};
 
 const SIZE: usize = paper::SIZE;
 /// Lag of the pressure under feedback. Unit: s.

@@ -3,9 +3,9 @@
 //! `cargo test -p host-tests --test rig_plant -- --nocapture` prints the figures.
 
 use host_tests::{HostBoard, configuration, figures, raised_cosines, rig, run};
+use identification::{CONVERGED, Fit, Loss, Options, Problem, Weights, identify};
 use model_core::{Hysteresis, Kind, Mode};
 use wire::Protection;
-use workbench::identification::{CONVERGED, Fit, Loss, Options, Problem, Weights, identify};
 
 /// The model of the project's own recording, as `mgpi identify` finds it.
 fn identified() -> Fit {

@@ -1,5 +1,6 @@
 //! A board that was configured is the same board after a restart.
 
+use board_client::pil::lock_step::Board;
 use firmware::order::prepare;
 use firmware::store::{LoadError, ParameterStore, Parameters};
 use host_tests::HostBoard;
@@ -7,7 +8,6 @@ use host_tests::flash::MockFlash;
 use host_tests::store::paper_set;
 use model_core::Mode;
 use wire::{Configuration, Fault, Hello, Protection, Request, Response, State, VERSION};
-use workbench::pil::lock_step::Board;
 
 fn answers(board: &mut HostBoard, request: &Request) -> Response {
     board.request(request).expect("a board on the host always answers")

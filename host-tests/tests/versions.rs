@@ -8,7 +8,7 @@ fn the_changelog_has_every_version_apart() {
         ("messages and configurations (`wire::VERSION`)", wire::VERSION.to_string()),
         ("registers (`wire::registers::VERSION`)", wire::registers::VERSION.to_string()),
         ("storage on the board (`firmware::store::LAYOUT`)", firmware::store::LAYOUT.to_string()),
-        ("model files (`format`)", workbench::model_file::FORMAT.to_string()),
+        ("model files (`format`)", recording::model_file::FORMAT.to_string()),
     ] {
         let row = format!("| {what} | {version} |");
         assert!(changelog.contains(&row), "the changelog lacks {row}");

@@ -6,10 +6,10 @@
 //! not of the form of its model, and parameters that are fitted make up for a part of that.
 
 use anyhow::{Context, Result, ensure};
+use diagnosis::extend::HeldOutGain;
+use diagnosis::{Columns, diagnose_and_extend};
+use recording::unit::Unit;
 use rig::recording::Row;
-use workbench::diagnosis::extend::HeldOutGain;
-use workbench::diagnosis::{Columns, diagnose_and_extend};
-use workbench::unit::Unit;
 
 use super::case::Case;
 use super::hidden::with_hidden;

@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
+use diagnosis::extend::Extension;
+use diagnosis::physical::Loop;
 use model_core::ExtensionParameters;
 use model_core::extension::profile::Profile;
 use model_core::extension::{CreepParameters, DeadbandForm, PressureRateParameters, ProfileParameters, Site};
 use rig::dynamics::RATE_UNIT_MM_PER_S;
 use rig::plant::Kind;
 use serde_json::{Map, Value};
-use workbench::diagnosis::extend::Extension;
-use workbench::diagnosis::physical::Loop;
 
 /// The least slope that is divided by. Unit: mm/bar.
 const LEAST_SLOPE: f64 = 1.0;

@@ -9,15 +9,15 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use board_client::bus::client::Address;
+use board_client::bus::port::{Line, Parity};
+use board_client::bus::{Board, upload};
 use browser::{BROWSERS, Browser};
 use firmware::law::paper_parameters;
 use host_tests::desk::Desk;
 use rustix::process::{Pid, Signal, kill_process};
 use wire::registers::{Command as Order, Id, Value};
 use wire::{Configuration, State, VERSION};
-use workbench::bus::client::Address;
-use workbench::bus::port::{Line, Parity};
-use workbench::bus::{Board, upload};
 
 /// `mgpi watch`, until it is ended.
 struct Watch {

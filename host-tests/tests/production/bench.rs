@@ -3,6 +3,7 @@
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 
+use board_client::pil::lock_step::{Measurement, Plant};
 use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
 use firmware::{AdcCode, Samples};
 use host_tests::{PERIOD_S, rig};
@@ -10,7 +11,6 @@ use libtest_mimic::Failed;
 use model_core::Surroundings;
 use probe::Production;
 use wire::{Configuration, Fault, Refusal, Request, Response, State, Telemetry};
-use workbench::pil::lock_step::{Measurement, Plant};
 
 type Muscle = Box<dyn FnMut(f32) -> Result<Measurement, Failed>>;
 

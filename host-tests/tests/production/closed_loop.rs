@@ -3,12 +3,12 @@
 //! The production image gets its reference over its link, while it ticks: it takes effect when the bytes are through, some
 //! ticks later. The emulated image then gets, tick by tick, the reference that the other has acknowledged.
 
+use board_client::child::Stop;
+use board_client::emulator::{Emulator, image};
 use host_tests::{configuration, rig, run};
 use libtest_mimic::Failed;
 use model_core::{Mode, ModelParameters, paper};
 use wire::{Protection, Request, Response};
-use workbench::child::Stop;
-use workbench::emulator::{Emulator, image};
 
 use super::bench::Bench;
 

@@ -13,8 +13,8 @@ mod store;
 use std::path::PathBuf;
 use std::process::Command;
 
+use board_client::emulator::image;
 use libtest_mimic::{Arguments, Failed, Trial};
-use workbench::emulator::image;
 
 fn main() {
     let missing = missing();

@@ -1,0 +1,95 @@
+//! Registers of a board as tables of a backup: each by its name, which has its unit.
+
+use firmware::bus::fields::{self, BoardParameters, CONTROLLER};
+use toml::{Table, Value as Toml};
+use wire::Protection;
+use wire::registers::{Id, Kind, Register, TABLE, Value};
+
+use recording::model_file::section::{KeyError, Section};
+
+/// Time from tick to tick, which no register of the controller has.
+const PERIOD: &str = "period_s";
+/// The page of the registers of the group "Protection".
+const PROTECTION_PAGE: u16 = 4;
+
+/// The registers of the group "Protection".
+pub fn protection_registers() -> impl DoubleEndedIterator<Item = &'static Register> {
+    TABLE.iter().filter(|register| register.address >> 8 == PROTECTION_PAGE)
+}
+
+/// What a protection has at a register of its group.
+pub fn protection_value(protection: &Protection, id: Id) -> Option<Value> {
+    fields::of_protection(&mut protection.clone(), id).map(|field| field.get())
+}
+
+/// The limits of the plant as a table.
+pub fn of_protection(protection: &Protection) -> Table {
+    let entry = |register: &Register| {
+        let value = protection_value(protection, register.id)?;
+        Some((register.name.to_owned(), toml(value)))
+    };
+    protection_registers().filter_map(entry).collect()
+}
+
+/// Gains and limits of the controller as a table.
+pub fn of_controller(parameters: &BoardParameters) -> Table {
+    let mut parameters = parameters.clone();
+    let mut table = Table::new();
+    table.insert(PERIOD.to_owned(), toml(Value::F32(parameters.period_s)));
+    for id in CONTROLLER {
+        if let Some(field) = fields::of_controller(&mut parameters, id) {
+            table.insert(id.register().name.to_owned(), toml(field.get()));
+        }
+    }
+    table
+}
+
+/// The limits of the plant of a table.
+///
+/// # Errors
+/// A key that is missing, unknown or of another kind.
+pub fn to_protection(mut section: Section) -> Result<Protection, KeyError> {
+    let mut protection = Protection::STANDARD;
+    for register in protection_registers() {
+        let value = value(&mut section, register)?;
+        fields::of_protection(&mut protection, register.id).into_iter().for_each(|field| field.set(value));
+    }
+    section.finish()?;
+    Ok(protection)
+}
+
+/// Puts gains and limits of a table into a controller's parameters.
+///
+/// # Errors
+/// A key that is missing, unknown or of another kind.
+pub fn to_controller(mut section: Section, parameters: &mut BoardParameters) -> Result<(), KeyError> {
+    parameters.period_s = section.number(PERIOD)? as f32;
+    for id in CONTROLLER {
+        let value = value(&mut section, id.register())?;
+        fields::of_controller(parameters, id).into_iter().for_each(|field| field.set(value));
+    }
+    section.finish()
+}
+
+fn value(section: &mut Section, register: &Register) -> Result<Value, KeyError> {
+    let number = section.limit(register.name)?;
+    let value = Value::of_number(register.kind, number);
+    if register.kind != Kind::F32 && value.number() != number {
+        return Err(section.error(register.name, &format!("{number} is no whole number of its register")));
+    }
+    Ok(value)
+}
+
+/// A value; one of single precision in its shortest decimal form, which is read back as the same.
+fn toml(value: Value) -> Toml {
+    match value {
+        Value::F32(number) => Toml::Float(shortest(number)),
+        value => Toml::Integer(value.number() as i64),
+    }
+}
+
+/// The number of double precision whose decimal form is the shortest one of a number of single
+/// precision.
+pub fn shortest(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
+}

@@ -1,0 +1,18 @@
+//! The host's side of a board: its bus, its settings, its firmware in an emulator, and a loop of both with a plant.
+//!
+//! # Design
+//! | module | what it does |
+//! |---|---|
+//! | [`bus`] | a board at a serial port: settings, models, runs, logs |
+//! | [`backup`] | all that a board keeps, as one readable file |
+//! | [`emulator`] | the firmware in QEMU |
+//! | [`pil`] | that firmware in a loop with a plant, tick by tick |
+//! | [`child`] | programs that are started, and end with us |
+//! | [`part`] | logs that grow, and are kept if the run breaks off |
+
+pub mod backup;
+pub mod bus;
+pub mod child;
+pub mod emulator;
+pub mod part;
+pub mod pil;

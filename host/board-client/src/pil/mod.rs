@@ -1,0 +1,266 @@
+//! The processor in the loop: the firmware, in the emulator, tracks a reference with a plant that is a program.
+//!
+//! # Design
+//! | file | what it does |
+//! |---|---|
+//! | [`followed`] | whether a run has followed its reference, and why not |
+//! | [`lock_step`] | one run: reference and measurement to the board, its command to the plant, tick by tick |
+//! | [`plant`] | a plant that is a program, line by line |
+//! | [`mod@reference`] | what is to be tracked |
+//! | [`results`] | log, figures |
+//!
+//! Three runs, each of the firmware from its start with a plant of its own: feed-forward and feedback, feed-forward
+//! only, feedback only. They go on side by side; the first that fails stops the others.
+//!
+//! # Contract
+//! Lock-step: neither board nor plant goes on before the other has answered, so that the results do not depend on
+//! how fast either is. The same inputs give the same results, bit for bit.
+
+pub mod followed;
+pub mod lock_step;
+pub mod plant;
+pub mod reference;
+pub mod results;
+
+use std::panic::resume_unwind;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use model_core::pid::PidParameters;
+use model_core::{Mode, ParameterError, TrackingParameters};
+use thiserror::Error;
+use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Protection, Refusal, VERSION};
+
+use crate::bus::error::{in_full, row};
+use crate::child::Stop;
+use crate::emulator::{Emulator, EmulatorError};
+use lock_step::Run;
+use plant::{PlantError, PlantProcess, Program};
+use recording::model_file::ModelFile;
+use recording::table::DataError;
+use recording::unit::Unit;
+use reference::{MOST_TICKS, Reference};
+
+/// Fastest change of the command: an eighth of a second through the whole range, faster than proportional
+/// regulators of this size are. Unit: bar/s.
+const SLEW_BAR_PER_S: f32 = 50.0;
+
+/// Why a run of the firmware does not come to its end.
+#[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
+pub enum PilError {
+    #[error(transparent)]
+    Emulator(EmulatorError),
+    #[error(transparent)]
+    Plant(PlantError),
+    #[error(transparent)]
+    Reference(#[from] DataError),
+    #[error("{}: {ticks} ticks; a run takes at most {MOST_TICKS}", file.display())]
+    TooLong { file: PathBuf, ticks: f64 },
+    #[error("{}: its {channel} is in {found}; the valve board needs {needed}", model.display())]
+    Unit { model: PathBuf, channel: &'static str, found: String, needed: &'static str },
+    #[error("{}: no model for the board: {problem}", model.display())]
+    Capacity { model: PathBuf, problem: ParameterError },
+    #[error("the board refuses: {}", in_words(.0))]
+    Refused(Refusal),
+    #[error("the board speaks version {0} of the messages, this program version {VERSION}")]
+    Version(u16),
+    #[error("the board answers what was not asked")]
+    OutOfTurn,
+    #[error(
+        "at {time_s} s the plant answers {quantity} {value} {unit}, outside what the board's sensor measures, \
+         {min} to {max} {unit}"
+    )]
+    OutsideSensor { time_s: f64, quantity: &'static str, value: f64, min: f32, max: f32, unit: &'static str },
+    #[error("at {time_s} s the board has vented the valve: {}", cause(*.fault))]
+    Vented { time_s: f64, fault: Option<Fault> },
+    #[error("the run {}: {problem}", with(*.mode))]
+    Run { mode: Mode, problem: Box<PilError> },
+    #[error("interrupted")]
+    Stopped,
+}
+
+/// What a run is made with, in words.
+fn with(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Both => "with feed-forward and feedback",
+        Mode::FeedforwardOnly => "with feed-forward only",
+        Mode::FeedbackOnly => "with feedback only",
+        Mode::Hold => "that holds the valve",
+    }
+}
+
+impl From<EmulatorError> for PilError {
+    fn from(error: EmulatorError) -> Self {
+        match error {
+            EmulatorError::Stopped => Self::Stopped,
+            error => Self::Emulator(error),
+        }
+    }
+}
+
+impl From<PlantError> for PilError {
+    fn from(error: PlantError) -> Self {
+        if error.is_stop() { Self::Stopped } else { Self::Plant(error) }
+    }
+}
+
+/// The fault with cause and cure.
+fn cause(fault: Option<Fault>) -> String {
+    fault.and_then(row).map_or_else(|| "it does not say why".to_owned(), in_full)
+}
+
+fn in_words(refusal: &Refusal) -> String {
+    match refusal {
+        Refusal::Parameter(message) => message.as_str().to_owned(),
+        Refusal::NotStored => {
+            "it is in use, but the board's flash has not kept it: it is lost when power is".to_owned()
+        }
+        other => format!("{other:?}"),
+    }
+}
+
+/// The integral gain by default. The paper's 0.01 takes tens of seconds to mend an offset; ten times that settles in
+/// seconds and still lies far below what a regulator's lag allows beside the paper's proportional gain. Unit:
+/// bar/(mm s).
+const INTEGRAL_GAIN: f32 = 0.1;
+
+/// A model with the default gains and limits for a board that ticks `rate_hz` times a second. The valve's range is the
+/// model's.
+///
+/// # Errors
+/// The model, read from `file`, has other units than the board or is too large for it.
+pub fn configuration(file: &Path, model: &ModelFile, rate_hz: f64) -> Result<Configuration, PilError> {
+    for (channel, found, board, needed) in [
+        ("input", model.input.unit, Unit::BAR, "bar or another pressure"),
+        ("output", model.output.unit, Unit::MM, "mm or another length"),
+    ] {
+        if found != board {
+            let found = found.to_string();
+            return Err(PilError::Unit { model: file.to_owned(), channel, found, needed });
+        }
+    }
+    let converted = model.parameters.convert::<f32, PLAYS, DEAD_ZONES>();
+    let extensions = model.extensions.convert();
+    let problem = |problem| PilError::Capacity { model: file.to_owned(), problem };
+    let (model, extensions) = (converted.map_err(problem)?, extensions.map_err(problem)?);
+    Ok(Configuration {
+        version: VERSION,
+        tracking: TrackingParameters {
+            // A valve cannot suck: noise around 0 bar may have put the model's lower end below.
+            command_min: model.input().0.max(0.0),
+            command_max: model.input().1,
+            model,
+            extensions,
+            pid: PidParameters { ki: INTEGRAL_GAIN, ..PidParameters::paper() },
+            slew_bar_per_s: SLEW_BAR_PER_S,
+            period_s: (1.0 / rate_hz) as f32,
+        },
+    })
+}
+
+/// How far ahead of time a board of this configuration has to be given its reference. Unit: s.
+pub fn preview_s(configuration: &Configuration) -> f64 {
+    let TrackingParameters { extensions, period_s, .. } = &configuration.tracking;
+    f64::from(extensions.preview_s(*period_s))
+}
+
+/// What the three runs have in common.
+#[derive(Debug)]
+pub struct Bench<'a> {
+    /// The firmware's ELF file.
+    pub firmware: &'a Path,
+    /// For the board.
+    pub configuration: &'a Configuration,
+    /// By which limits it protects the plant.
+    pub protection: Protection,
+    /// What starts a plant.
+    pub plant: &'a Program,
+    /// What is to be tracked.
+    pub reference: &'a Reference,
+    /// Asked to stop by whoever wants the runs to end, and by a run that fails.
+    pub stop: Stop,
+}
+
+/// A finished run with what firmware and plant said.
+#[derive(Debug)]
+pub struct Finished {
+    /// The run.
+    pub run: Run,
+    /// The firmware's log, a line an entry.
+    pub log: String,
+    /// What the plant said on its standard error.
+    pub plant_messages: String,
+}
+
+/// Runs that did not all come to their end.
+#[derive(Debug)]
+pub struct Broken {
+    /// The first one's reason; [`PilError::Stopped`] when a stop was requested from outside.
+    pub problem: Box<PilError>,
+    /// What each has come to, one a mode.
+    pub runs: Vec<Run>,
+}
+
+/// What firmware and plant had to say.
+type Words = (String, String);
+
+impl Bench<'_> {
+    /// The runs of the given modes, side by side; `ticked` is called after each tick of each.
+    ///
+    /// # Errors
+    /// A run has failed, and has stopped the others, or a stop was requested from outside.
+    pub fn run(&self, modes: &[Mode], ticked: &(dyn Fn() + Sync)) -> Result<Vec<Finished>, Broken> {
+        let (runs, ends): (Vec<Run>, Vec<Result<Words, PilError>>) = thread::scope(|scope| {
+            let threads: Vec<_> =
+                modes.iter().map(|&mode| scope.spawn(move || self.run_one(mode, ticked))).collect();
+            threads
+                .into_iter()
+                .map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
+                .unzip()
+        });
+        let (mut words, mut problems) = (Vec::new(), Vec::new());
+        for end in ends {
+            match end {
+                Ok(said) => words.push(said),
+                Err(problem) => problems.push(problem),
+            }
+        }
+        // A run that was stopped because of another one knows no reason.
+        let reason = problems.iter().position(|problem| !matches!(problem, PilError::Stopped)).unwrap_or(0);
+        if !problems.is_empty() {
+            return Err(Broken { problem: Box::new(problems.swap_remove(reason)), runs });
+        }
+        let finished = |(run, (log, plant_messages))| Finished { run, log, plant_messages };
+        Ok(runs.into_iter().zip(words).map(finished).collect())
+    }
+
+    /// One run as far as it comes, and how it ends.
+    fn run_one(&self, mode: Mode, ticked: &dyn Fn()) -> (Run, Result<Words, PilError>) {
+        let mut run = Run { samples: Vec::new(), overruns: 0 };
+        let end = self.try_run(mode, &mut run, ticked).map_err(|problem| {
+            self.stop.request();
+            match problem {
+                PilError::Stopped => PilError::Stopped,
+                problem => PilError::Run { mode, problem: Box::new(problem) },
+            }
+        });
+        (run, end)
+    }
+
+    fn try_run(&self, mode: Mode, run: &mut Run, ticked: &dyn Fn()) -> Result<Words, PilError> {
+        let mut plant = PlantProcess::start(self.plant, &self.stop)?;
+        let mut board = Emulator::start(self.firmware, &self.stop)?;
+        lock_step::protect(&mut board, self.protection)?;
+        run.overruns = lock_step::track(
+            &mut board,
+            &mut plant,
+            self.configuration,
+            mode,
+            self.reference.samples(preview_s(self.configuration)),
+            &mut run.samples,
+            ticked,
+        )?;
+        Ok((board.log(), plant.messages()))
+    }
+}

@@ -1,0 +1,165 @@
+//! What is to be tracked or played: `time_s, reference_mm` (or another column) from a file, linearly interpolated at the
+//! instants of the ticks.
+
+use std::path::Path;
+
+use super::PilError;
+use super::lock_step::Wanted;
+use recording::table::Table;
+use recording::{Choice, Drive};
+
+/// The column of the reference.
+const COLUMN: &str = "reference_mm";
+/// The longest run: 10,000 s at 1 kHz. Three logs of it still fit in a small machine's memory.
+pub const MOST_TICKS: usize = 10_000_000;
+
+/// A reference, and how often it is sampled.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Strictly increasing. Unit: s.
+    time_s: Vec<f64>,
+    /// One a time. Unit: that of the column.
+    values: Vec<f64>,
+    rate_hz: f64,
+    ticks: usize,
+    /// What was done to read it, a sentence each.
+    notes: Vec<String>,
+}
+
+impl Reference {
+    /// Reads a reference that is sampled `rate_hz` (above 0) times a second, from its first time to its last.
+    ///
+    /// # Errors
+    /// The file is no table, lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
+    pub fn read(file: &Path, rate_hz: f64) -> Result<Self, PilError> {
+        let reference = Self::of(&Table::read(file)?, COLUMN, rate_hz)?;
+        for note in &reference.notes {
+            eprintln!("note: {}: {note}", recording::input::name(file));
+        }
+        Ok(reference)
+    }
+
+    /// Takes a column of a table.
+    ///
+    /// # Errors
+    /// The table lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
+    pub fn of(table: &Table, column: &str, rate_hz: f64) -> Result<Self, PilError> {
+        let choice = Choice { input: Some(column.to_owned()), may_be_sparse: true, ..Choice::default() };
+        let Drive { file, time_s, input, notes, .. } = Drive::of(table, &choice)?;
+        // A table has at least one row. The margin is for a last tick that rounding puts behind the last row.
+        let duration_s = time_s[time_s.len() - 1] - time_s[0];
+        let ticks = (duration_s * rate_hz + 1e-6).floor() + 1.0;
+        if ticks > MOST_TICKS as f64 {
+            return Err(PilError::TooLong { file, ticks });
+        }
+        Ok(Self { time_s, values: input.values, rate_hz, ticks: ticks as usize, notes })
+    }
+
+    /// Number of ticks, at least 1.
+    pub fn ticks(&self) -> usize {
+        self.ticks
+    }
+
+    /// Lowest and highest value.
+    pub fn range(&self) -> (f64, f64) {
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        self.values.iter().fold(ends, |(lowest, highest), &value| (lowest.min(value), highest.max(value)))
+    }
+
+    /// The values from the first time on, so long after it (s, not falling); the last row lasts.
+    pub fn values(&self, after_s: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
+        let mut cursor = Cursor::new(self);
+        after_s.map(move |after_s| cursor.at(self.time_s[0] + after_s))
+    }
+
+    /// The values at every tick, or `ahead_s` (0 or more) later; the last row lasts.
+    pub fn points(&self, ahead_s: f64) -> impl Iterator<Item = f64> {
+        self.values((0..self.ticks).map(move |tick| tick as f64 / self.rate_hz + ahead_s))
+    }
+
+    /// What is wanted at every tick, and `ahead_s` (0 or more) later; the last row lasts.
+    pub fn samples(&self, ahead_s: f64) -> impl Iterator<Item = Wanted> {
+        let (mut now, mut ahead) = (Cursor::new(self), Cursor::new(self));
+        (0..self.ticks).map(move |tick| {
+            let time_s = self.time_s[0] + tick as f64 / self.rate_hz;
+            Wanted { time_s, reference_mm: now.at(time_s), ahead_mm: ahead.at(time_s + ahead_s) }
+        })
+    }
+}
+
+/// Reads a reference at times that do not fall.
+struct Cursor<'a> {
+    reference: &'a Reference,
+    /// The row before the time.
+    row: usize,
+}
+
+impl<'a> Cursor<'a> {
+    fn new(reference: &'a Reference) -> Self {
+        Self { reference, row: 0 }
+    }
+
+    /// On the line from the row to the next, not beyond its end; the row itself if it is the last.
+    fn at(&mut self, time_s: f64) -> f64 {
+        let Reference { time_s: times_s, values, .. } = self.reference;
+        while self.row + 2 < times_s.len() && times_s[self.row + 1] <= time_s {
+            self.row += 1;
+        }
+        let (from_s, from) = (times_s[self.row], values[self.row]);
+        let Some(to) = values.get(self.row + 1) else { return from };
+        let share = (time_s - from_s) / (times_s[self.row + 1] - from_s);
+        from + share.min(1.0) * (to - from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(csv: &str, rate_hz: f64) -> Result<Vec<(f64, f64)>, PilError> {
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        std::fs::write(&file, csv).expect("written");
+        let wanted = |wanted: Wanted| {
+            assert_eq!(wanted.ahead_mm, wanted.reference_mm);
+            (wanted.time_s, wanted.reference_mm)
+        };
+        Ok(Reference::read(file.path(), rate_hz)?.samples(0.0).map(wanted).collect())
+    }
+
+    #[test]
+    fn a_reference_ahead_is_the_one_of_later_and_at_last_the_last() {
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        std::fs::write(&file, "time_s,reference_mm\n0,0\n1,8\n2,4\n").expect("written");
+        let reference = Reference::read(file.path(), 2.0).expect("valid");
+        let ahead: Vec<f64> = reference.samples(0.75).map(|wanted| wanted.ahead_mm).collect();
+        assert_eq!(ahead, [6.0, 7.0, 5.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn a_reference_is_interpolated_between_uneven_rows() {
+        let found = samples("time_s,reference_mm\n1,0\n1.5,10\n1.75,10\n2,0\n", 8.0).expect("valid");
+        let expected =
+            [(1.0, 0.0), (1.125, 2.5), (1.25, 5.0), (1.375, 7.5), (1.5, 10.0), (1.625, 10.0), (1.75, 10.0)];
+        assert_eq!(found[..7], expected);
+        assert_eq!(found[7..], [(1.875, 5.0), (2.0, 0.0)]);
+    }
+
+    #[test]
+    fn a_single_row_is_a_single_tick() {
+        assert_eq!(samples("time_s,reference_mm\n3,7\n", 1000.0).expect("valid"), [(3.0, 7.0)]);
+    }
+
+    #[test]
+    fn the_last_row_is_reached_though_its_time_is_no_binary_fraction() {
+        let found = samples("time_s,reference_mm\n0,0\n0.3,3\n", 10.0).expect("valid");
+        assert_eq!(found.len(), 4);
+        assert!((found[3].1 - 3.0).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn a_reference_longer_than_memory_is_refused() {
+        let message =
+            samples("time_s,reference_mm\n0,0\n1e12,1\n", 1000.0).expect_err("too long").to_string();
+        assert!(message.contains("10000000"), "{message}");
+    }
+}

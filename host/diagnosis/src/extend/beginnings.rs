@@ -1,0 +1,50 @@
+//! The better of what two beginnings come to.
+
+use model_core::ExtensionParameters;
+
+use super::Extension;
+use super::refine::Task;
+use identification::Termination;
+
+/// An extended model with more than this share of the plain one's error is tried from another start too.
+const LITTLE: f64 = 0.5;
+
+/// A refined model with extensions, or, where it gains little over the plain one, whichever is better of it and the plain
+/// operator with the same extensions, refined: what the operators see in the search is not always a good beginning.
+pub fn nearer(
+    task: &Task<'_>,
+    found: Extension,
+    plain: &Extension,
+    extensions: ExtensionParameters<f64>,
+) -> Option<Extension> {
+    let reached = task.rms(&found)?;
+    if reached < LITTLE * task.rms(plain)? {
+        return Some(found);
+    }
+    let other = task.refined(Extension { extensions, ..plain.clone() });
+    let other =
+        other.map(|(other, _)| other).filter(|other| task.rms(other).is_some_and(|rms| rms < reached));
+    Some(other.unwrap_or(found))
+}
+
+/// The model without extensions, or, if it errs by less, what it comes to from the operator of another one: few starts lead to it, and
+/// what a cause gains is not to be what another beginning does.
+pub fn plainer(task: &Task<'_>, plain: Extension, other: &Extension) -> Extension {
+    let begin = Extension { extensions: ExtensionParameters::default(), ..other.clone() };
+    let errs_less = |from_other: &Extension| Some(task.rms(from_other)? < task.rms(&plain)?);
+    let from_other = task.refined(begin).map(|(from_other, _)| from_other);
+    from_other.filter(|from_other| errs_less(from_other).unwrap_or(false)).unwrap_or(plain)
+}
+
+/// An extended model that the rows before the split have taught, continued with all rows; from the plain model's operator too, where
+/// it is no better than that.
+pub fn continued(whole: &Task<'_>, taught: Extension, plain: &Extension) -> Option<(Extension, Termination)> {
+    let other = Extension { extensions: taught.extensions.clone(), ..plain.clone() };
+    let model = whole.refined(taught)?;
+    if model.0.rmse(whole.columns) < plain.rmse(whole.columns) {
+        return Some(model);
+    }
+    let other =
+        whole.refined(other).filter(|other| other.0.rmse(whole.columns) < model.0.rmse(whole.columns));
+    Some(other.unwrap_or(model))
+}

@@ -1,0 +1,91 @@
+//! What an extended model gains on rows that took no part in its fit.
+//!
+//! Both models run free through the whole input, the recorded columns and nothing else, so that they come to the first of
+//! these rows in the state that history has left them in.
+
+use super::{Extended, Extension};
+use crate::Columns;
+use recording::figures::Figures;
+use recording::numbers::root_mean_square;
+
+/// Blocks of rows that the uncertainty comes from.
+const BLOCKS: usize = 10;
+
+/// A gain on rows that the fit has not seen. Output unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldOutGain {
+    /// Where the rows begin. Unit: s.
+    pub from_s: f64,
+    /// Errors without extensions.
+    pub before: Figures,
+    /// With them.
+    pub after: Figures,
+    /// Noise of the measurement, below which no model comes.
+    pub noise_floor: f64,
+    /// Standard error of after - before, from the differences of blocks of rows in time.
+    pub gain_error: f64,
+}
+
+impl HeldOutGain {
+    /// The share of what could be gained; None where nothing could.
+    pub fn share(&self) -> Option<f64> {
+        let most = self.before.rmse - self.noise_floor;
+        (most > 0.0).then(|| (self.before.rmse - self.after.rmse) / most)
+    }
+
+    /// Whether it is more than its standard error.
+    pub fn is_sure(&self) -> bool {
+        self.before.rmse - self.after.rmse > self.gain_error
+    }
+}
+
+/// The gain of the second model over the first on the given rows of a recording; None where there are too few rows, or a
+/// model refuses one.
+pub fn gain(
+    columns: &Columns,
+    scored: &[usize],
+    (before, after): (&Extension, &Extension),
+    noise_floor: f64,
+) -> Option<HeldOutGain> {
+    let first = *scored.get(..BLOCKS)?.first()?;
+    let errors = |model: &Extension| -> Option<Vec<f64>> {
+        let simulated = model.answer(columns)?;
+        Some(scored.iter().map(|&row| columns.output[row] - simulated[row]).collect())
+    };
+    let (before, after) = (errors(before)?, errors(after)?);
+    let gain_error = standard_error(&before, &after);
+    let figures = |errors: &[f64]| Figures::of(errors, &vec![0.0; errors.len()], &vec![true; errors.len()]);
+    Some(HeldOutGain {
+        from_s: columns.time_s[first],
+        before: figures(&before),
+        after: figures(&after),
+        noise_floor,
+        gain_error,
+    })
+}
+
+/// Standard error of the difference of two root mean square errors at the same samples, from blocks of them in time: each is a
+/// tenth of the samples, far longer than residuals are alike.
+pub fn standard_error(before: &[f64], after: &[f64]) -> f64 {
+    let length = before.len().div_ceil(BLOCKS).max(1);
+    let differences: Vec<f64> = before
+        .chunks(length)
+        .zip(after.chunks(length))
+        .map(|(before, after)| root_mean_square(after) - root_mean_square(before))
+        .collect();
+    let count = differences.len() as f64;
+    let mean = differences.iter().sum::<f64>() / count;
+    let squares: f64 = differences.iter().map(|difference| (difference - mean).powi(2)).sum();
+    (squares / (count * (count - 1.0).max(1.0))).sqrt()
+}
+
+/// The gain on another recording, which took no part in anything; None as for [`gain`].
+pub fn on_another(columns: &Columns, extended: &Extended) -> Option<HeldOutGain> {
+    on_all(&extended.seen_from(columns), (&extended.plain, &extended.model))
+}
+
+/// The gain of the second model over the first on all scored rows of a recording; None as for [`gain`].
+pub(super) fn on_all(columns: &Columns, models: (&Extension, &Extension)) -> Option<HeldOutGain> {
+    let rows: Vec<usize> = (0..columns.scored.len()).filter(|&row| columns.scored[row]).collect();
+    gain(columns, &rows, models, columns.noise_floor().deviation)
+}

@@ -1,0 +1,400 @@
+//! From named causes to an extended model that runs free, and what it gains on data that its fit has not seen.
+//!
+//! # Design
+//! | file | what it does |
+//! |---|---|
+//! | `beginnings` | the better of what two beginnings come to |
+//! | `carry` | from the effects of the search to the nearest extensions of the model |
+//! | `plain` | the model without extensions |
+//! | `start` | the operator to begin with, identified from what the operators see in the search |
+//! | `variables` | operator and extensions as numbers that a search can move |
+//! | `slow` | what stays near where the search has it |
+//! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
+//! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
+//! | `rests` | what the rows of a rest count where there is a mass |
+//! | `roughness` | how unevenly an operator rises, and what resists motion, which costs where effects make its input |
+//! | `compensating` | what the inverse goes by where thresholds follow the rate of the input |
+//! | `thinned` | the rows that derivatives are taken on |
+//! | [`given`] | what is said of an operator model that the user has |
+//! | [`heldout`] | the gain on rows that took no part in the fit |
+//! | [`written`] | which model is written, and what it is worth beside the plain one |
+//! | [`physical`] | the extensions' parameters in the units that people measure in |
+//!
+//! # Contract
+//! What is fitted has seen nothing of the output but the scored rows before the split, when the models are compared behind
+//! it; then it goes on from there with all rows. The model without extensions is fitted in the same way, of the same size, from the
+//! extended one's operator too, but that its operator, which sees what was recorded, is free to rise as unevenly as that says; with
+//! all rows it is never worse than what `mgpi identify` finds.
+//!
+//! # Limits
+//! The causes, and where the fit begins, come from the whole recording, but for what stays near there (`slow`); a gain that is free
+//! of that too takes another recording. A delay that was found between command and pressure has no place in the chain, and is left out.
+
+mod beginnings;
+mod carry;
+mod compensating;
+pub mod given;
+pub mod heldout;
+pub mod physical;
+mod plain;
+mod refine;
+mod rests;
+mod roughness;
+mod side;
+mod slow;
+pub(super) mod start;
+mod thinned;
+mod variables;
+pub mod written;
+
+use std::borrow::Cow;
+use std::sync::{Mutex, PoisonError};
+
+use model_core::ExtensionParameters;
+
+use super::Columns;
+use super::candidate::Candidate;
+use super::cause::Cause;
+use super::search::Search;
+use super::valve::ValveFit;
+use beginnings::{continued, nearer, plainer};
+use compensating::compensating;
+pub use given::Given;
+pub use heldout::HeldOutGain;
+use identification::{Density, HostExtendedModel, HostParameters, Termination};
+pub use plain::Plain;
+use recording::figures::Figures;
+use recording::numbers::{range, root_mean_square};
+use recording::simulation::Rows;
+use refine::Task;
+use slow::Slow;
+pub use written::Written;
+
+/// The share of the scored rows that the compared models are fitted to.
+const TAUGHT: f64 = 2.0 / 3.0;
+
+/// An operator.
+#[derive(Clone, Debug)]
+pub struct Operator {
+    /// Its raw parameters.
+    pub parameters: HostParameters,
+    /// What its plays come from.
+    pub density: Density,
+}
+
+impl Operator {
+    /// The same, valid for all inputs of a recording too.
+    fn valid_for(mut self, columns: &Columns) -> Self {
+        if let HostParameters::Cascade(cascade) = &mut self.parameters {
+            let (low, high) = range(&columns.input);
+            cascade.input_min = cascade.input_min.min(low);
+            cascade.input_max = cascade.input_max.max(high);
+        }
+        self
+    }
+
+    fn with(&self, extensions: ExtensionParameters<f64>) -> Extension {
+        Extension { parameters: self.parameters.clone(), density: self.density, extensions }
+    }
+}
+
+/// An operator with extensions.
+#[derive(Clone, Debug)]
+pub struct Extension {
+    /// The operator.
+    pub parameters: HostParameters,
+    /// What its plays come from.
+    pub density: Density,
+    /// What the muscle does beside hysteresis.
+    pub extensions: ExtensionParameters<f64>,
+}
+
+/// A model extended by the named causes, and the same without.
+#[derive(Clone, Debug)]
+pub struct Extended {
+    /// With the extensions.
+    pub model: Extension,
+    /// Its free-running answer, a value a row of the recording. Output unit.
+    pub simulated: Vec<f64>,
+    /// Without.
+    pub plain: Extension,
+    /// Its answer.
+    pub plain_simulated: Vec<f64>,
+    /// Root mean square error without, over the scored rows.
+    pub baseline_rmse: f64,
+    /// The same with the extensions.
+    pub extended_rmse: f64,
+    /// What it gains behind the split, by models of the rows before.
+    pub heldout: HeldOutGain,
+    /// How the last refinement ended, of the model with the extensions and of that without.
+    terminations: (Termination, Termination),
+    /// What is said of the operator model that was given, if one was.
+    pub given: Option<Given>,
+    /// Whether one of the causes is the valve's: the gain is then counted from the command.
+    pub valve_is_named: bool,
+    counted: Counted,
+}
+
+/// What two models answer to the same input, a value a row. Output unit.
+#[derive(Clone, Debug)]
+pub struct Answers {
+    /// Without extensions.
+    pub plain: Vec<f64>,
+    /// With them.
+    pub extended: Vec<f64>,
+    /// The command, where that was the input and the pressure was recorded too. Unit: bar.
+    pub from_command: Option<Vec<f64>>,
+}
+
+/// What the gain was counted with.
+#[derive(Clone, Debug)]
+struct Counted {
+    /// The scored rows.
+    scored: Vec<usize>,
+    /// What the search erred by.
+    reached: f64,
+    /// The models that were fitted to the first of them.
+    plain: Extension,
+    extended: Extension,
+}
+
+/// The rows that the compared models are fitted to, and those that they are compared on.
+pub(super) fn split<T>(scored: &[T]) -> (&[T], &[T]) {
+    scored.split_at((TAUGHT * scored.len() as f64) as usize)
+}
+
+impl Extension {
+    /// The free-running answer to a recording, a value a row; from a measured pressure without the valve. None where the
+    /// model refuses a row. Output unit.
+    pub fn answer(&self, columns: &Columns) -> Option<Vec<f64>> {
+        let model = HostExtendedModel::try_new(&self.parameters, &self.acting(columns)).ok()?;
+        rows(columns).answer(&model).ok()
+    }
+
+    /// Root mean square error over all rows of a recording that are scored; infinite where the model refuses a row. Output unit.
+    fn rmse(&self, columns: &Columns) -> f64 {
+        let rmse = |simulated: Vec<f64>| Figures::of(&columns.output, &simulated, &columns.scored).rmse;
+        self.answer(columns).map(rmse).filter(|rmse| rmse.is_finite()).unwrap_or(f64::INFINITY)
+    }
+
+    /// The extensions behind the input of a recording.
+    fn acting(&self, columns: &Columns) -> ExtensionParameters<f64> {
+        if columns.input_is_command { self.extensions.clone() } else { self.extensions.without_valve() }
+    }
+}
+
+impl Extended {
+    /// What other extensions gain in the place of those that were found, the operator fitted anew beside them, counted as
+    /// [`Self::heldout`] is. `other` makes them from the model that the rows before the split have taught: [`Self::model`] has seen
+    /// those that the gain is counted on. None where there are none, or no model runs through the recording.
+    pub fn gain_with(
+        &self,
+        columns: &Columns,
+        other: impl FnOnce(&Extension) -> Option<ExtensionParameters<f64>>,
+    ) -> Option<HeldOutGain> {
+        let Counted { scored, reached, plain, extended } = &self.counted;
+        let extensions = other(extended)?;
+        let (taught, untaught) = split(scored);
+        let task = Task { columns, scored: taught, reached: *reached, rests_once: true };
+        let there = task.operator_refined(Extension { extensions, ..extended.clone() })?;
+        // It began where other extensions had led it.
+        let fitted = task.operator_refined(there)?;
+        let seen = self.seen_from(columns);
+        heldout::gain(&seen, untaught, (plain, &fitted), self.heldout.noise_floor)
+    }
+
+    /// What the models without and with the extensions answer to a recording, a value a row, from the input that the gain is
+    /// counted from. None where one of them does not run through it. Output unit.
+    pub fn answers(&self, columns: &Columns) -> Option<Answers> {
+        let seen = self.seen_from(columns);
+        let from_command = matches!(seen, Cow::Owned(_)).then(|| seen.input.clone());
+        Some(Answers { plain: self.plain.answer(&seen)?, extended: self.model.answer(&seen)?, from_command })
+    }
+
+    /// A recording with the input that the gain is counted from: where something is wrong with the valve the command, also
+    /// where the pressure was recorded.
+    fn seen_from<'a>(&self, columns: &'a Columns) -> Cow<'a, Columns> {
+        seen_from(columns, self.valve_is_named)
+    }
+}
+
+fn seen_from(columns: &Columns, valve_is_named: bool) -> Cow<'_, Columns> {
+    match &columns.command {
+        Some(command) if valve_is_named => Cow::Owned(Columns {
+            input: command.clone(),
+            input_is_command: true,
+            command: None,
+            ..columns.clone()
+        }),
+        _ => Cow::Borrowed(columns),
+    }
+}
+
+/// What drives a model of a recording.
+fn rows(columns: &Columns) -> Rows<'_> {
+    Rows {
+        time_s: &columns.time_s,
+        input: &columns.input,
+        load: columns.load_n.as_deref(),
+        temperature: columns.temperature_c.as_deref(),
+    }
+}
+
+/// Where the operator model of a recording is extended by sets of causes.
+pub struct Extender<'a> {
+    columns: &'a Columns,
+    /// What was searched.
+    pub search: &'a Search<'a>,
+    scored: Vec<usize>,
+    plain: Plain,
+    /// The plain model's error over all scored rows, root mean square. Output unit.
+    pub without: f64,
+    /// What the operator begins with beside sets that were tried, each known by its causes and what it costs.
+    starts: Mutex<Vec<(Vec<Cause>, f64, Operator)>>,
+}
+
+impl<'a> Extender<'a> {
+    /// From the plain model.
+    pub fn new(columns: &'a Columns, search: &'a Search<'a>, plain: Plain) -> Self {
+        let scored = search.signals.scored();
+        let without = Task::alone(columns, &scored).rms(&plain.whole).unwrap_or(f64::INFINITY);
+        Self { columns, search, scored, plain, without, starts: Mutex::default() }
+    }
+
+    /// The error of the model with the causes of a set over all scored rows; None where no such model runs through them. Output unit.
+    pub fn with(&self, set: &Candidate) -> Option<f64> {
+        self.error(&self.model(set)?)
+    }
+
+    /// That model.
+    pub fn model(&self, set: &Candidate) -> Option<Extension> {
+        let extensions = carry::extensions(self.columns, self.search, set);
+        self.found(&self.task(set, &self.scored), set, extensions, &self.plain.whole)
+    }
+
+    /// The error of a model over all scored rows; None where it does not run through them. Output unit.
+    pub fn error(&self, model: &Extension) -> Option<f64> {
+        Task::alone(self.columns, &self.scored).rms(model)
+    }
+
+    /// The plain model's error over all scored rows where it may begin from the operator of another model too. Output unit.
+    pub fn without_from(&self, other: &Extension) -> f64 {
+        let plain = plainer(&Task::alone(self.columns, &self.scored), self.plain.whole.clone(), other);
+        self.error(&plain).unwrap_or(self.without)
+    }
+
+    fn task<'b>(&self, set: &Candidate, scored: &'b [usize]) -> Task<'b>
+    where
+        'a: 'b,
+    {
+        Task { reached: root_mean_square(&set.residual), ..Task::alone(self.columns, scored) }
+    }
+
+    /// The operator with the extensions of a set, fitted to the rows of a task; None where no model runs through them.
+    fn found(
+        &self,
+        task: &Task<'_>,
+        set: &Candidate,
+        extensions: ExtensionParameters<f64>,
+        plain: &Extension,
+    ) -> Option<Extension> {
+        let (found, _) = task.refined(self.start(set)?.with(extensions.clone()))?;
+        side::nearer(task, nearer(task, found, plain, extensions)?)
+    }
+
+    /// What the operator begins with beside a set.
+    fn start(&self, set: &Candidate) -> Option<Operator> {
+        let starts = || self.starts.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_known = |(causes, cost, _): &&_| *causes == set.causes && *cost == set.cost();
+        if let Some((_, _, operator)) = starts().iter().find(is_known) {
+            return Some(operator.clone());
+        }
+        let kept: Vec<usize> = self.search.signals.rows.iter().map(|row| row.at).collect();
+        let operator = start::operator(&start::Seen::of(self.search, set), split(&kept).0).ok()?;
+        let operator = operator.valid_for(self.columns);
+        starts().push((set.causes.clone(), set.cost(), operator.clone()));
+        Some(operator)
+    }
+
+    /// Extends the operator model by the causes of a set and those of the valve, to be compared with the plain one; None where no
+    /// model runs through the recording. The operator goes on from a given one, unless there is none or its form is too poor.
+    /// `progress` is called with the share of the work that is done.
+    pub fn extend(
+        &self,
+        set: &Candidate,
+        valve: Option<&ValveFit>,
+        given: Option<&Operator>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Option<Extended> {
+        let Self { columns, search, scored, .. } = self;
+        let (taught, untaught) = split(scored);
+        let [before, whole] =
+            [taught, &scored[..]].map(|scored| Task { rests_once: true, ..self.task(set, scored) });
+        let Plain { taught: mut plain, whole: mut plain_of_all, termination: mut plain_ended } =
+            self.plain.clone();
+
+        let mut extensions = carry::extensions(columns, search, set);
+        let slow = Slow::of(&extensions);
+        if let Some(slow) = Slow::taught(columns, search, set, split(&search.signals.rows).0.len()) {
+            slow.put(&mut extensions);
+        }
+        carry::add_valve(&mut extensions, valve);
+        let mut extended = if set.causes.is_empty() {
+            Extension { extensions, ..plain.clone() }
+        } else {
+            let found = self.found(&before, set, extensions, &plain)?;
+            plain = plainer(&Task::alone(columns, taught), plain, &found);
+            progress(0.4);
+            found
+        };
+        let given = match given {
+            None => None,
+            Some(operator) => {
+                let before_it = |all: &_| carry::before_operator(all, search, set);
+                let (given, refitted) = given::judge(&before, operator, (&plain, &extended), before_it)?;
+                if !given.is_too_poor() {
+                    (plain, _) = before.refined(operator.with(ExtensionParameters::default()))?;
+                    (plain_of_all, plain_ended) = whole.refined(plain.clone())?;
+                    extended = refitted;
+                }
+                Some(given)
+            }
+        };
+        progress(0.7);
+        let valve_is_named = valve.is_some_and(|fit| !fit.causes.is_empty());
+        let seen = seen_from(columns, valve_is_named);
+        let heldout = heldout::gain(&seen, untaught, (&plain, &extended), search.signals.noise)?;
+
+        let reached = whole.reached;
+        let counted = Counted { scored: scored.clone(), reached, plain, extended: extended.clone() };
+        let mut model = Extension { extensions: extended.extensions.clone(), ..plain_of_all.clone() };
+        let mut ended = plain_ended;
+        if !set.causes.is_empty() {
+            slow.put(&mut extended.extensions);
+            (model, ended) = continued(&whole, extended, &plain_of_all)?;
+            let plainer = plainer(&Task::alone(columns, scored), plain_of_all.clone(), &model);
+            if plainer.rmse(columns) < plain_of_all.rmse(columns) {
+                plain_of_all = plainer;
+            }
+        }
+        let model = compensating(model);
+        let (simulated, plain_simulated) = (model.answer(&seen)?, plain_of_all.answer(&seen)?);
+        progress(1.0);
+        Some(Extended {
+            baseline_rmse: plain_of_all.rmse(&seen),
+            extended_rmse: model.rmse(&seen),
+            model,
+            simulated,
+            plain: plain_of_all,
+            plain_simulated,
+            heldout,
+            terminations: (ended, plain_ended),
+            given,
+            valve_is_named,
+            counted,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,170 @@
+//! The operator to begin with: identified from what the operators see in the search.
+//!
+//! A few searches on a thinned recording, since all is refined together afterwards. Envelopes of both forms are tried: many
+//! muscles have the paper's, which has four unknowns, and next to none is drawn by few straight lines as well. The operator
+//! without effects is identified from all samples too, as `mgpi identify` does it: no model that is written is worse.
+
+use model_core::Kind;
+use model_core::envelope::EnvelopeParameters;
+
+use super::Operator;
+use crate::Columns;
+use crate::candidate::Candidate;
+use crate::effect::{Effect, Form};
+use crate::equivalent::Stages;
+use crate::fit::Fit;
+use crate::free_run::free_run;
+use crate::output;
+use crate::search::Search;
+use identification::comparison::choice::penalised;
+use identification::{
+    self, CONVERGED, HostParameters, IdentificationError, Loss, Options, Problem, Termination, Weights,
+    identify,
+};
+use recording::figures::Figures;
+
+/// Samples that are scored, about, and as many more that only drive the operator.
+const ROWS: usize = 1600;
+/// The envelopes that are tried: tanh, and piecewise-linear with so many knots.
+const ENVELOPES: [Option<usize>; 2] = [None, Some(12)];
+/// Sizes of the operator.
+const PLAYS: usize = 10;
+const DEAD_ZONES: usize = 10;
+/// Starts of the search for each envelope.
+pub const STARTS: usize = 8;
+/// A step that gains less than this share of the sum of squares is their last.
+const TOLERANCE: f64 = 1e-4;
+/// Their seed.
+const SEED: u64 = 1;
+
+/// Input and output of the operators, a value a row of what they are seen in.
+pub struct Seen {
+    input: Vec<f64>,
+    output: Vec<f64>,
+}
+
+impl Seen {
+    /// Without effects, in a recording.
+    pub fn plain(columns: &Columns) -> Self {
+        Self { input: columns.input.clone(), output: columns.output.clone() }
+    }
+
+    /// Under the effects of a set, in the kept rows: what the baseline has beside them (its small delay, its width) is the operator's here.
+    pub fn of(search: &Search<'_>, set: &Candidate) -> Self {
+        let signals = search.signals;
+        let first = set.fit.effects.len() - set.causes.len();
+        let effects: Vec<Effect> = set.fit.effects[first..].to_vec();
+        let mut output = signals.output.clone();
+        // An operator cannot say what wider thresholds do: it would take the mean of all speeds for its own.
+        if let Some(at_rest) = at_rest(&set.fit) {
+            let [wider, at_rest] = [&set.fit, &at_rest].map(|fit| free_run(signals, &search.basis, fit).all);
+            for (y, (wider, at_rest)) in output.iter_mut().zip(wider.iter().zip(at_rest)) {
+                *y -= wider - at_rest;
+            }
+        }
+        for (i, effect) in effects.iter().enumerate() {
+            let (columns, _) = output::columns(effect, signals);
+            for (column, weight) in columns.iter().zip(set.fit.output_weights(signals, first + i)) {
+                for (row, value) in signals.rows.iter().zip(column) {
+                    output[row.at] -= weight * value;
+                }
+            }
+        }
+        Self { input: Stages::new(signals, &effects).seen.input, output }
+    }
+}
+
+/// The fit with its thresholds as they are at rest; None where none follow a rate.
+fn at_rest(fit: &Fit) -> Option<Fit> {
+    let mut fit = fit.clone();
+    let is_wider = |effect: &&mut Effect| matches!(effect.form, Form::Thresholds(_));
+    fit.effects.iter_mut().find(is_wider)?.parameters[1].value = 0.0;
+    Some(fit)
+}
+
+/// The operator that fits best on the given rows, which are in order. It holds for all inputs of the recording, also those of
+/// other rows.
+///
+/// # Errors
+/// No operator can be identified.
+pub fn operator(seen: &Seen, scored: &[usize]) -> Result<Operator, IdentificationError> {
+    let rows = seen.input.len();
+    let mut kept: Vec<usize> = scored.iter().copied().step_by(2 * (scored.len() / ROWS).max(1)).collect();
+    // The lowest and the highest input of a block: operators remember extremes only.
+    let block = 2 * (rows / ROWS).max(1);
+    for first in (0..rows).step_by(block) {
+        let rows = first..(first + block).min(rows);
+        kept.extend(rows.clone().min_by(|&i, &j| seen.input[i].total_cmp(&seen.input[j])));
+        kept.extend(rows.max_by(|&i, &j| seen.input[i].total_cmp(&seen.input[j])));
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    let of_kept = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&row| values[row]).collect() };
+    let counts: Vec<bool> = kept.iter().map(|row| scored.binary_search(row).is_ok()).collect();
+    let problem = Problem { input: &of_kept(&seen.input), output: &of_kept(&seen.output), scored: &counts };
+    let search = |knots| Options { starts: STARTS, seed: SEED, tolerance: TOLERANCE, ..as_identify(knots) };
+    let (operator, _) = best(&problem, &ENVELOPES.map(search))?;
+    Ok(operator)
+}
+
+/// The operator that `mgpi identify` finds in all scored samples, and how its search ended; of the envelopes that it has by
+/// default and that of another operator the better one.
+///
+/// # Errors
+/// No operator can be identified.
+pub fn identified(
+    columns: &Columns,
+    like: &Operator,
+) -> Result<(Operator, Termination), IdentificationError> {
+    let Columns { input, output, scored, .. } = columns;
+    let knots = match &like.parameters {
+        HostParameters::Cascade(cascade) => knots(&cascade.envelope),
+        HostParameters::Agpi(_) | HostParameters::Egpi(_) => None,
+    };
+    let all: Vec<Options> = [None].into_iter().chain(knots.map(Some)).map(as_identify).collect();
+    best(&Problem { input, output, scored }, &all)
+}
+
+/// Number of knots of an envelope; None of one that has none.
+pub(crate) fn knots(envelope: &EnvelopeParameters<f64>) -> Option<usize> {
+    match envelope {
+        EnvelopeParameters::PiecewiseLinear(envelope) => Some(envelope.values.len()),
+        EnvelopeParameters::Tanh(_) | EnvelopeParameters::Identity => None,
+    }
+}
+
+/// What `mgpi identify` searches by default, but for the envelope.
+fn as_identify(knots: Option<usize>) -> Options {
+    Options {
+        model: Kind::Mgpi,
+        knots,
+        plays: PLAYS,
+        weights: Weights::Exponential,
+        dead_zones: DEAD_ZONES,
+        loss: Loss::Squares,
+        starts: identification::STARTS,
+        seed: identification::SEED,
+        threads: 0,
+        tolerance: CONVERGED,
+    }
+}
+
+/// The best operator of several searches.
+fn best(problem: &Problem<'_>, searches: &[Options]) -> Result<(Operator, Termination), IdentificationError> {
+    let of_search = |options: &Options| {
+        let fit = identify(problem, options, &|_| ())?;
+        let rmse = Figures::of(problem.output, &fit.simulated, problem.scored).rmse;
+        let operator = Operator { parameters: fit.parameters, density: fit.density };
+        Ok((penalised(rmse, options), operator, fit.termination))
+    };
+    let mut refusal = IdentificationError::Lengths;
+    let mut found: Option<(f64, Operator, Termination)> = None;
+    for options in searches {
+        match of_search(options) {
+            Ok(next) if found.as_ref().is_none_or(|best| next.0 < best.0) => found = Some(next),
+            Ok(_) => {}
+            Err(error) => refusal = error,
+        }
+    }
+    found.map(|(_, operator, termination)| (operator, termination)).ok_or(refusal)
+}

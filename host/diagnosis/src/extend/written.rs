@@ -1,0 +1,155 @@
+//! Which model is written: with the extensions that have shown what they gain, on all samples and on those that took no part in the
+//! fit, else the plain one.
+
+use model_core::ExtensionParameters;
+
+use super::heldout::{self, HeldOutGain, on_another};
+use super::{Extended, Extension, physical, seen_from, split, start};
+use crate::Columns;
+use crate::cause::Cause;
+use crate::physical::Parameters;
+use identification::{self, Termination};
+
+/// The model that is written, beside the plain one. Errors are root mean squares in output unit.
+#[derive(Clone, Debug)]
+pub struct Written {
+    /// The model.
+    pub model: Extension,
+    /// The same, fitted to the samples before the split alone.
+    pub(crate) taught: Extension,
+    /// Its answer to the recording's input, a value a sample. Output unit.
+    pub simulated: Vec<f64>,
+    /// Its error over all scored samples.
+    pub rmse: f64,
+    /// That of the plain model.
+    pub plain_rmse: f64,
+    /// What it gains over the plain model on samples that took no part in the fit; nothing where it is that.
+    pub gain: HeldOutGain,
+    /// Whether it has a valve, and the errors are those from the command.
+    pub from_command: bool,
+    /// Starts of its search.
+    pub starts: usize,
+    /// How that ended.
+    pub termination: Termination,
+}
+
+impl Written {
+    /// Whether anything extends the operator.
+    pub fn is_extended(&self) -> bool {
+        self.model.extensions != Default::default()
+    }
+
+    /// What extends the operator, each by the cause that it stands for, with its parameters in the units that people measure in.
+    pub fn extensions(&self) -> Vec<(Cause, Parameters)> {
+        let ExtensionParameters { valve_lag, valve_deadband, supply_saturation, .. } = &self.model.extensions;
+        let valve = [
+            valve_lag.map(|lag| (Cause::ValveLag, vec![("time_constant_s", lag.time_constant_s)])),
+            valve_deadband.map(|deadband| (Cause::ValveDeadband, vec![("band_bar", deadband.band)])),
+            supply_saturation.map(|supply| (Cause::SupplySaturation, vec![("supply_bar", supply.supply)])),
+        ];
+        let of_muscle = physical::parameters(&self.model).unwrap_or_default();
+        let has = |(cause, _): &(Cause, Parameters)| self.has(*cause);
+        valve.into_iter().flatten().chain(of_muscle.into_iter().filter(has)).collect()
+    }
+
+    /// Whether there is an extension that stands for a cause of the muscle: the damping of a mass is its viscous lag.
+    fn has(&self, cause: Cause) -> bool {
+        let ExtensionParameters { inertia, viscous_lag, .. } = &self.model.extensions;
+        match cause {
+            Cause::Inertia => inertia.is_some(),
+            Cause::ViscousLag => viscous_lag.is_some() && inertia.is_none(),
+            _ => true,
+        }
+    }
+}
+
+/// A model fitted to all samples, and the same fitted to those before the split.
+#[derive(Clone)]
+struct Pair {
+    whole: Extension,
+    taught: Extension,
+}
+
+impl Pair {
+    fn without_valve(&self) -> Self {
+        let without =
+            |model: &Extension| Extension { extensions: model.extensions.without_valve(), ..model.clone() };
+        Self { whole: without(&self.whole), taught: without(&self.taught) }
+    }
+
+    fn has_valve(&self) -> bool {
+        self.whole.extensions != self.whole.extensions.without_valve()
+    }
+}
+
+impl Extended {
+    /// Whether the extensions gain something: over all scored samples, and by more than the standard error on samples that took no
+    /// part in the fit.
+    pub fn gains(&self, gain: &HeldOutGain) -> bool {
+        self.extended_rmse < self.baseline_rmse && gain.is_sure()
+    }
+
+    /// The model that is written, by what the extensions gain on samples that took no part in the fit: those of another recording, or
+    /// the last third of this one; None where no model runs through them.
+    pub fn written(&self, columns: &Columns, other: Option<&Columns>) -> Option<Written> {
+        let plain = Pair { whole: self.plain.clone(), taught: self.counted.plain.clone() };
+        let extended = Pair { whole: self.model.clone(), taught: self.counted.extended.clone() };
+        let gains = match other {
+            Some(other) => self.gains(&on_another(other, self)?),
+            None => self.gains(&self.heldout),
+        };
+        let mut pair = if gains { extended.clone() } else { plain.clone() };
+        // What an ordinary valve gains shows from the command.
+        if extended.has_valve() && columns.command.is_some() && !self.valve_is_named {
+            let without = pair.without_valve();
+            let with = Self::with_valve_of(&extended, &without);
+            let is_sure = |gain: HeldOutGain| gain.is_sure();
+            let seen = seen_from(columns, true);
+            let is_better = with.whole.rmse(&seen) < without.whole.rmse(&seen)
+                && self.beside((columns, other), true, (&without, &with)).is_some_and(is_sure);
+            pair = if is_better { with } else { without };
+        }
+        let from_command = pair.has_valve() && columns.command.is_some();
+        let seen = seen_from(columns, from_command);
+        Some(Written {
+            simulated: pair.whole.answer(columns)?,
+            rmse: pair.whole.rmse(&seen),
+            plain_rmse: plain.whole.rmse(&seen),
+            gain: self.beside((columns, other), from_command, (&plain, &pair))?,
+            from_command,
+            starts: if gains { start::STARTS } else { identification::STARTS },
+            termination: if gains { self.terminations.0 } else { self.terminations.1 },
+            model: pair.whole,
+            taught: pair.taught,
+        })
+    }
+
+    /// A model with the valve of the extended one.
+    fn with_valve_of(extended: &Pair, model: &Pair) -> Pair {
+        let with = |of: &Extension, model: &Extension| {
+            let mut model = model.clone();
+            model.extensions.valve_lag = of.extensions.valve_lag;
+            model.extensions.valve_deadband = of.extensions.valve_deadband;
+            model.extensions.supply_saturation = of.extensions.supply_saturation;
+            model
+        };
+        Pair { whole: with(&extended.whole, &model.whole), taught: with(&extended.taught, &model.taught) }
+    }
+
+    /// What one model gains over another on another recording, or on the samples behind the split.
+    fn beside(
+        &self,
+        (columns, other): (&Columns, Option<&Columns>),
+        from_command: bool,
+        (before, after): (&Pair, &Pair),
+    ) -> Option<HeldOutGain> {
+        match other {
+            Some(other) => heldout::on_all(&seen_from(other, from_command), (&before.whole, &after.whole)),
+            None => {
+                let (_, untaught) = split(&self.counted.scored);
+                let columns = seen_from(columns, from_command);
+                heldout::gain(&columns, untaught, (&before.taught, &after.taught), self.heldout.noise_floor)
+            }
+        }
+    }
+}

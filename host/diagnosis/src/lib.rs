@@ -1,0 +1,405 @@
+//! What a model gets wrong about a recording, the physical cause of it, and whether there is one that can be named.
+//!
+//! # Design
+//! | file | what it does |
+//! |---|---|
+//! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
+//! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
+//! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
+//! | `rates` | how a measured signal moves |
+//! | `recorded` | all rows of it, for what is quicker than the kept ones show |
+//! | `scored` | the scored rows of it |
+//! | `thinning` | the rows of it that are enough for a direction or a rank |
+//! | [`basis`] | the baseline: any rate-independent hysteresis, linear in its weights |
+//! | [`effect`], [`equivalent`], [`output`] | each cause as a nested extension in its physical place |
+//! | [`fit`] | baseline and effects together by Gauss-Newton, and tried on blocks that it has not seen |
+//! | `series` | a lag before a mass on the output, as one form |
+//! | `follower` | what follows a goal by a linear law, exactly |
+//! | [`free_run`], `swing` | the same without the measured contraction, and tuned to run free |
+//! | [`gain`], [`pure_error`] | what a set of causes is judged by |
+//! | [`screen`], [`search`] | which sets are tried |
+//! | `rivals` | sets that the search hardly tells apart |
+//! | `overlooked` | a fast cause that the search does not see |
+//! | [`valve`] | the valve, told apart from the muscle |
+//! | [`reject`], [`stuck`] | what is wrong but none of the causes |
+//! | `proven` | whether what is named holds in a model that is simulated |
+//! | [`mod@poor`], [`trivial`] | whether the model that is written describes the recording |
+//! | `noisy_input` | the input smoothed where its noise would pass for movement |
+//! | [`physical`] | the parameters in units that people measure in |
+//! | [`shown`] | their names and units, those of the recording |
+//! | [`mod@extend`] | the operator model extended by the named causes, running free, and its gain |
+//! | `measured` | the named causes' parameters as that has them |
+//! | [`words`] | the verdict in a sentence, and the experiment that is left to be made |
+//!
+//! # Contract
+//! The verdict does not depend on the number of threads. A cause is named only where the recording can show it, where
+//! the evidence on blocks of time that its fit has not seen is clear, and where no other set does as well.
+//!
+//! # Limits
+//! The thresholds of the evidence were found on simulated plants of two kinds and hold where the noise, the number of
+//! cycles and the misfit of the operator model are of that order. A cause whose form is far from ours may come out as a
+//! neighbour of it; the pure error then says that something is left.
+
+pub mod anatomy;
+pub mod basis;
+pub mod candidate;
+pub mod cause;
+mod design;
+pub mod effect;
+pub mod equivalent;
+pub mod extend;
+pub mod fit;
+mod follower;
+pub mod free_run;
+pub mod gain;
+mod measured;
+mod noisy_input;
+pub mod output;
+mod overlooked;
+pub mod physical;
+pub mod plan;
+pub mod poor;
+mod proven;
+pub mod pure_error;
+pub mod race;
+mod rates;
+mod recorded;
+pub mod reject;
+mod rivals;
+mod scored;
+pub mod screen;
+pub mod search;
+mod series;
+pub mod shown;
+pub mod signals;
+pub mod smoothing;
+pub mod stuck;
+mod swing;
+#[cfg(test)]
+#[path = "../../recording/src/synthetic.rs"]
+mod synthetic;
+mod thinning;
+pub mod trivial;
+mod unexamined;
+pub mod valve;
+pub mod verdict;
+pub mod words;
+
+#[cfg(test)]
+mod tests;
+
+use thiserror::Error;
+
+use anatomy::examinable::{Examinable, Inseparable, ValveView, examinable, inseparable};
+use anatomy::excitation::Excitation;
+use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
+use candidate::Candidate;
+use cause::Cause;
+use extend::{Extended, Extender, Operator, Plain};
+use identification::IdentificationError;
+use measured::measure;
+pub use noisy_input::Smoothing;
+use overlooked::{Overlooked, overlooked};
+use poor::poor;
+use proven::{Proven, proven};
+use recording::drop_out::DropOut;
+use recording::noise::{self, NoiseFloor};
+use recording::numbers::{range, root_mean_square};
+use recording::unit::Unit;
+use reject::{Unexplained, unexplained};
+use rivals::{Settled, settled};
+use scored::Scored;
+use search::Search;
+use signals::Signals;
+use unexamined::unexamined;
+use valve::{ValveFit, examine};
+pub use verdict::{Named, Tried, Verdict};
+
+/// The columns of a recording.
+#[derive(Clone, Debug, Default)]
+pub struct Columns {
+    /// Unit: s.
+    pub time_s: Vec<f64>,
+    /// What the muscle is modelled from.
+    pub input: Vec<f64>,
+    /// Unit of the input, and of the command beside it.
+    pub input_unit: Unit,
+    /// Whether that is the command, the pressure unknown.
+    pub input_is_command: bool,
+    /// The command, where the input is the measured pressure.
+    pub command: Option<Vec<f64>>,
+    /// Measured contraction.
+    pub output: Vec<f64>,
+    /// Which rows are scored.
+    pub scored: Vec<bool>,
+    /// Unit: N.
+    pub load_n: Option<Vec<f64>>,
+    /// Unit: degree Celsius.
+    pub temperature_c: Option<Vec<f64>>,
+    /// No row before is scored since its past is unknown, see [`recording::history`]; None where all pasts are known. Unit: s.
+    pub past_unknown_until_s: Option<f64>,
+    /// How the input was smoothed, see [`Self::with_smooth_input`]; None where it is as measured.
+    pub smoothing: Option<Smoothing>,
+    /// What the sensors did not measure; it is not scored, and straight lines are in its place.
+    pub drop_outs: Vec<DropOut>,
+}
+
+impl Columns {
+    /// The noise of the output in the scored rows. Output unit.
+    pub fn noise_floor(&self) -> NoiseFloor {
+        noise::floor(&self.of_scored(&self.time_s), &self.of_scored(&self.output))
+    }
+
+    /// What a column has in the rows that may be scored.
+    fn of_scored(&self, values: &[f64]) -> Vec<f64> {
+        values.iter().zip(&self.scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
+    }
+}
+
+/// Seed of what the anatomy measures chance with.
+const ANATOMY_SEED: u64 = 1;
+
+/// Why there is no diagnosis.
+#[derive(Debug, Error, PartialEq)]
+pub enum DiagnosisError {
+    /// Too few rows.
+    #[error(transparent)]
+    TooShort(#[from] TooShort),
+    /// The input or the output is constant.
+    #[error("the {0} does not move: nothing can be diagnosed")]
+    Still(&'static str),
+    /// The baseline cannot be fitted.
+    #[error("no baseline can be fitted to the recording")]
+    NoBaseline,
+    /// No operator model can be identified, or simulated.
+    #[error("no operator model can be made of the recording: {0}")]
+    NoModel(IdentificationError),
+}
+
+/// A diagnosis. Errors in the output's unit.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// What it comes to.
+    pub verdict: Verdict,
+    /// The named causes; none where the verdict names none.
+    pub causes: Vec<Named>,
+    /// The causes that fit best where they do not explain the recording.
+    pub best_fit: Vec<Named>,
+    /// Other sets of causes that do as well.
+    pub alternatives: Vec<Vec<Cause>>,
+    /// What is seen and not explained.
+    pub unexplained: Option<Unexplained>,
+    /// What the recording can show.
+    pub examinable: Vec<Examinable>,
+    /// Causes that it could show, and not tell apart.
+    pub inseparable: Inseparable,
+    /// A set with causes that it cannot show, which does better than the named one, or leaves nothing unexplained. None where there is no
+    /// such.
+    pub unexamined: Vec<Cause>,
+    /// Root mean square before and with the causes.
+    pub rmse: (f64, f64),
+    /// The same on blocks that the fit has not seen.
+    pub heldout: (f64, f64),
+    /// What visits to the same state differ by, before and with the causes; None where too few states are visited twice.
+    pub pure_error: Option<(f64, f64)>,
+    /// The residuals' rows, and the residuals before and with the causes.
+    pub rows: Vec<usize>,
+    /// Before.
+    pub residual_before: Vec<f64>,
+    /// With the causes.
+    pub residual_after: Vec<f64>,
+    /// The residual taken apart, before.
+    pub anatomy: Anatomy,
+    /// All sets of causes that were looked at, by size, the best first.
+    pub tried: Vec<Tried>,
+    /// The valve, if it can be told apart.
+    pub valve: Option<ValveFit>,
+    /// Rows before are not scored since their past is unknown, if there are such. Unit: s.
+    pub past_unknown_until_s: Option<f64>,
+    /// How the input was smoothed, if it was.
+    pub smoothing: Option<Smoothing>,
+}
+
+impl Diagnosis {
+    /// Takes back that the named causes explain the recording.
+    fn take_back(&mut self, why: Unexplained) {
+        (self.verdict, self.unexplained) = (Verdict::Unexplained, Some(why));
+    }
+}
+
+/// Diagnoses a recording. `progress` is called with a share of the work and what is being done.
+///
+/// # Errors
+/// See [`DiagnosisError`].
+pub fn diagnose(
+    columns: &Columns,
+    progress: &(dyn Fn(f64, &str) + Sync),
+) -> Result<Diagnosis, DiagnosisError> {
+    Ok(diagnose_and_extend(columns, None, progress)?.0)
+}
+
+/// The same, and the operator model extended by what is named. The named causes' parameters are then those of that model, if it is
+/// near enough, but for a lag before a mass: of the two it has no more than the second order. A given operator model is gone on
+/// from, unless its form is too poor: that is then named too.
+///
+/// # Errors
+/// See [`DiagnosisError`].
+pub fn diagnose_and_extend(
+    columns: &Columns,
+    given: Option<&Operator>,
+    progress: &(dyn Fn(f64, &str) + Sync),
+) -> Result<(Diagnosis, Extended), DiagnosisError> {
+    check(columns)?;
+    progress(0.0, "preparing");
+    let mut signals = Signals::new(columns);
+    let scored = Scored::of(columns);
+    let excitation = Excitation::of(&scored.residual(&scored.output));
+    let of_command = scored
+        .command
+        .as_ref()
+        .map(|command| Excitation::of(&Residual { input: command, ..scored.residual(&scored.output) }));
+    let view = match (&of_command, columns.input_is_command) {
+        (Some(excitation), _) => ValveView::Beside(excitation),
+        (None, true) => ValveView::InChain,
+        (None, false) => ValveView::Unseen,
+    };
+    let examinable = examinable(&excitation, view, columns.input_unit.symbol());
+    let can_show = |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
+    let muscle = Cause::ALL
+        .into_iter()
+        .filter(|&cause| can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command));
+    let muscle = muscle.collect();
+    progress(0.1, "baseline");
+    let (input_noise, scored_rows) = (signals.input_noise, signals.scored());
+    let searched = || {
+        let search = Search::new(&mut signals, muscle)?;
+        let found = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
+        Some((search, found))
+    };
+    // What the valve does and the model without causes say nothing about the muscle's.
+    let beside = || (examine(columns, input_noise), Plain::new(columns, &scored_rows));
+    let ((valve, plain), searched) = rayon::join(beside, searched);
+    let (search, (best, sizes)) = searched.ok_or(DiagnosisError::NoBaseline)?;
+    let extender = Extender::new(columns, &search, plain.map_err(DiagnosisError::NoModel)?);
+    let Settled { set: best, alternatives, evidence } = settled(&search, (&best, &sizes), &extender);
+    // No choice of the search, so its rivals are those of the width alone.
+    let best = best.with_viscosity(&sizes).unwrap_or(best);
+    progress(0.8, "what is left");
+    let unexplained = unexplained(&search, &best);
+    let is_silent = best.causes.is_empty() && unexplained.is_none();
+    let look = || overlooked(&search, sizes.first()?, &extender);
+    let (best, alternatives, evidence) = match is_silent.then(look).flatten() {
+        Some(Overlooked { set, alternatives, evidence }) => (set, alternatives, Some(evidence)),
+        None => (best, alternatives, evidence),
+    };
+    // Where nothing is named, nothing of the muscle extends the model.
+    let named = if unexplained.is_some() { &search.baseline } else { &best };
+    let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
+    let Proven { extended, refuted, is_needless } =
+        proven(&extender, (named, valve.as_ref()), given, &simulating)?;
+    let unexplained = unexplained.or(refuted);
+    let is_third_order = !is_needless && named.is_third_order();
+    let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
+    let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();
+    let (best, mut alternatives, evidence, valve) = match is_needless {
+        true => (search.baseline.clone(), Vec::new(), None, None),
+        false => (best, alternatives, evidence, valve),
+    };
+    if unexplained.is_none() && !unexamined.is_empty() {
+        alternatives.push(unexamined.clone());
+    }
+    let inseparable = inseparable(&examinable, &excitation);
+    let mut diagnosis =
+        conclude((columns, &search), best, &sizes, (unexplained, alternatives), valve, examinable)?;
+    if let Some(named) = diagnosis.causes.first_mut() {
+        named.evidence.extend(evidence);
+    }
+    diagnosis.inseparable = inseparable;
+    diagnosis.unexamined = unexamined;
+    measure(&mut diagnosis, &extended, is_third_order, noise::steps(&columns.time_s).0);
+    if diagnosis.verdict != Verdict::Unexplained
+        && let Some(poor) = poor(&search, columns, &extended)
+    {
+        diagnosis.take_back(Unexplained::Poor(poor));
+    }
+    if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
+        diagnosis.causes.push(Named::shape(given, &extended.model.parameters));
+        if diagnosis.verdict == Verdict::Adequate {
+            diagnosis.verdict = Verdict::Explained;
+        }
+    }
+    if diagnosis.verdict == Verdict::Unexplained {
+        diagnosis.best_fit = std::mem::take(&mut diagnosis.causes);
+    }
+    Ok((diagnosis, extended))
+}
+
+fn conclude(
+    (columns, search): (&Columns, &Search<'_>),
+    best: Candidate,
+    sizes: &[Vec<Candidate>],
+    (unexplained, alternatives): (Option<Unexplained>, Vec<Vec<Cause>>),
+    valve: Option<ValveFit>,
+    examinable: Vec<Examinable>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let baseline = &search.baseline;
+    let causes = verdict::named(search, &best, sizes, valve.as_ref());
+    let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
+    let signals = search.signals;
+    let of_rows = |values: &[f64]| -> Vec<f64> { signals.rows.iter().map(|row| values[row.at]).collect() };
+    let rows = signals.scored();
+    // As recorded: people look at these, and the search has them less their means.
+    let recorded = |column: &Option<Vec<f64>>| -> Option<Vec<f64>> {
+        column.as_ref().map(|values| rows.iter().map(|&row| values[row]).collect())
+    };
+    let (load, temperature) = (recorded(&columns.load_n), recorded(&columns.temperature_c));
+    let residual = Residual {
+        time_s: &of_rows(&signals.time_s),
+        residual: &baseline.fit.residual,
+        input: &of_rows(&signals.input),
+        output: &of_rows(&signals.output),
+        load: load.as_deref(),
+        temperature: temperature.as_deref(),
+    };
+    // The floor is that of all rows: thinned ones are too far apart to tell noise from movement.
+    let anatomy = Anatomy { noise: signals.noise_floor, ..Anatomy::of(&residual, ANATOMY_SEED)? };
+    Ok(Diagnosis {
+        verdict,
+        causes,
+        best_fit: Vec::new(),
+        alternatives,
+        unexplained,
+        examinable,
+        inseparable: Inseparable::default(),
+        unexamined: Vec::new(),
+        rmse: (root_mean_square(&baseline.residual), root_mean_square(&best.residual)),
+        heldout: (baseline.score.mean(), best.score.mean()),
+        pure_error: baseline.pure_error.zip(best.pure_error),
+        residual_before: baseline.fit.residual.clone(),
+        residual_after: best.residual.clone(),
+        tried: verdict::tried(search, sizes),
+        rows,
+        anatomy,
+        valve,
+        past_unknown_until_s: columns.past_unknown_until_s,
+        smoothing: columns.smoothing,
+    })
+}
+
+fn check(columns: &Columns) -> Result<(), DiagnosisError> {
+    let rows = columns.scored.iter().filter(|&&scored| scored).count();
+    if rows < LEAST_ROWS {
+        return Err(TooShort { rows }.into());
+    }
+    let moves = |values: &[f64]| {
+        let (low, high) = range(values);
+        high > low
+    };
+    if !moves(&columns.input) {
+        return Err(DiagnosisError::Still("input"));
+    }
+    if !moves(&columns.output) {
+        return Err(DiagnosisError::Still("contraction"));
+    }
+    Ok(())
+}

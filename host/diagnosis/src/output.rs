@@ -1,0 +1,121 @@
+//! The columns that effects put on the output: linear in their weights.
+
+use std::f64::consts::TAU;
+
+use super::effect::{Driver, Effect, Form};
+use super::signals::{Signals, TENTS, hats};
+use recording::simulation::SAME_STEP_S;
+
+/// Curves over time that [`Form::Wander`] is made of.
+const WANDER: usize = 9;
+
+/// Columns of an effect for the scored rows, and whether their weights must not be negative.
+pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
+    let of_rows = |value: &dyn Fn(usize) -> f64| signals.rows.iter().map(|row| value(row.at)).collect();
+    let start_s = signals.time_s.first().copied().unwrap_or(0.0);
+    let duration_s = signals.duration_s().max(1e-9);
+    let time = |at: usize| signals.time_s[at] - start_s;
+    let parameter = |i: usize| effect.parameters.get(i).map_or(0.0, |parameter| parameter.value);
+    let less =
+        |tent: usize, motion: &[f64]| -> Vec<f64> { of_rows(&|at| -signals.tents[at][tent] * motion[at]) };
+    match effect.form {
+        Form::Added(driver) => {
+            let lambda = parameter(0).exp();
+            let column = |tent: usize| -> Vec<f64> {
+                of_rows(&|at| signals.tents[at][tent] * driven(signals, driver, lambda, at))
+            };
+            ((0..TENTS).map(column).collect(), false)
+        }
+        Form::LagBefore => ((0..TENTS).map(|tent| less(tent, &signals.jerk)).collect(), true),
+        Form::OutputLag => ((0..TENTS).map(|tent| less(tent, &signals.rate)).collect(), true),
+        Form::OutputInertia => {
+            let both = [&signals.acceleration, &signals.rate];
+            (both.iter().flat_map(|motion| (0..TENTS).map(|tent| less(tent, motion))).collect(), true)
+        }
+        Form::Creep => (signals.slow.clone(), true),
+        Form::Drift => (vec![of_rows(&|at| time(at) / duration_s - 0.5)], false),
+        Form::Tone => {
+            let phase = |at: usize| TAU * parameter(0) * time(at);
+            (vec![of_rows(&|at| phase(at).sin()), of_rows(&|at| phase(at).cos())], false)
+        }
+        Form::Step => (vec![of_rows(&|at| f64::from(u8::from(signals.time_s[at] >= parameter(0))))], false),
+        Form::Wander => {
+            let knots: [f64; WANDER] = std::array::from_fn(|i| i as f64 / (WANDER - 1) as f64);
+            let column = |i: usize| -> Vec<f64> { of_rows(&|at| hats(&knots, time(at) / duration_s)[i]) };
+            // The first one is what the baseline's constant makes of the others.
+            ((1..WANDER).map(column).collect(), false)
+        }
+        _ => (Vec::new(), false),
+    }
+}
+
+/// What drives an effect at a row. `lambda`: output unit.
+pub fn driven(signals: &Signals, driver: Driver, lambda: f64, at: usize) -> f64 {
+    let recorded = |column: &Option<Vec<f64>>| column.as_ref().map_or(0.0, |column| column[at]);
+    match driver {
+        Driver::Load => recorded(&signals.load),
+        Driver::Temperature => recorded(&signals.temperature),
+        Driver::WarmUp => (-signals.travel[at] / lambda).exp(),
+        Driver::Rate => signals.rate[at],
+    }
+}
+
+/// How many columns an effect puts on the output.
+pub fn count(effect: &Effect, signals: &Signals) -> usize {
+    match effect.form {
+        Form::Added(_) | Form::OutputLag | Form::LagBefore => TENTS,
+        Form::OutputInertia => 2 * TENTS,
+        Form::Drift | Form::Step => 1,
+        Form::Tone => 2,
+        Form::Creep => signals.slow.len(),
+        Form::Wander => WANDER - 1,
+        _ => 0,
+    }
+}
+
+/// A first-order low-pass from rest at the first value, exact for values that are held.
+pub fn low_pass(values: &[f64], time_s: &[f64], time_constant_s: f64) -> Vec<f64> {
+    let mut state = values.first().copied().unwrap_or(0.0);
+    let (mut last_s, mut known) = (time_s.first().copied().unwrap_or(0.0), (0.0, 0.0));
+    values
+        .iter()
+        .zip(time_s)
+        .map(|(value, &time_s)| {
+            let step_s = time_s - last_s;
+            last_s = time_s;
+            if (step_s - known.0).abs() > SAME_STEP_S {
+                known = (step_s, -(-step_s / time_constant_s).exp_m1());
+            }
+            state += (value - state) * known.1;
+            state
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Columns;
+    use crate::cause::Cause;
+
+    #[test]
+    fn an_effect_puts_as_many_columns_on_the_output_as_are_counted() {
+        let time_s: Vec<f64> = (0..600).map(|row| f64::from(row) * 0.1).collect();
+        let input: Vec<f64> = time_s.iter().map(|t| 3.0 + 2.0 * (0.4 * t).sin()).collect();
+        let recorded = Columns {
+            output: input.iter().map(|u| 20.0 * u).collect(),
+            scored: vec![true; time_s.len()],
+            load_n: Some(time_s.clone()),
+            temperature_c: Some(time_s.clone()),
+            time_s,
+            input,
+            ..Columns::default()
+        };
+        let signals = Signals::new(&recorded);
+        let starts = Cause::ALL.into_iter().flat_map(|cause| Effect::starts(cause, &signals));
+        let others = [Effect::tone(0.5, &signals), Effect::step(30.0), Effect::wander()];
+        for effect in starts.chain(others) {
+            assert_eq!(count(&effect, &signals), columns(&effect, &signals).0.len(), "{:?}", effect.form);
+        }
+    }
+}

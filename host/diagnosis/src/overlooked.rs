@@ -1,0 +1,81 @@
+//! A fast cause that the search has overlooked.
+//!
+//! The baseline of the search is linear in its weights and errs by more than an operator model does; what adds less than that is
+//! hardly seen there, such as the ringing of a small mass after a few jumps. So where nothing is named and nothing unexplained is
+//! seen, the fast causes that the search has looked at are tried once more, each in the operator model that runs free, of all rows.
+//!
+//! Only fast ones, since next to nothing else looks like them: without any a warm-up takes away up to a sixth of the model's error,
+//! a mass, a delay, a lag or a width up to a twentieth.
+
+use rayon::prelude::*;
+
+use super::candidate::Candidate;
+use super::cause::Cause;
+use super::extend::{Extender, Extension};
+use super::search::Search;
+use recording::numbers::legible;
+
+/// A cause leaves at most this share of the operator model's error.
+const LEAVES: f64 = 0.8;
+/// Causes that leave less than so many times the best one's are not told apart from it.
+const ALIKE: f64 = 1.05;
+
+/// What was overlooked.
+pub struct Overlooked {
+    /// The set with the cause.
+    pub set: Candidate,
+    /// Others that do as well.
+    pub alternatives: Vec<Vec<Cause>>,
+    /// What speaks for it, in words.
+    pub evidence: String,
+}
+
+/// The fast cause of single ones that were looked at which the operator model is clearly better with; None where there is none.
+pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Overlooked> {
+    let fast: Vec<&Candidate> = singles.iter().filter(|set| set.causes.iter().all(|c| c.is_fast())).collect();
+    if fast.is_empty() {
+        return None;
+    }
+    let models: Vec<Option<Extension>> = fast.par_iter().map(|set| extender.model(set)).collect();
+    let error = |model: &Option<Extension>| extender.error(model.as_ref()?);
+    let errors: Vec<f64> = models.iter().map(|model| error(model).unwrap_or(f64::INFINITY)).collect();
+    let (first, _) = clear(extender.without, &errors)?;
+    // The plain model may have come to a worse end than the search's operators or that of the cause lead to, without any cause.
+    let without = models[first].as_ref().map_or(extender.without, |model| extender.without_from(model));
+    let without = extender.with(&search.baseline).map_or(without, |error| error.min(without));
+    let (best, others) = clear(without, &errors)?;
+    Some(Overlooked {
+        set: fast[best].clone(),
+        alternatives: others.into_iter().map(|other| fast[other].causes.clone()).collect(),
+        evidence: format!(
+            "simulated, the operator model with it is off by {} instead of {} over all rows",
+            legible(errors[best], 3),
+            legible(without, 3)
+        ),
+    })
+}
+
+/// The place of the least error, if that is clearly less than `without`, and those of the errors that are hardly more than it.
+fn clear(without: f64, errors: &[f64]) -> Option<(usize, Vec<usize>)> {
+    let (best, least) = errors.iter().copied().enumerate().min_by(|one, other| one.1.total_cmp(&other.1))?;
+    let is_alike = |place: &usize| *place != best && errors[*place] < ALIKE * least;
+    (least < LEAVES * without).then(|| (best, (0..errors.len()).filter(is_alike).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_that_takes_away_little_is_not_one_that_was_overlooked() {
+        assert_eq!(clear(0.30, &[0.29, 0.25]), None);
+        assert_eq!(clear(0.30, &[]), None);
+        assert_eq!(clear(0.30, &[f64::INFINITY]), None);
+    }
+
+    #[test]
+    fn causes_that_leave_about_the_same_are_not_told_apart() {
+        assert_eq!(clear(0.49, &[0.26, 0.09, 0.25]), Some((1, vec![])));
+        assert_eq!(clear(0.35, &[0.276, 0.284, 0.33]), Some((0, vec![1])));
+    }
+}

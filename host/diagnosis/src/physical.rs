@@ -1,0 +1,294 @@
+//! The parameters of named causes, in the units that people measure in.
+//!
+//! An equivalent input becomes a change of contraction by the slope of the fitted loop, where it slides: at mid stroke,
+//! or where the effect's tents stand.
+
+use super::basis::Weights;
+use super::cause::Cause;
+use super::effect::{Driver, Effect, Form, Rate};
+use super::equivalent::bend;
+use super::fit::Fit;
+use super::search::Search;
+use super::series;
+use super::signals::{Signals, TENTS, hats};
+use super::valve::Valve;
+use identification::{HostModel, HostParameters, simulate};
+use recording::numbers::range;
+
+/// Points of the loop that slopes are taken from, each way.
+const POINTS: usize = 400;
+
+/// A parameter's name, unit included, and its value.
+pub type Parameters = Vec<(&'static str, f64)>;
+
+/// A loop over the whole input range: input and output, up and down.
+pub struct Loop {
+    input: Vec<f64>,
+    output: Vec<f64>,
+}
+
+impl Loop {
+    pub(super) fn of(search: &Search<'_>, fit: &Fit) -> Self {
+        Self::new(range(&search.signals.input), |input| {
+            search.basis.simulate(input, bend(&fit.effects), &Weights::new(&fit.weights))
+        })
+    }
+
+    /// Of an operator over its inputs; None where it is none.
+    pub fn of_operator(parameters: &HostParameters) -> Option<Self> {
+        let operator = HostModel::try_new(parameters).ok()?;
+        Some(Self::new(parameters.input(), |input| simulate(&operator, input)))
+    }
+
+    /// Of a rate-independent model between two inputs; `simulate` answers with an output for each input.
+    pub fn new((low, high): (f64, f64), simulate: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        let step = (high - low) / POINTS as f64;
+        let up = (0..=POINTS).map(|i| low + step * i as f64);
+        let down = (0..POINTS).rev().map(|i| low + step * i as f64);
+        // Twice, so that the first rise is not that of a fresh muscle.
+        let input: Vec<f64> = up.clone().chain(down.clone()).chain(up).chain(down).collect();
+        let output = simulate(&input);
+        let half = input.len() / 2;
+        Self { input: input[half..].to_vec(), output: output[half..].to_vec() }
+    }
+
+    /// The mean slope of both branches around an output. Unit: output unit/input unit.
+    pub fn slope(&self, at: f64) -> f64 {
+        let (low, high) = range(&self.output);
+        let near = 0.08 * (high - low);
+        let slopes: Vec<f64> = self
+            .input
+            .windows(2)
+            .zip(self.output.windows(2))
+            .filter(|(_, y)| (0.5 * (y[0] + y[1]) - at).abs() < near)
+            .map(|(u, y)| (y[1] - y[0]) / (u[1] - u[0]))
+            .collect();
+        slopes.iter().sum::<f64>() / slopes.len().max(1) as f64
+    }
+
+    /// Half the width of the loop at an output. Input unit.
+    pub(super) fn half_width(&self, at: f64) -> f64 {
+        let crossings: Vec<f64> = self
+            .output
+            .windows(2)
+            .zip(&self.input)
+            .filter(|(y, _)| (y[0] - at) * (y[1] - at) <= 0.0)
+            .map(|(_, &u)| u)
+            .collect();
+        let highest = crossings.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = crossings.iter().copied().fold(f64::INFINITY, f64::min);
+        if crossings.len() < 2 { 0.0 } else { 0.5 * (highest - lowest) }
+    }
+}
+
+/// The parameters of every cause of a set.
+pub fn parameters(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> Vec<(Cause, Parameters)> {
+    let turn = Loop::of(search, fit);
+    let first = fit.effects.len() - causes.len();
+    causes
+        .iter()
+        .enumerate()
+        .map(|(i, &cause)| {
+            let effect = &fit.effects[first + i];
+            let weights = series::weights(fit, search.signals, first + i);
+            (cause, of_effect(search.signals, cause, effect, &weights, &turn))
+        })
+        .collect()
+}
+
+/// From this damping ratio on a mass overshoots by less than a tenth.
+pub const DAMPED: f64 = 0.6;
+/// Below this one by more than a sixth.
+pub const RINGS: f64 = 0.5;
+
+/// The damping ratio and the natural frequency (Hz) of a mass, by its parameters.
+pub fn damping(mass: &Parameters) -> Option<(f64, f64)> {
+    let of = |wanted: &str| mass.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value);
+    of("damping_ratio").zip(of("natural_frequency_hz"))
+}
+
+/// The damping ratio of the mass, if there is one, by all that damps it.
+pub fn damping_ratio(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> Option<f64> {
+    let mass = causes.iter().position(|cause| *cause == Cause::Inertia)?;
+    let all = parameters(search, causes, fit);
+    let (own, frequency_hz) = damping(&all[mass].1)?;
+    let lag =
+        all.iter().find(|(cause, _)| *cause == Cause::ViscousLag && has_mass_and_viscosity_in_balance(fit));
+    let lag_s = lag.and_then(|(_, parameters)| parameters.first()).map_or(0.0, |(_, lag_s)| *lag_s);
+    Some(damped(own, frequency_hz, lag_s))
+}
+
+/// Whether there are a mass and a viscous force beside it, both in the balance: one equation of second order.
+pub fn has_mass_and_viscosity_in_balance(fit: &Fit) -> bool {
+    let has = |form: Form| fit.effects.iter().any(|effect| effect.form == form);
+    has(Form::Inertia) && has(Form::Driven(Driver::Rate))
+}
+
+/// The damping ratio of a mass with a viscous force beside it, of this time constant alone.
+pub fn damped(own: f64, natural_frequency_hz: f64, lag_s: f64) -> f64 {
+    own + std::f64::consts::PI * natural_frequency_hz * lag_s
+}
+
+/// Whether the motion that is named shows: an inertia swings, for damped beyond that it is two lags; and a lag is at least half
+/// a row, for of less no recording's own timing is free.
+pub fn shows(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
+    let first = fit.effects.len() - causes.len();
+    let moving = |(_, cause): &(usize, &Cause)| matches!(**cause, Cause::Inertia | Cause::ViscousLag);
+    let mut turn = None;
+    causes.iter().enumerate().filter(moving).all(|(i, &cause)| {
+        let turn = turn.get_or_insert_with(|| Loop::of(search, fit));
+        let weights = series::weights(fit, search.signals, first + i);
+        let parameters = of_effect(search.signals, cause, &fit.effects[first + i], &weights, turn);
+        parameters.iter().all(|&(name, value)| match name {
+            "damping_ratio" => value < 1.0,
+            "time_constant_s" => value >= 0.5 * search.signals.step_s,
+            _ => true,
+        })
+    })
+}
+
+/// Whether there is a warm-up whose first strokes are too long instead of too short.
+pub fn fades(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
+    let Some(place) = causes.iter().position(|cause| *cause == Cause::WarmUp) else { return false };
+    let all = parameters(search, causes, fit);
+    all[place].1.iter().any(|&(name, value)| name == "fraction" && value < 0.0)
+}
+
+/// Those of the valve's causes.
+pub fn of_valve(valve: &Valve, cause: Cause) -> Parameters {
+    match cause {
+        Cause::ValveLag => vec![("time_constant_s", valve.longer_lag_s())],
+        Cause::TransportDelay => valve.delay_s.map(|delay_s| ("delay_s", delay_s)).into_iter().collect(),
+        Cause::ValveDeadband => valve.band.map(|(_, band)| ("band_bar", band)).into_iter().collect(),
+        Cause::SupplySaturation => valve.supply_bar.map(|bar| ("supply_bar", bar)).into_iter().collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], turn: &Loop) -> Parameters {
+    let parameter = |i: usize| effect.parameters.get(i).map_or(0.0, |parameter| parameter.value);
+    let weight = |i: usize| weights.get(i).copied().unwrap_or(0.0);
+    let middle = 0.5 * (signals.knots[0] + signals.knots[TENTS - 1]);
+    // A strength at mid stroke, from the parameter `first` on.
+    let at_middle = |first: usize| -> f64 {
+        hats(&signals.knots, middle).iter().enumerate().map(|(i, hat)| hat * parameter(first + i)).sum()
+    };
+    let weight_at_middle = |first: usize| -> f64 {
+        hats(&signals.knots, middle).iter().enumerate().map(|(i, hat)| hat * weight(first + i)).sum()
+    };
+    match effect.form {
+        Form::Delay => vec![("delay_s", parameter(0))],
+        Form::Lag => vec![("time_constant_s", parameter(0).exp())],
+        Form::Driven(Driver::Rate) => vec![("time_constant_s", at_middle(0) * turn.slope(middle))],
+        Form::OutputLag | Form::LagBefore => vec![("time_constant_s", weight_at_middle(0))],
+        Form::Inertia => {
+            let slope = turn.slope(middle);
+            ringing(at_middle(0) * slope, at_middle(TENTS) * slope)
+        }
+        Form::OutputInertia => ringing(weight_at_middle(0), weight_at_middle(TENTS)),
+        Form::Thresholds(rate) => {
+            let typical = signals.typical_speed(rate);
+            width(parameter(1) / typical.powf(parameter(0)), parameter(0), rate)
+        }
+        Form::Friction(rate) => {
+            let typical = signals.typical_speed(rate);
+            let range = parameter(1).exp() * at_middle(2) / typical.powf(parameter(0));
+            width(range / turn.half_width(middle).max(1e-9), parameter(0), rate)
+        }
+        Form::Envelope | Form::Width => Vec::new(),
+        Form::Driven(driver) | Form::Added(driver) => {
+            // The change of the output at the tents, per unit of what drives it.
+            let changes: [f64; TENTS] = std::array::from_fn(|tent| match effect.form {
+                Form::Added(_) => weight(tent),
+                _ => {
+                    let first = effect.parameters.len() - TENTS;
+                    -parameter(first + tent) * turn.slope(signals.knots[tent])
+                }
+            });
+            moved(&signals.knots, cause, driver, parameter(0), &changes)
+        }
+        Form::Creep | Form::CreepOfInput => {
+            let fractions: Vec<f64> = match effect.form {
+                Form::Creep => {
+                    let sum: f64 = weights.iter().sum();
+                    weights.iter().map(|weight| weight / (1.0 + sum)).collect()
+                }
+                _ => effect.parameters.iter().map(|parameter| parameter.value).collect(),
+            };
+            creep(&fractions, &signals.creep_s)
+        }
+        Form::Drift => vec![("mm_per_s", weight(0) / signals.duration_s().max(1e-9))],
+        Form::Tone => {
+            vec![("frequency_hz", parameter(0)), ("amplitude_mm", weight(0).hypot(weight(1)))]
+        }
+        Form::Step | Form::Wander => Vec::new(),
+    }
+}
+
+/// Natural frequency and damping of y + damping y' + mass y''.
+pub(super) fn ringing(mass: f64, damping: f64) -> Parameters {
+    let natural_per_s = mass.max(1e-12).sqrt().recip();
+    vec![
+        ("natural_frequency_hz", natural_per_s / std::f64::consts::TAU),
+        ("damping_ratio", 0.5 * damping * natural_per_s),
+    ]
+}
+
+/// The gain and the exponent of thresholds that follow a rate.
+pub(super) fn width(gain: f64, exponent: f64, rate: Rate) -> Parameters {
+    let name = match rate {
+        Rate::Input => "width_gain",
+        Rate::Contraction => "width_gain_of_contraction_rate",
+    };
+    vec![(name, gain), ("rate_exponent", exponent)]
+}
+
+/// Offset and gain of a change over the contraction; a warm-up's share of the stroke and its travel.
+pub(super) fn moved(knots: &[f64], cause: Cause, driver: Driver, lambda: f64, changes: &[f64]) -> Parameters {
+    let mean_y = knots.iter().sum::<f64>() / knots.len() as f64;
+    let mean = changes.iter().sum::<f64>() / knots.len() as f64;
+    let (mut over, mut under) = (0.0, 0.0);
+    for (y, change) in knots.iter().zip(changes) {
+        over += (y - mean_y) * (change - mean);
+        under += (y - mean_y).powi(2);
+    }
+    let gain = over / under.max(1e-12);
+    match (cause, driver) {
+        (Cause::Load, _) => vec![("offset_mm_per_n", mean - gain * mean_y), ("gain_per_n", gain)],
+        (Cause::Temperature, _) => vec![("offset_mm_per_k", mean - gain * mean_y), ("gain_per_k", gain)],
+        _ => {
+            let stroke = knots[knots.len() - 1] - knots[0];
+            let largest = changes.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
+            // Positive where the first strokes are too short, as is usual. What they lack is of the stroke that comes to be.
+            let lacking = -largest / stroke.max(1e-9);
+            vec![("fraction", lacking / (1.0 + lacking.max(0.0))), ("travel_mm", lambda.exp())]
+        }
+    }
+}
+
+pub(super) fn creep(fractions: &[f64], time_constants_s: &[f64]) -> Parameters {
+    let active: Vec<usize> = (0..fractions.len()).filter(|&i| fractions[i] > 1e-4).collect();
+    // Two elements a decade.
+    let decades =
+        active.last().zip(active.first()).map_or(0.5, |(last, first)| 0.5 * (last - first + 1) as f64);
+    let sum: f64 = fractions.iter().sum();
+    let mut all = vec![("fraction_per_decade", sum / decades.max(1.0))];
+    all.extend(active.iter().map(|&i| ("time_constants_s", time_constants_s[i])));
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cause, Driver, moved};
+
+    #[test]
+    fn what_the_first_strokes_lack_is_a_share_of_the_stroke_that_comes_to_be() {
+        // 80 mm of 100: at each contraction a quarter of it.
+        let (knots, changes) = ([0.0, 50.0, 100.0], [0.0, -12.5, -25.0]);
+        let parameters = moved(&knots, Cause::WarmUp, Driver::WarmUp, 300f64.ln(), &changes);
+        let [("fraction", fraction), ("travel_mm", travel_mm)] = parameters[..] else {
+            panic!("{parameters:?}")
+        };
+        assert!((fraction - 0.2).abs() < 1e-12 && (travel_mm - 300.0).abs() < 1e-9, "{parameters:?}");
+    }
+}

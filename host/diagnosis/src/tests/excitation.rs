@@ -1,0 +1,80 @@
+//! What is said where a recording cannot show what acts.
+
+use super::*;
+use crate::anatomy::examinable::Inseparable;
+use crate::words::{experiment, unexamined};
+
+/// The plant under another command. Unit: bar.
+fn under(command: impl Fn(f64) -> f64) -> Plant {
+    let time_s: Vec<f64> = (0..ROWS).map(|row| row as f64 * STEP_S).collect();
+    let pressure = time_s.iter().map(|&t| command(t)).collect();
+    Plant { time_s, pressure }
+}
+
+/// Triangles, each lower than the one before: no two are alike, and all are of one period. Unit: bar.
+fn falling(time_s: f64) -> f64 {
+    let triangle = 1.0 - (2.0 * (time_s / 8.0).fract() - 1.0).abs();
+    5.5 * (1.0 - 0.08 * (time_s / 8.0).floor()) * triangle
+}
+
+/// Swings of all heights without a hold, again every 20 s. Unit: bar.
+fn swinging(time_s: f64) -> f64 {
+    let sine = |hz: f64| (std::f64::consts::TAU * hz * time_s).sin();
+    let swing = 2.5 + 1.1 * sine(0.05) + 0.8 * sine(0.2) + 0.5 * sine(0.45);
+    swing.clamp(0.0, 5.5) * (time_s / 3.0).min(1.0)
+}
+
+#[test]
+fn a_drift_that_a_recording_cannot_show_is_not_named_and_not_excluded() {
+    let plant = under(falling);
+    let drifting: Vec<f64> =
+        hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, t)| y + 0.04 * t).collect();
+    let columns = Columns { command: None, ..plant.recorded(&drifting) };
+    let diagnosis = diagnosed(&columns);
+    assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{:?}", names(&diagnosis));
+    assert_eq!(diagnosis.unexamined, [Cause::Drift]);
+    let words = unexamined(&diagnosis).expect("words");
+    assert!(words.starts_with("drift would leave nothing unexplained"), "{words}");
+    assert_eq!(experiment(&diagnosis).as_deref(), Some("mgpi plan --causes drift -o plan.csv"));
+}
+
+#[test]
+fn a_creep_without_a_hold_is_not_taken_for_its_rival() {
+    let plant = under(swinging);
+    let mut slow = [0.0; 3];
+    let creeping = |y: f64| -> f64 {
+        let late = slow.iter_mut().zip([1.0, 5.0, 20.0]).map(|(slow, tau_s)| {
+            *slow += (y - *slow) * STEP_S / tau_s;
+            0.06 * *slow
+        });
+        y + late.sum::<f64>()
+    };
+    let output: Vec<f64> = hysteresis(&plant.pressure).into_iter().map(creeping).collect();
+    let columns = Columns { command: None, ..plant.recorded(&output) };
+    let diagnosis = diagnosed(&columns);
+    let creep = diagnosis.examinable.iter().find(|judged| judged.cause == Cause::Creep);
+    assert!(creep.is_some_and(|creep| !creep.examinable));
+    assert_eq!(diagnosis.verdict, Verdict::Confounded, "{:?}", names(&diagnosis));
+    assert!(
+        diagnosis.unexamined.contains(&Cause::Creep),
+        "{:?} {:?}",
+        names(&diagnosis),
+        diagnosis.unexamined
+    );
+    let words = unexamined(&diagnosis).expect("words");
+    assert!(words.contains("would do better than what is named"), "{words}");
+}
+
+#[test]
+fn what_is_named_and_not_told_apart_gets_the_experiment_that_would() {
+    let plant = Plant::new();
+    let mut diagnosis = diagnosed(&plant.recorded(&hysteresis(&plant.pressure)));
+    let both = vec![Cause::ViscousLag, Cause::Creep];
+    diagnosis.inseparable = Inseparable { causes: both, why: vec!["there is no hold"] };
+    assert_eq!(experiment(&diagnosis), None);
+    diagnosis.verdict = Verdict::Explained;
+    diagnosis.causes = vec![named(Cause::Load, Vec::new())];
+    assert_eq!(experiment(&diagnosis), None);
+    diagnosis.causes.push(named(Cause::Creep, Vec::new()));
+    assert_eq!(experiment(&diagnosis).as_deref(), Some("mgpi plan --causes creep,viscous_lag -o plan.csv"));
+}

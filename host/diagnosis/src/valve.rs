@@ -1,0 +1,381 @@
+//! The valve, from command to measured pressure: which of its effects the recording shows.
+//!
+//! Where both columns are recorded the valve is told apart from the muscle: it is simulated forward and compared at the
+//! pressure. A lag is always part of it; a second one as short as any regulator has, a delay, a dead band and a limit are added while
+//! each makes the error clearly smaller. The muscle is then modelled from the measured pressure, whatever the valve does.
+//!
+//! Two lags one behind the other are not one and a delay: a slow valve has its regulator's own lag as well, which alone would look like a
+//! dead time.
+
+use rayon::prelude::*;
+
+use super::Columns;
+use super::cause::Cause;
+use super::equivalent::delayed;
+use super::output::low_pass;
+use recording::noise::steps;
+use recording::numbers::range;
+use recording::unit::Unit;
+
+/// Lags up to here, together, are those of any proportional regulator, and not named. Unit: s.
+pub const ORDINARY_LAG_S: f64 = 0.07;
+/// Logarithm of the ratio of errors that an effect has to gain.
+const GAIN: f64 = 0.12;
+/// Up to here a delay is that of the recording, and not named: a row's command is written behind its sample, and acts by the
+/// next. Unit: row.
+const RECORDED_DELAY: f64 = 1.0;
+/// Rows that are compared, at most.
+const ROWS: usize = 20_000;
+/// Dead bands that are tried, between these shares of the command's span.
+const BANDS: (usize, f64, f64) = (480, 0.003, 0.3);
+/// Lags that they are tried with, beside the one found without: that stands in for the band. Unit: s.
+const LAGS_S: [f64; 3] = [0.02, 0.05, 0.12];
+/// How many of them are gone on from, so many places apart.
+const BEGINNINGS: usize = 4;
+const APART: f64 = 8.0;
+/// How many places to either side of each are tried where the band holds, and how far apart, ever finer: one command that is wrongly
+/// accepted moves all that come after it, until the command stands still.
+const CLOSELY: [(i32, f64); 3] = [(60, 0.05), (60, 0.01), (60, 0.002)];
+/// How far to either side of the best a band that drags is looked for. Unit: place.
+const FINER: [f64; 8] = [6.0, 3.6, 2.0, 1.2, 0.72, 0.4, 0.24, 0.14];
+/// Iterations for lags, delay and limit.
+const ITERATIONS: usize = 12;
+
+/// How a dead band works.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BandForm {
+    /// A command nearer than the band to the last accepted one is ignored, any other accepted whole.
+    Hold,
+    /// The output follows at the distance of half a band.
+    Backlash,
+}
+
+/// A valve's effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Valve {
+    /// Unit: s.
+    pub lag_s: f64,
+    /// A second lag behind that, no longer than an ordinary one. Unit: s.
+    pub own_lag_s: Option<f64>,
+    /// Unit: s.
+    pub delay_s: Option<f64>,
+    /// Unit: bar.
+    pub band: Option<(BandForm, f64)>,
+    /// Unit: bar.
+    pub supply_bar: Option<f64>,
+}
+
+/// What was found between command and pressure.
+#[derive(Clone, Debug)]
+pub struct ValveFit {
+    /// The valve.
+    pub valve: Valve,
+    /// The causes that are named, each with the logarithmic gain of having it.
+    pub causes: Vec<(Cause, f64)>,
+    /// Root mean square of measured less simulated pressure. Unit of the pressure.
+    pub rmse_bar: f64,
+    /// The same for a valve that does what it is told at once. Unit of the pressure.
+    pub ideal_rmse_bar: f64,
+    /// Unit of command and pressure.
+    pub unit: Unit,
+}
+
+impl Valve {
+    /// With a lag only.
+    fn slow(lag_s: f64) -> Self {
+        Self { lag_s, own_lag_s: None, delay_s: None, band: None, supply_bar: None }
+    }
+
+    /// The pressure that it makes of a command. Unit: bar.
+    pub fn simulate(&self, time_s: &[f64], command: &[f64]) -> Vec<f64> {
+        let mut values = match self.delay_s {
+            Some(delay_s) => delayed(command, time_s, delay_s),
+            None => command.to_vec(),
+        };
+        if let Some((form, band)) = self.band {
+            let mut held = values.first().copied().unwrap_or(0.0);
+            for value in &mut values {
+                held = match form {
+                    BandForm::Hold if (*value - held).abs() < band => held,
+                    BandForm::Hold => *value,
+                    BandForm::Backlash => held.clamp(*value - 0.5 * band, *value + 0.5 * band),
+                };
+                *value = held;
+            }
+        }
+        if let Some(supply_bar) = self.supply_bar {
+            values.iter_mut().for_each(|value| *value = value.min(supply_bar));
+        }
+        let late = low_pass(&values, time_s, self.lag_s);
+        match self.own_lag_s {
+            Some(lag_s) => low_pass(&late, time_s, lag_s),
+            None => late,
+        }
+    }
+}
+
+/// The task: times, command and pressure.
+#[derive(Clone, Copy)]
+struct Task<'a> {
+    time_s: &'a [f64],
+    command: &'a [f64],
+    pressure: &'a [f64],
+    scored: &'a [bool],
+    step_s: f64,
+    noise: f64,
+}
+
+/// Finds the valve's effects; None without a command beside the pressure.
+pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
+    let rows = columns.time_s.len().min(ROWS);
+    let command = columns.command.as_deref()?;
+    let task = Task {
+        time_s: &columns.time_s[..rows],
+        command: &command[..rows],
+        pressure: &columns.input[..rows],
+        scored: &columns.scored[..rows],
+        step_s: steps(&columns.time_s).0,
+        noise,
+    };
+    let ideal_rmse_bar = task.error(command);
+    let mut best = task.polished(Valve::slow(0.05));
+    // No error is less than the noise: near it there is nothing left to gain.
+    while (best.1 / noise).ln() > GAIN {
+        let next = task.richer(&best.0).into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
+        match next {
+            Some(next) if (best.1 / next.1).ln() > GAIN => best = next,
+            _ => break,
+        }
+    }
+    let (valve, rmse_bar) = best;
+    let mut causes: Vec<(Cause, f64)> = Vec::new();
+    let recorded_s = RECORDED_DELAY * task.step_s;
+    let later = delayed(task.command, task.time_s, recorded_s);
+    for (cause, poorer) in valve.poorer() {
+        let mut without = task.polished(poorer).1;
+        if cause == Cause::TransportDelay {
+            if valve.delay_s.is_some_and(|delay_s| delay_s <= recorded_s) {
+                continue;
+            }
+            without = without.min(Task { command: &later, ..task }.polished(poorer).1);
+            without = without.min(task.polished(poorer.with_own_lag()).1);
+        }
+        let gain = (without / rmse_bar).ln();
+        if gain > GAIN {
+            causes.push((cause, gain));
+        }
+    }
+    if valve.all_lags_s() > ORDINARY_LAG_S {
+        let at_once = task.error(&Valve { lag_s: 1e-6, ..valve }.simulate(task.time_s, task.command));
+        causes.push((Cause::ValveLag, (at_once / rmse_bar).ln()));
+    }
+    Some(ValveFit { valve, causes, rmse_bar, ideal_rmse_bar, unit: columns.input_unit })
+}
+
+impl Valve {
+    /// This valve without each of its effects but the lag.
+    fn poorer(&self) -> Vec<(Cause, Self)> {
+        let mut all = Vec::new();
+        if self.delay_s.is_some() {
+            all.push((Cause::TransportDelay, Self { delay_s: None, ..*self }));
+        }
+        if self.band.is_some() {
+            all.push((Cause::ValveDeadband, Self { band: None, ..*self }));
+        }
+        if self.supply_bar.is_some() {
+            all.push((Cause::SupplySaturation, Self { supply_bar: None, ..*self }));
+        }
+        all
+    }
+
+    /// Both lags together: how late the pressure is on a ramp. Unit: s.
+    pub fn all_lags_s(&self) -> f64 {
+        self.lag_s + self.own_lag_s.unwrap_or(0.0)
+    }
+
+    /// The longer lag. Unit: s.
+    pub fn longer_lag_s(&self) -> f64 {
+        self.own_lag_s.map_or(self.lag_s, |own| own.max(self.lag_s))
+    }
+
+    /// With a second lag, if it has none yet.
+    fn with_own_lag(&self) -> Self {
+        Self { own_lag_s: self.own_lag_s.or(Some(0.3 * ORDINARY_LAG_S)), ..*self }
+    }
+
+    /// Lags and, where they are there, delay and limit.
+    fn smooth(&self) -> Vec<f64> {
+        let own = self.own_lag_s.map(f64::ln);
+        [Some(self.lag_s.ln()), own, self.delay_s, self.supply_bar].into_iter().flatten().collect()
+    }
+
+    /// This valve with those.
+    fn with_smooth(&self, values: &[f64], step_s: f64) -> Self {
+        let mut values = values.iter().copied();
+        let mut next = || values.next().unwrap_or(0.0);
+        Self {
+            lag_s: next().clamp((0.02 * step_s).ln(), 20.0f64.ln()).exp(),
+            own_lag_s: self.own_lag_s.map(|_| next().clamp((0.02 * step_s).ln(), ORDINARY_LAG_S.ln()).exp()),
+            delay_s: self.delay_s.map(|_| next().clamp(0.0, 5.0)),
+            supply_bar: self.supply_bar.map(|_| next()),
+            ..*self
+        }
+    }
+}
+
+impl Task<'_> {
+    /// Root mean square of the difference, never less than the pressure's noise.
+    fn error(&self, simulated: &[f64]) -> f64 {
+        let (mut squares, mut count) = (0.0, 0.0);
+        for ((simulated, measured), &scored) in simulated.iter().zip(self.pressure).zip(self.scored) {
+            if scored {
+                squares += (simulated - measured).powi(2);
+                count += 1.0;
+            }
+        }
+        (squares / f64::max(count, 1.0)).sqrt().max(self.noise)
+    }
+
+    /// Mean of the absolute difference.
+    fn mean_error(&self, simulated: &[f64]) -> f64 {
+        let all = simulated.iter().zip(self.pressure).zip(self.scored);
+        let scored = all.filter(|(_, scored)| **scored).map(|((one, other), _)| (one - other).abs());
+        let (sum, count) = scored.fold((0.0, 0.0), |(sum, count), error| (sum + error, count + 1.0));
+        sum / f64::max(count, 1.0)
+    }
+
+    /// The valve with each effect that it has not, polished.
+    fn richer(&self, valve: &Valve) -> Vec<(Valve, f64)> {
+        let mut all = Vec::new();
+        if valve.own_lag_s.is_none() {
+            all.push(self.polished(valve.with_own_lag()));
+        }
+        if valve.delay_s.is_none() {
+            all.push(self.polished(Valve { delay_s: Some(2.0 * self.step_s), ..*valve }));
+        }
+        if valve.supply_bar.is_none() {
+            let highest = self.pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            all.push(self.polished(Valve { supply_bar: Some(highest - self.noise), ..*valve }));
+        }
+        if valve.band.is_none() {
+            all.extend(
+                [BandForm::Hold, BandForm::Backlash].into_iter().filter_map(|form| self.banded(valve, form)),
+            );
+        }
+        all
+    }
+
+    /// The valve with a dead band. Its stairs fit at the right band only, and the lag that was found without it stands in for
+    /// it: so bands are tried closely, each with several lags, and the best few are gone on from.
+    ///
+    /// They are ranked by their mean absolute error: near the right band few commands are wrongly accepted, but what each of them does to
+    /// the squares is by chance.
+    fn banded(&self, valve: &Valve, form: BandForm) -> Option<(Valve, f64)> {
+        let (low, high) = range(self.command);
+        let at = |place: f64, lag_s: f64| {
+            let share = BANDS.1 * (BANDS.2 / BANDS.1).powf(place / (BANDS.0 - 1) as f64);
+            Valve { band: Some((form, share * (high - low))), lag_s, ..*valve }
+        };
+        let mean_error = |place: f64, lag_s: f64| {
+            let error = self.mean_error(&at(place, lag_s).simulate(self.time_s, self.command));
+            (error, place, lag_s)
+        };
+        let lags = LAGS_S.into_iter().chain([valve.lag_s]);
+        let mut tried: Vec<(f64, f64, f64)> = (0..BANDS.0)
+            .into_par_iter()
+            .flat_map_iter(|place| lags.clone().map(move |lag_s| mean_error(place as f64, lag_s)))
+            .collect();
+        tried.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let mut begun: Vec<(f64, f64)> = Vec::new();
+        for (_, place, lag_s) in tried {
+            if begun.iter().all(|(other, _)| (other - place).abs() > APART) {
+                begun.push((place, lag_s));
+            }
+        }
+        begun.truncate(BEGINNINGS);
+        let polished = |(place, lag_s)| (place, self.polished(at(place, lag_s)));
+        let ends = begun.into_par_iter().map(polished).map(|mut end| {
+            if form == BandForm::Hold {
+                for (count, apart) in CLOSELY {
+                    let lag_s = end.1.0.lag_s;
+                    let near = (-count..=count).map(|i| mean_error(end.0 + f64::from(i) * apart, lag_s));
+                    let nearest = near.min_by(|one, other| one.0.total_cmp(&other.0));
+                    let nearest = nearest.map(|(_, place, lag_s)| polished((place, lag_s)));
+                    end = nearest.filter(|near| near.1.1 < end.1.1).unwrap_or(end);
+                }
+            }
+            end
+        });
+        let mut best = ends.min_by(|one, other| one.1.1.total_cmp(&other.1.1))?;
+        if form == BandForm::Backlash {
+            for step in FINER {
+                for place in [best.0 - step, best.0 + step] {
+                    let other = polished((place, best.1.0.lag_s));
+                    best = if other.1.1 < best.1.1 { other } else { best };
+                }
+            }
+        }
+        Some(best.1)
+    }
+
+    /// Lags, delay and limit by Gauss-Newton with differences.
+    fn polished(&self, valve: Valve) -> (Valve, f64) {
+        let mut valve = valve;
+        let mut simulated = valve.simulate(self.time_s, self.command);
+        let mut error = self.error(&simulated);
+        for _ in 0..ITERATIONS {
+            let values = valve.smooth();
+            let columns: Vec<Vec<f64>> = (0..values.len())
+                .map(|i| {
+                    let mut moved = values.clone();
+                    // Those of lags are their logarithms.
+                    let lags = 1 + usize::from(valve.own_lag_s.is_some());
+                    let step = if i < lags { 1e-3 } else { 0.1 * self.step_s.min(1e-2) };
+                    moved[i] += step;
+                    let other = valve.with_smooth(&moved, self.step_s).simulate(self.time_s, self.command);
+                    other.iter().zip(&simulated).map(|(a, b)| (a - b) / step).collect()
+                })
+                .collect();
+            let Some(change) = self.step(&columns, &simulated) else { break };
+            let mut share = 1.0;
+            let before = error;
+            for _ in 0..4 {
+                let moved: Vec<f64> = values.iter().zip(&change).map(|(v, c)| v + share * c).collect();
+                let other = valve.with_smooth(&moved, self.step_s);
+                let next = other.simulate(self.time_s, self.command);
+                if self.error(&next) < error {
+                    (valve, error) = (other, self.error(&next));
+                    simulated = next;
+                    break;
+                }
+                share *= 0.3;
+            }
+            if error > before * (1.0 - 1e-4) {
+                break;
+            }
+        }
+        (valve, error)
+    }
+
+    fn step(&self, columns: &[Vec<f64>], simulated: &[f64]) -> Option<Vec<f64>> {
+        let count = columns.len();
+        let mut matrix = nalgebra::DMatrix::<f64>::zeros(count, count);
+        let mut right = nalgebra::DVector::<f64>::zeros(count);
+        for row in (0..simulated.len()).filter(|&row| self.scored[row]) {
+            let residual = self.pressure[row] - simulated[row];
+            for i in 0..count {
+                right[i] += columns[i][row] * residual;
+                for j in 0..=i {
+                    matrix[(i, j)] += columns[i][row] * columns[j][row];
+                }
+            }
+        }
+        for i in 0..count {
+            matrix[(i, i)] = matrix[(i, i)] * (1.0 + 1e-6) + 1e-12;
+        }
+        Some(nalgebra::Cholesky::new(matrix)?.solve(&right).iter().copied().collect())
+    }
+}
+
+#[cfg(test)]
+mod tests;

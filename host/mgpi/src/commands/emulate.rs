@@ -1,0 +1,194 @@
+//! `mgpi emulate`: the firmware in the emulator, by hand, or as a board on its bus.
+
+use std::fs;
+use std::io::{self, BufRead, BufReader, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use rustix::process::{Signal, kill_process};
+
+use super::plant::PlantArguments;
+use crate::Error;
+use board_client::child::{ChildGroup, Stop, WAIT_SLICE};
+use board_client::emulator::line::{Line, Owner};
+use board_client::emulator::log::LogDecoder;
+use board_client::emulator::{Emulator, EmulatorError, image, qemu, real_time};
+use board_client::pil::plant::PlantProcess;
+use board_client::pil::{PilError, lock_step};
+
+/// What is written where somebody waits for the board.
+const READY: &str = "ready";
+/// How long an emulator may take to end.
+const END: Duration = Duration::from_secs(10);
+
+/// Runs the firmware in the emulator until Ctrl-C: as a board with a plant, in real time, whose bus is a serial port of this
+/// machine; or, without --port, with its service link open to other programs and its log shown.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Makes the board's bus a serial port of this name, a path
+    #[arg(long, value_name = "PORT")]
+    port: Option<PathBuf>,
+    #[command(flatten)]
+    plant: PlantArguments,
+    /// The firmware's ELF file [default: that of MGPI_FIRMWARE, else the one built beside this program, else the one in it]
+    #[arg(long, value_name = "ELF")]
+    firmware: Option<PathBuf>,
+    /// Go on in the background: the command returns as soon as the board answers, and --stop ends the emulator
+    #[arg(long, requires = "port")]
+    background: bool,
+    /// End the emulator that has this port
+    #[arg(long, requires = "port", conflicts_with_all = ["background", "ready_fd"])]
+    stop: bool,
+    /// Write the line `ready` to this open file descriptor as soon as the board answers
+    #[arg(long, value_name = "FD", requires = "port", conflicts_with = "background")]
+    ready_fd: Option<u32>,
+}
+
+/// Runs the firmware.
+///
+/// # Errors
+/// There is no firmware, or the emulator cannot be started or ends by itself.
+pub fn run(arguments: &Arguments) -> Result<(), Error> {
+    match &arguments.port {
+        Some(port) if arguments.stop => end(port),
+        Some(_) if arguments.background => in_background(),
+        Some(port) => on_bus(port, arguments),
+        None => by_link(&image::find(arguments.firmware.as_deref())?),
+    }
+}
+
+/// Runs the board in real time, on a serial port of this name.
+fn on_bus(
+    port: &Path,
+    Arguments { plant: arguments, firmware, ready_fd, .. }: &Arguments,
+) -> Result<(), Error> {
+    let elf = image::find(firmware.as_deref())?;
+    let stop = Stop::on_signals();
+    let mut plant = PlantProcess::start(&arguments.program(), &stop).map_err(PilError::from)?;
+    let (mut board, bus) = Emulator::start_with_bus(&elf, &stop)?;
+    lock_step::protect(&mut board, arguments.protection(real_time::PERIOD.as_secs_f32()))?;
+    let refused = |problem| EmulatorError::Line { name: port.to_owned(), problem };
+    let line = Line::open(port, bus).map_err(refused)?;
+    if line.has_replaced() {
+        say!("{}: was left by an emulator that was killed, and is replaced", port.display());
+    }
+    say!("serial port {} ({}); Ctrl-C ends the emulator", port.display(), line.terminal().display());
+    if let Some(descriptor) = ready_fd {
+        let told = fs::OpenOptions::new().write(true).open(format!("/dev/fd/{descriptor}"));
+        told.and_then(|mut file| writeln!(file, "{READY}")).map_err(EmulatorError::Untold)?;
+    }
+    let run = real_time::run(&mut board, &mut plant, &stop, |late| {
+        say!(
+            "this machine is slow: a tick came {:.2} s late. The board's time then passes more slowly than that of the \
+             wall; recordings and logs are in the board's time, and stay right",
+            late.as_secs_f64()
+        );
+    });
+    match run {
+        Err(PilError::Stopped) => Ok(()),
+        other => Ok(other?),
+    }
+}
+
+/// Starts this command again without --background, and waits until its board answers.
+fn in_background() -> Result<(), Error> {
+    let arguments = std::env::args_os().skip(1).filter(|argument| argument != "--background");
+    let start = || {
+        let mut messages = tempfile::tempfile()?;
+        let mut command = Command::new(std::env::current_exe()?);
+        command.args(arguments).args(["--ready-fd", "1"]);
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(messages.try_clone()?);
+        let mut emulator = command.spawn()?;
+        let output = emulator.stdout.take().ok_or(io::ErrorKind::BrokenPipe)?;
+        for line in BufReader::new(output).lines() {
+            match line?.replace("Ctrl-C ends", "--stop ends") {
+                line if line == READY => return Ok(None),
+                line => say!("{line}"),
+            }
+        }
+        // It has ended, and said why.
+        emulator.wait()?;
+        let mut said = String::new();
+        messages.rewind()?;
+        messages.read_to_string(&mut said)?;
+        Ok(Some(said.trim_start_matches("error: ").trim_end().to_owned()))
+    };
+    match start().map_err(EmulatorError::NotInBackground)? {
+        None => Ok(()),
+        Some(said) => Err(EmulatorError::NotReady(said).into()),
+    }
+}
+
+/// Ends the emulator that has a port, and removes the name that one has left.
+fn end(port: &Path) -> Result<(), Error> {
+    let refused = |problem: io::Error| EmulatorError::Line { name: port.to_owned(), problem };
+    match Owner::of(port) {
+        None => return Err(EmulatorError::NoEmulator(port.to_owned()).into()),
+        Some(Owner::Gone) => {
+            fs::remove_file(port).map_err(refused)?;
+            say!("{}: was left by an emulator that was killed, and is removed", port.display());
+        }
+        Some(Owner::Running(process)) => {
+            kill_process(process, Signal::TERM).map_err(|error| refused(error.into()))?;
+            let deadline = Instant::now() + END;
+            while Owner::of(port) == Some(Owner::Running(process)) {
+                if Instant::now() > deadline {
+                    return Err(refused(io::ErrorKind::TimedOut.into()).into());
+                }
+                thread::sleep(WAIT_SLICE);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Runs the firmware with its link open to other programs.
+fn by_link(elf: &Path) -> Result<(), Error> {
+    let decoder = LogDecoder::of(elf).map_err(EmulatorError::Log)?;
+    let stop = Stop::on_signals();
+    let mut emulator = qemu(elf, "null");
+    emulator.args(["-chardev", "pty,id=link"]);
+    // QEMU names the port in the first line of its standard output, which it keeps back when that is no terminal.
+    let mut command = Command::new("stdbuf");
+    command.arg("-oL").arg(emulator.get_program()).args(emulator.get_args());
+    command.stdin(Stdio::null()).stdout(Stdio::piped());
+    let mut group = ChildGroup::spawn(&mut command).map_err(EmulatorError::NotStarted)?;
+    let (_, output) = group.pipes();
+    thread::scope(|scope| {
+        if let Some(output) = output {
+            // Ends with the emulator; a log that cannot be read is no reason to end it.
+            scope.spawn(|| {
+                let mut output = BufReader::new(output);
+                let mut line = String::new();
+                if output.read_line(&mut line).is_ok()
+                    && let Some(port) = port(&line)
+                {
+                    say!("serial port {port}; Ctrl-C ends the emulator");
+                }
+                decoder.follow(output, |entry| say!("{entry}"))
+            });
+        }
+        let ended = wait(&mut group, &stop);
+        drop(group);
+        ended
+    })
+}
+
+/// Until the emulator ends, which is an error, or a stop is requested.
+fn wait(group: &mut ChildGroup, stop: &Stop) -> Result<(), Error> {
+    while !stop.is_requested() {
+        if !group.is_running() {
+            return Err(EmulatorError::Ended(group.end()).into());
+        }
+        thread::sleep(WAIT_SLICE);
+    }
+    Ok(())
+}
+
+/// The port in QEMU's "char device redirected to /dev/pts/3 (label link)".
+fn port(messages: &str) -> Option<&str> {
+    messages.lines().find_map(|line| line.split_once("redirected to ")?.1.split_whitespace().next())
+}

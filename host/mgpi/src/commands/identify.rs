@@ -1,0 +1,357 @@
+//! `mgpi identify`: from a recording to a model.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use model_core::{ExtensionParameters, Kind};
+
+use super::reading::say_left_out;
+use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
+use super::{identified_json, instructions};
+use crate::Error;
+use crate::output::Outputs;
+use identification::comparison::{self, Comparison, choice};
+use identification::holdout::{self, later_cycles, share_before};
+use identification::progress::within;
+use identification::{self, CONVERGED, Fit, Loss, Options, Strays, Weights};
+use recording::TOOL;
+use recording::model::named::slope_dimension;
+use recording::model_file::names::Names;
+use recording::model_file::{HeldOut, Identification, ModelFile};
+use recording::numbers::legible;
+use recording::worth::Limit;
+use recording::{Recording, Timing};
+use report::identified::Identified;
+
+/// Identifies a model from a recording.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// The recording
+    #[arg(value_name = "REC.csv")]
+    recording: PathBuf,
+    /// Where the model goes
+    #[arg(short = 'o', value_name = "MODEL.toml")]
+    model_file: PathBuf,
+    /// Kind of model
+    #[arg(long, value_enum, default_value = "mgpi")]
+    model: Model,
+    /// Number of plays
+    #[arg(long, default_value_t = 10, value_name = "N")]
+    plays: usize,
+    /// Weights of the plays
+    #[arg(long, value_enum, default_value = "exponential")]
+    weights: PlayWeights,
+    /// Number of dead zones, for mgpi and mpi
+    #[arg(long, default_value_t = 10, value_name = "M")]
+    dead_zones: usize,
+    /// Envelope of the plays, for mgpi and sgpi [default: tanh; agpi and egpi have two tanh]
+    #[arg(long, value_enum)]
+    envelope: Option<Envelope>,
+    /// Number of knots of a piecewise-linear envelope
+    #[arg(long, default_value_t = 12, value_name = "K")]
+    knots: usize,
+    /// Also write a report (one HTML file)
+    #[arg(long, value_name = "REPORT.html")]
+    report: Option<PathBuf>,
+    /// Also write the figures and parameters as JSON
+    #[arg(long, value_name = "FIGURES.json")]
+    json: Option<PathBuf>,
+    /// How a residual counts
+    #[arg(long, value_enum, default_value = "squares")]
+    loss: ResidualLoss,
+    #[command(flatten)]
+    columns: Columns,
+    /// Another recording that the model is tried on [default: hold out the second half of the cycles]
+    #[arg(long, value_name = "REC2.csv")]
+    validate: Option<PathBuf>,
+    /// Hold nothing out where there is no other recording
+    #[arg(long, conflicts_with = "validate")]
+    no_holdout: bool,
+    #[command(flatten)]
+    effort: Effort,
+    /// Overwrite existing outputs
+    #[arg(long)]
+    force: bool,
+}
+
+/// Kinds of model that can be identified.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Model {
+    /// Classical Prandtl-Ishlinskii: plays and a gain
+    Cpi,
+    /// Symmetric generalized: envelope, plays, gain
+    Sgpi,
+    /// Asymmetric generalized: an envelope for each direction, plays, gain
+    Agpi,
+    /// Kuhnen's modified: plays, dead zones
+    Mpi,
+    /// Extended generalized: as agpi, and a function of the input added
+    Egpi,
+    /// Modified generalized: envelope, plays, dead zones
+    Mgpi,
+    /// Whichever of them does best on cycles that it has not seen
+    Auto,
+}
+
+/// Envelopes of the plays.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Envelope {
+    /// c0 tanh(c1 x + c2) + c3
+    Tanh,
+    /// Piecewise-linear through free knots
+    Pl,
+}
+
+/// What the weights of the plays are made of.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PlayWeights {
+    /// rho exp(-tau r)
+    Exponential,
+    /// Each by itself, for at most 32 plays
+    Free,
+}
+
+/// How a residual counts.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ResidualLoss {
+    /// By its square
+    Squares,
+    /// Outliers by their size only; they are listed
+    Huber,
+}
+
+impl From<ResidualLoss> for Loss {
+    fn from(loss: ResidualLoss) -> Self {
+        match loss {
+            ResidualLoss::Squares => Self::Squares,
+            ResidualLoss::Huber => Self::Huber,
+        }
+    }
+}
+
+impl From<PlayWeights> for Weights {
+    fn from(weights: PlayWeights) -> Self {
+        match weights {
+            PlayWeights::Exponential => Self::Exponential,
+            PlayWeights::Free => Self::Free,
+        }
+    }
+}
+
+impl Model {
+    /// The kind; None where it is to be chosen.
+    fn kind(self) -> Option<Kind> {
+        Some(match self {
+            Self::Cpi => Kind::Cpi,
+            Self::Sgpi => Kind::Sgpi,
+            Self::Agpi => Kind::Agpi,
+            Self::Mpi => Kind::Mpi,
+            Self::Egpi => Kind::Egpi,
+            Self::Mgpi => Kind::Mgpi,
+            Self::Auto => return None,
+        })
+    }
+}
+
+/// Identifies.
+///
+/// # Errors
+/// A recording is not what it should be, no model can be made of it, or an output cannot be written.
+pub fn run(arguments: &Arguments) -> Result<(), Error> {
+    let Arguments { model_file, report, json, .. } = arguments;
+    arguments.check_choices()?;
+    let inputs: Vec<&Path> =
+        [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
+    let files = [model_file].into_iter().chain(report).chain(json);
+    let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
+    let (recording, other) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
+
+    let options = match arguments.model.kind() {
+        Some(model) => arguments.options(model),
+        None => arguments.choose(&recording)?,
+    };
+    let begin = Instant::now();
+    let holds_out = other.is_none() && !arguments.no_holdout;
+    let share = if holds_out { share_before(&recording, &options) } else { 1.0 };
+    let (fit, seconds, later) = with_bar("identifying", |progress| {
+        let fit = identification::identify(&(&recording).into(), &options, &within(progress, [0.0, share]))?;
+        let seconds = begin.elapsed().as_secs_f64();
+        let later = || later_cycles(&recording, &options, &within(progress, [share, 1.0]));
+        Ok((fit, seconds, holds_out.then(later).flatten()))
+    })
+    .map_err(|source| unidentified(&recording, source))?;
+    let answered = other.as_ref().map(|other| {
+        let simulated = identification::simulate(&fit.model, &other.drive.input.values);
+        (HeldOut { recording: other.source(), from_s: None, figures: other.figures(&simulated) }, simulated)
+    });
+    let heldout = answered.as_ref().map(|(heldout, _)| heldout.clone()).or(later.as_ref().map(|later| {
+        HeldOut { recording: recording.source(), from_s: Some(later.from_s), figures: later.figures }
+    }));
+
+    let identification = identification_of(&recording, &fit, heldout);
+    let model = ModelFile {
+        input: recording.drive.input.channel.clone(),
+        output: recording.output.channel.clone(),
+        density: fit.density,
+        parameters: fit.parameters.clone(),
+        extensions: ExtensionParameters::default(),
+        model: fit.model.clone(),
+        identification: Some(identification.clone()),
+    };
+    outputs.stage(model_file, model.to_toml().as_bytes())?;
+    if let Some(file) = report {
+        let later = later.map(|later| (recording.with_scored(later.scored), later.simulated));
+        let tried = other.zip(answered.map(|(_, simulated)| simulated)).or(later);
+        let report = Identified {
+            model: &model,
+            identification: &identification,
+            recording: &recording,
+            simulated: &fit.simulated,
+            heldout: tried.as_ref().map(|(recording, simulated)| (recording, &simulated[..])),
+            uncertainty: &fit.uncertainty,
+        };
+        outputs.stage(file, report.to_html()?.as_bytes())?;
+    }
+    if let Some(file) = json {
+        let text =
+            format!("{:#}\n", identified_json::to_json(&model, &identification, (&recording, &fit), seconds));
+        outputs.stage(file, text.as_bytes())?;
+    }
+    outputs.commit()?;
+    print_summary(&recording, &identification, &model.names(), &fit, seconds);
+    warn_of_poor_fit(&recording, &identification.worth());
+    Ok(())
+}
+
+impl Arguments {
+    /// A choice of envelope or weights for a model that has none, or has it chosen, would be ignored.
+    fn check_choices(&self) -> Result<(), Error> {
+        let refused = |option: &str, has: &str| {
+            Err(Error::Usage(format!("{option} is for the models mgpi and sgpi; {has}")))
+        };
+        match (self.model, self.envelope, self.weights) {
+            (Model::Cpi, Some(_), _) => refused("--envelope", "cpi has none"),
+            (Model::Mpi, Some(_), _) => refused("--envelope", "mpi has none"),
+            (Model::Agpi, Some(_), _) => refused("--envelope", "agpi has two tanh"),
+            (Model::Egpi, Some(_), _) => refused("--envelope", "egpi has two tanh"),
+            (Model::Auto, Some(_), _) => refused("--envelope", "auto tries both"),
+            (Model::Auto, _, PlayWeights::Free) => {
+                Err(Error::Usage("--weights free is for a model by name; auto tries both".to_owned()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Tries the family, on the part of the recording that is not held out, and says how all of it did.
+    fn choose(&self, recording: &Recording) -> Result<Options, Error> {
+        let seen = if self.validate.is_some() || self.no_holdout {
+            recording.clone()
+        } else {
+            holdout::first_part(recording)
+        };
+        let candidates = choice::candidates(&self.options(Kind::Mgpi), self.knots);
+        let heldout = comparison::HeldOut::LaterCycles;
+        let comparison = with_bar("comparing", |progress| {
+            Comparison::of(&seen, heldout, &candidates, instructions::of_tick, progress)
+        })
+        .map_err(|source| unidentified(recording, source))?;
+        say!("{}", comparison.heldout_in_words());
+        say!("\n{}\n", comparison.to_text().trim_end());
+        let chosen = comparison.chosen().map(|row| (row.name(), row.options));
+        let (name, options) = chosen.unwrap_or_else(|| ("mgpi".to_owned(), self.options(Kind::Mgpi)));
+        say!("chosen        {name}");
+        Ok(options)
+    }
+
+    fn options(&self, model: Kind) -> Options {
+        let Effort { starts, seed, threads } = self.effort;
+        Options {
+            model,
+            weights: self.weights.into(),
+            loss: self.loss.into(),
+            knots: matches!(self.envelope, Some(Envelope::Pl)).then_some(self.knots),
+            plays: self.plays,
+            dead_zones: self.dead_zones,
+            starts,
+            seed,
+            threads,
+            tolerance: CONVERGED,
+        }
+    }
+}
+
+fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>) -> Identification {
+    let errors = fit.uncertainty.estimates.iter();
+    let errors =
+        errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
+    let training = recording.figures(&fit.simulated);
+    Identification {
+        tool: TOOL.to_owned(),
+        recording: recording.source(),
+        scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
+        stroke: recording.stroke(),
+        limit: Limit::of(recording, &training, heldout.as_ref().map(|heldout| &heldout.figures)),
+        training,
+        heldout,
+        starts: fit.starts,
+        termination: fit.termination.to_string(),
+        standard_errors: errors.collect(),
+    }
+}
+
+fn print_summary(
+    recording: &Recording,
+    identification: &Identification,
+    names: &Names,
+    fit: &Fit,
+    seconds: f64,
+) {
+    let Recording { drive, output, .. } = recording;
+    let (timing, unit, stroke) = (&drive.timing, output.channel.unit, identification.stroke);
+    say!("model         {}: {}, from {}", fit.parameters.kind(), recording.columns(), drive.file.display());
+    say!("rows          {}, of which {} are scored", drive.time_s.len(), identification.scored_rows);
+    say_left_out(&recording.left_out);
+    say!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
+    say!("stroke        {} {unit}", legible(stroke, 3));
+    say!("training      {}", identification.training.in_words(stroke, unit));
+    match &identification.heldout {
+        Some(HeldOut { figures, from_s: Some(from_s), .. }) => say!(
+            "held out      {} (a model of the rows before {from_s:.2} s, on the rows from there on)",
+            figures.in_words(stroke, unit)
+        ),
+        Some(HeldOut { figures, recording, .. }) => {
+            say!("held out      {} ({})", figures.in_words(stroke, unit), recording.file);
+        }
+        None => say!("held out      nothing: no second half of cycles, and no other recording (--validate)"),
+    }
+    say!("worth         {}", identification.worth());
+    if let [first, ..] = fit.outliers[..] {
+        let (count, first_s) = (fit.outliers.len(), drive.time_s[first]);
+        say!(
+            "outliers      {count} rows beyond five robust standard deviations, the first at {first_s:.4} s"
+        );
+    }
+    if let Some(strays) = Strays::of(recording, fit).filter(|_| fit.outliers.is_empty()) {
+        say!("hint          {strays}");
+    }
+    say!("termination   {}", identification.termination);
+    say!(
+        "invertible    smallest slope {:.3e} of the plays, {:.3e} {} of what follows",
+        fit.model.smallest_play_slope(),
+        fit.model.smallest_output_slope(),
+        names.unit(slope_dimension(fit.parameters.kind()))
+    );
+    if let Some(groups) = fit.uncertainty.hardly_separable() {
+        say!("separable     hardly: {groups}");
+    }
+    say!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
+}
+
+fn gaps(timing: &Timing) -> String {
+    let Timing { gaps, largest_step_s, largest_step_at_s, .. } = timing;
+    match gaps {
+        0 => "no gaps".to_owned(),
+        _ => format!("{gaps} gaps, the largest {largest_step_s:.4} s at {largest_step_at_s:.4} s"),
+    }
+}

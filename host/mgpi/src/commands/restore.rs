@@ -1,0 +1,60 @@
+//! `mgpi restore`: the configuration of a file to a board.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::deploy::{demand_rest, ready, with_progress};
+use super::port::PortArguments;
+use crate::Error;
+use board_client::backup::{BackupFile, Origin, read, restore};
+
+/// Brings the configuration that `mgpi backup` has kept to a board, and verifies it. The board
+/// takes all of it, or keeps what it has; what differs is listed first.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// What `mgpi backup` has written
+    #[arg(value_name = "BOARD.toml")]
+    file: PathBuf,
+    /// List what differs, and change nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Also take a file that was changed by hand, whose checksum does not fit
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    port: PortArguments,
+}
+
+/// Restores.
+///
+/// # Errors
+/// The file is not what it should be, or the board does not take it.
+pub fn run(arguments: &Arguments) -> Result<(), Error> {
+    let Arguments { file, port, dry_run, force } = arguments;
+    let BackupFile { origin, backup } = BackupFile::read(file, *force)?;
+    let mut board = port.open()?;
+    demand_rest(&mut board)?;
+    let here = Origin { number: port.number(), identity: board.identity().clone() };
+    if origin != here {
+        say!("{} is of another board: {}", file.display(), origin.differences(&here).join(", "));
+    }
+    let current = read(&mut board)?;
+    let differences = backup.differences(&current);
+    if differences.is_empty() {
+        say!("the board has all of {} already", file.display());
+        return Ok(());
+    }
+    say!("of {} differs (board -> file)", file.display());
+    differences.iter().for_each(|difference| say!("  {difference}"));
+    if *dry_run {
+        say!("nothing has been changed (--dry-run)");
+        return Ok(());
+    }
+    with_progress("restoring", |moved| restore(&mut board, &backup, &current, moved))?;
+    if backup.configuration.is_some() {
+        ready(&mut board)?;
+    }
+    say!("{} is restored, read back and verified", file.display());
+    Ok(())
+}

@@ -1,0 +1,99 @@
+//! What makes a command end with exit status 2: the errors of the modules, brought together.
+
+use std::path::PathBuf;
+
+use model_core::ParameterError;
+use thiserror::Error;
+
+use crate::live::LiveError;
+use crate::output::OutputError;
+use board_client::backup::BackupFileError;
+use board_client::bus::BoardError;
+use board_client::emulator::EmulatorError;
+use board_client::emulator::image::ImageError;
+use board_client::part::PartError;
+use board_client::pil::PilError;
+use diagnosis::DiagnosisError;
+use diagnosis::plan::PlanError;
+use identification::IdentificationError;
+use recording::model_file::ModelFileError;
+use recording::simulation::SimulationError;
+use recording::table::DataError;
+
+/// Why a command did not do its work.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// A recording, reference or log is not what it should be.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// A model file is not what it should be.
+    #[error(transparent)]
+    ModelFile(#[from] ModelFileError),
+    /// A model does not answer a recording.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// Parameters that no model can be made of.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// An output cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A log does not grow.
+    #[error(transparent)]
+    Part(#[from] PartError),
+    /// The simulated muscle does not do its work.
+    #[error("{0}")]
+    Rig(String),
+    /// There is no firmware.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// The emulator does not do its work.
+    #[error(transparent)]
+    Emulator(#[from] EmulatorError),
+    /// A run of the firmware does not come to its end.
+    #[error(transparent)]
+    Pil(#[from] PilError),
+    /// The file of a backup is not what it should be.
+    #[error(transparent)]
+    BackupFile(#[from] BackupFileError),
+    /// A board on the bus does not do what it is asked for.
+    #[error(transparent)]
+    Board(#[from] BoardError),
+    /// The live page cannot be served.
+    #[error(transparent)]
+    Live(#[from] LiveError),
+    /// An excitation cannot be planned.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// Options that do not go together.
+    #[error("{0}")]
+    Usage(String),
+    /// Nothing can be said of a recording.
+    #[error("{}: {source}", file.display())]
+    Diagnosis {
+        /// The recording.
+        file: PathBuf,
+        /// Why.
+        source: DiagnosisError,
+    },
+    /// No model of a recording runs through another one.
+    #[error("{}: the model does not run through the recording", .0.display())]
+    NotSimulated(PathBuf),
+    /// No model can be made of a recording.
+    #[error("{}, {columns}: {source}", file.display())]
+    Identification {
+        /// The recording.
+        file: PathBuf,
+        /// Its input and output columns.
+        columns: String,
+        /// Why.
+        source: Box<IdentificationError>,
+    },
+}
+
+impl Error {
+    /// The exit status that tells a caller: 130 when the user has interrupted (128 and the signal's number), else 2.
+    pub fn exit_status(&self) -> u8 {
+        if matches!(self, Self::Pil(PilError::Stopped) | Self::Board(BoardError::Stopped)) { 130 } else { 2 }
+    }
+}

@@ -1,0 +1,172 @@
+//! HTTP for one page: as little of it as a browser needs, a thread each connection.
+//!
+//! # Limits
+//! At most `MOST` connections at once, requests of at most `LONGEST` bytes that come within `LIMIT`; each connection
+//! serves one request.
+
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+use thiserror::Error;
+
+use super::feed::{Feed, Order, Seen};
+use super::page;
+use report::page::PLOTS;
+
+/// The most connections at once.
+const MOST: usize = 16;
+/// The longest request. Unit: byte.
+const LONGEST: u64 = 8192;
+/// How long a request may take to come, and a part of an answer to go.
+const LIMIT: Duration = Duration::from_secs(5);
+/// A stream without news says so, and finds out whether somebody is still there.
+const BEAT: Duration = Duration::from_secs(2);
+/// What an order needs, and a page of another origin may not send without being asked first.
+const ORDER_HEADER: &str = "x-mgpi-order: 1";
+
+/// Why there is no page.
+#[derive(Debug, Error)]
+#[error("{address}: the page cannot be served there: {problem}; --http takes another address")]
+pub struct LiveError {
+    address: SocketAddr,
+    problem: io::Error,
+}
+
+/// Serves the page until the program ends; answers the address, whose port is a free one if 0 was asked for.
+///
+/// # Errors
+/// The address is taken, or not this machine's.
+pub fn serve(address: SocketAddr, feed: &Feed) -> Result<SocketAddr, LiveError> {
+    let bound = TcpListener::bind(address).and_then(|listener| Ok((listener.local_addr()?, listener)));
+    let (bound, listener) = bound.map_err(|problem| LiveError { address, problem })?;
+    let (feed, connections) = (feed.clone(), Arc::new(()));
+    thread::spawn(move || {
+        for stream in listener.incoming().flatten() {
+            let (feed, connection) = (feed.clone(), connections.clone());
+            if Arc::strong_count(&connections) <= MOST + 1 {
+                thread::spawn(move || {
+                    // A browser that went away is nobody's error.
+                    let _ = answer(&stream, &feed);
+                    drop(connection);
+                });
+            }
+        }
+    });
+    Ok(bound)
+}
+
+/// Reads a request and answers it.
+fn answer(stream: &TcpStream, feed: &Feed) -> io::Result<()> {
+    stream.set_read_timeout(Some(LIMIT))?;
+    stream.set_write_timeout(Some(LIMIT))?;
+    let head = BufReader::new(stream.take(LONGEST))
+        .lines()
+        .take_while(|line| line.as_ref().is_ok_and(|l| !l.is_empty()));
+    let head: Vec<String> = head.collect::<io::Result<_>>()?;
+    let Some((request, headers)) = head.split_first() else { return Ok(()) };
+    let headers: Vec<String> = headers.iter().map(|header| header.to_ascii_lowercase()).collect();
+    if !headers.iter().any(|header| is_own_host(header)) {
+        return send(stream, "403 Forbidden", "text/plain", "this page has no name but its address");
+    }
+    let is_order = headers.iter().any(|header| header == ORDER_HEADER);
+    match request.split_whitespace().collect::<Vec<_>>()[..] {
+        ["GET", "/", _] => send(stream, "200 OK", "text/html; charset=utf-8", &page::page()),
+        ["GET", "/plot.js", _] => send(stream, "200 OK", "text/javascript; charset=utf-8", PLOTS),
+        ["GET", "/live.js", _] => send(stream, "200 OK", "text/javascript; charset=utf-8", page::SCRIPT),
+        ["GET", "/events", _] => stream_events(stream, feed),
+        ["POST", "/stop", _] if is_order => obey(stream, feed, Order::Stop),
+        ["POST", "/acknowledge", _] if is_order => obey(stream, feed, Order::Acknowledge),
+        ["POST", ..] => send(stream, "403 Forbidden", "text/plain", "no order of this page"),
+        _ => send(stream, "404 Not Found", "text/plain", "there is only the page /"),
+    }
+}
+
+/// Whether a header (lower case) says that the browser was sent here by an address, not by a name that may be anybody's.
+fn is_own_host(header: &str) -> bool {
+    header.strip_prefix("host:").is_some_and(|host| {
+        let host = host.trim();
+        let name = host
+            .rsplit_once(':')
+            .filter(|(_, port)| port.parse::<u16>().is_ok())
+            .map_or(host, |(name, _)| name);
+        name == "localhost" || name.trim_matches(['[', ']']).parse::<IpAddr>().is_ok()
+    })
+}
+
+fn obey(stream: &TcpStream, feed: &Feed, order: Order) -> io::Result<()> {
+    feed.order(order);
+    send(stream, "202 Accepted", "text/plain", "passed on to the board")
+}
+
+fn send(mut stream: &TcpStream, status: &str, kind: &str, content: &str) -> io::Result<()> {
+    let length = content.len();
+    write!(
+        stream,
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nConnection: close\r\n\
+         Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
+         Content-Security-Policy: default-src 'none'; script-src 'self'; connect-src 'self'; \
+         style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'\r\n\r\n{content}"
+    )
+}
+
+/// Sends what is new as it comes, until the browser has gone.
+fn stream_events(mut stream: &TcpStream, feed: &Feed) -> io::Result<()> {
+    stream.write_all(
+        b"HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nConnection: close\r\nCache-Control: no-store\r\n\r\n",
+    )?;
+    let mut seen = Seen::default();
+    loop {
+        match feed.news(&mut seen, BEAT) {
+            Some(news) => write!(stream, "data: {news}\n\n")?,
+            None => stream.write_all(b": nothing new\n\n")?,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_host_is_an_address_or_this_machine() {
+        for host in ["127.0.0.1:8080", "localhost", "localhost:80", "[::1]:8080", "192.168.0.7"] {
+            assert!(is_own_host(&format!("host: {host}")), "{host}");
+        }
+        for host in ["evil.example", "evil.example:8080", "127.0.0.1.evil.example", "localhost.evil", ""] {
+            assert!(!is_own_host(&format!("host: {host}")), "{host}");
+        }
+    }
+
+    /// The first line that is answered to a request.
+    fn asked(address: SocketAddr, request: &str) -> String {
+        let mut stream = TcpStream::connect(address).expect("connected");
+        stream.write_all(request.as_bytes()).expect("written");
+        let mut line = String::new();
+        BufReader::new(stream).read_line(&mut line).expect("answered");
+        line
+    }
+
+    #[test]
+    fn orders_come_from_the_page_alone() {
+        let feed = Feed::default();
+        let address = serve(SocketAddr::from(([127, 0, 0, 1], 0)), &feed).expect("served");
+        let host = format!("Host: {address}\r\n");
+        for (request, expected) in [
+            (format!("GET / HTTP/1.1\r\n{host}\r\n"), "200"),
+            (format!("GET /live.js HTTP/1.1\r\n{host}\r\n"), "200"),
+            (format!("GET /plot.js HTTP/1.1\r\n{host}\r\n"), "200"),
+            (format!("GET /etc/passwd HTTP/1.1\r\n{host}\r\n"), "404"),
+            ("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n".to_owned(), "403"),
+            (format!("POST /stop HTTP/1.1\r\n{host}\r\n"), "403"),
+            (format!("POST /stop HTTP/1.1\r\n{host}X-Mgpi-Order: 1\r\n\r\n"), "202"),
+        ] {
+            assert!(asked(address, &request).contains(expected), "{request}");
+        }
+        assert_eq!(feed.orders(), [Order::Stop]);
+        let taken = serve(address, &feed).expect_err("taken").to_string();
+        assert!(taken.contains("--http takes another address"), "{taken}");
+    }
+}

@@ -1,0 +1,95 @@
+//! Writing of format 1.
+
+use toml::{Table, Value};
+
+use super::names::Names;
+use super::{
+    FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, extensions, parameters,
+};
+use crate::Source;
+use crate::figures::Figures;
+use crate::model::HostParameters;
+use crate::model::named::named;
+use crate::unit::Unit;
+
+/// The text of a model file.
+pub fn to_toml(file: &ModelFile) -> String {
+    let names = file.names();
+    let mut top = Table::new();
+    top.insert("format".into(), count(FORMAT));
+    top.insert("kind".into(), file.parameters.kind().name().into());
+    top.insert("input".into(), table([("column", file.input.name.as_str().into())]));
+    top.insert("output".into(), table([("column", file.output.name.as_str().into())]));
+    top.insert("validity".into(), validity(&file.parameters, &names));
+    parameters::write(&file.parameters, Some(&file.density), &names, &mut top);
+    extensions::write(&file.extensions, &names, &mut top);
+    if let Some(identification) = &file.identification {
+        top.insert("identification".into(), identified(file, identification));
+    }
+    top.to_string()
+}
+
+/// The inputs that a model is valid for, and whether its muscle has been through them.
+pub(super) fn validity(parameters: &HostParameters, names: &Names) -> Value {
+    let input = names.input.suffix();
+    let (lowest, highest) = parameters.input();
+    table([
+        (&format!("input_min_{input}"), lowest.into()),
+        (&format!("input_max_{input}"), highest.into()),
+        (PRECONDITIONED, parameters.is_preconditioned().into()),
+    ])
+}
+
+fn identified(file: &ModelFile, identification: &Identification) -> Value {
+    let unit = file.output.unit;
+    let mut section = source(&identification.recording);
+    section.insert("tool".into(), identification.tool.as_str().into());
+    section.insert("scored_rows".into(), count(identification.scored_rows));
+    section.insert(format!("stroke_{}", unit.suffix()), identification.stroke.into());
+    section.extend(identification.limit.map(|limit| (LIMITED_BY.to_owned(), limit.key().into())));
+    section.insert("starts".into(), count(identification.starts));
+    section.insert("termination".into(), identification.termination.as_str().into());
+    section.insert("training".into(), Value::Table(figures(&identification.training, unit)));
+    if let Some(HeldOut { recording, from_s, figures: on_heldout }) = &identification.heldout {
+        let mut heldout = source(recording);
+        heldout.extend(from_s.map(|from_s| (FROM.to_owned(), from_s.into())));
+        heldout.extend(figures(on_heldout, unit));
+        section.insert("heldout".into(), Value::Table(heldout));
+    }
+    let mut errors = Table::new();
+    for parameter in named(&file.parameters, &file.density) {
+        if let Some((name, error)) =
+            identification.standard_errors.iter().find(|(name, _)| *name == parameter.name)
+        {
+            errors.insert(file.names().key(name, parameter.dimension), (*error).into());
+        }
+    }
+    section.insert("standard_errors".into(), Value::Table(errors));
+    Value::Table(section)
+}
+
+fn source(source: &Source) -> Table {
+    Table::from_iter([
+        ("recording".to_owned(), source.file.as_str().into()),
+        ("sha256".to_owned(), source.sha256.as_str().into()),
+    ])
+}
+
+fn figures(figures: &Figures, unit: Unit) -> Table {
+    figures.keyed(unit).map(|(key, value)| (key, value.into())).into_iter().collect()
+}
+
+/// A table of these entries.
+pub fn table<const N: usize>(entries: [(&str, Value); N]) -> Value {
+    Value::Table(entries.map(|(key, value)| (key.to_owned(), value)).into_iter().collect())
+}
+
+/// A list of numbers.
+pub fn list(numbers: &[f64]) -> Value {
+    Value::Array(numbers.iter().copied().map(Value::Float).collect())
+}
+
+/// TOML's integers are signed; no count of rows or operators comes near their limit.
+pub fn count(count: usize) -> Value {
+    Value::Integer(i64::try_from(count).unwrap_or(i64::MAX))
+}

@@ -1,0 +1,121 @@
+//! `cargo xtask arrows`: which crate may build on which. Dependencies point one way; what would turn one round is refused.
+
+use std::collections::BTreeSet;
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+
+use crate::run;
+
+/// A crate of ours, and those of ours that it may build on. What a test of it needs besides does not count.
+const ALLOWED: [(&str, &[&str]); 14] = [
+    ("model-core", &[]),
+    ("wire", &["model-core"]),
+    ("firmware", &["model-core", "wire"]),
+    ("rig", &["model-core"]),
+    ("recording", &["model-core"]),
+    ("identification", &["model-core", "recording"]),
+    ("diagnosis", &["model-core", "recording", "identification"]),
+    ("board-client", &["model-core", "wire", "firmware", "recording"]),
+    ("report", &["model-core", "recording", "identification", "diagnosis", "board-client"]),
+    (
+        "mgpi",
+        &[
+            "model-core",
+            "wire",
+            "firmware",
+            "rig",
+            "recording",
+            "identification",
+            "diagnosis",
+            "board-client",
+            "report",
+        ],
+    ),
+    (
+        "host-tests",
+        &[
+            "model-core",
+            "wire",
+            "firmware",
+            "rig",
+            "recording",
+            "identification",
+            "diagnosis",
+            "board-client",
+        ],
+    ),
+    ("probe", &["wire", "firmware"]),
+    ("instruction-counter", &[]),
+    ("xtask", &["model-core", "wire", "firmware", "probe"]),
+];
+
+/// Holds the crates' manifests against the table.
+///
+/// # Errors
+/// A crate builds on one that it may not build on, or is not in the table.
+pub fn check() -> Result<()> {
+    let output = run::cargo(&["metadata", "--format-version", "1", "--no-deps"]).output()?;
+    ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let wrong = wrong(&serde_json::from_slice(&output.stdout)?)?;
+    ensure!(wrong.is_empty(), "arrows that must not be:\n  {}", wrong.join("\n  "));
+    println!("{} crates, no arrow that must not be", ALLOWED.len());
+    Ok(())
+}
+
+/// The arrows that must not be, a line each.
+fn wrong(metadata: &Value) -> Result<Vec<String>> {
+    let packages = metadata["packages"].as_array().context("no packages")?;
+    let ours: BTreeSet<&str> = packages.iter().filter_map(|package| package["name"].as_str()).collect();
+    let mut wrong = Vec::new();
+    for package in packages {
+        let name = package["name"].as_str().context("a package without a name")?;
+        let Some((_, allowed)) = ALLOWED.iter().find(|(known, _)| *known == name) else {
+            wrong.push(format!("{name} is not in the table"));
+            continue;
+        };
+        let dependencies = package["dependencies"].as_array().context("no dependencies")?;
+        let normal = dependencies.iter().filter(|dependency| dependency["kind"].is_null());
+        for to in normal.filter_map(|dependency| dependency["name"].as_str()) {
+            if ours.contains(to) && !allowed.contains(&to) {
+                wrong.push(format!("{name} -> {to}"));
+            }
+        }
+    }
+    Ok(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn package(name: &str, dependencies: &[(&str, Option<&str>)]) -> Value {
+        let dependencies: Vec<Value> =
+            dependencies.iter().map(|(name, kind)| json!({ "name": name, "kind": kind })).collect();
+        json!({ "name": name, "dependencies": dependencies })
+    }
+
+    #[test]
+    fn an_arrow_up_and_a_crate_that_nobody_knows_are_found() -> Result<()> {
+        let metadata = json!({ "packages": [
+            package("model-core", &[("libm", None), ("recording", None)]),
+            package("recording", &[("model-core", None), ("identification", Some("dev"))]),
+            package("identification", &[("recording", None)]),
+            package("attic", &[]),
+        ]});
+        assert_eq!(wrong(&metadata)?, ["model-core -> recording", "attic is not in the table"]);
+        Ok(())
+    }
+
+    #[test]
+    fn a_crate_builds_on_those_above_it_in_the_table_alone() {
+        for (k, (name, allowed)) in ALLOWED.iter().enumerate() {
+            for to in *allowed {
+                let place = ALLOWED.iter().position(|(known, _)| known == to);
+                assert!(place.is_some_and(|place| place < k || *name == "xtask"), "{name} -> {to}");
+            }
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! `cargo xtask …`: the commands of the README. Each does the set-up it needs before its own work, so that a
+//! fresh clone needs nothing done beforehand. Exit status 2: the machine lacks something that could not be
+//! installed; the message says what.
+
+mod arrows;
+mod board_compiler;
+mod book;
+mod demo;
+mod emulated;
+mod faults;
+mod figures;
+mod firmware;
+mod fuzz;
+mod gates;
+mod host;
+mod registers;
+mod run;
+mod setup;
+mod workflow;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Set-up, demo, tests and emulator of the valve controller.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Clone, Subcommand)]
+enum Task {
+    /// Install what is missing: a compiler for the board, and the emulator.
+    Setup,
+    /// Build both firmware images.
+    Firmware,
+    /// Install the command mgpi with the emulator's firmware in it; needs nothing of this folder afterwards.
+    Install {
+        /// Where, in its folder `bin` [default: as `cargo install` does, ~/.cargo].
+        #[arg(long)]
+        root: Option<PathBuf>,
+    },
+    /// Identify a muscle, run the firmware against it in closed loop, and write a report (about two minutes).
+    Demo,
+    /// Go the whole way over the emulated board's bus: capture, identify, diagnose, deploy, track (about two minutes).
+    Workflow,
+    /// Run every command of the book in docs, in order, with an mgpi that is installed for it.
+    Book,
+    /// Run every test, on the host and in the emulator.
+    Test,
+    /// Run the firmware in the emulator by hand, or with --port PATH as a board on a bus, with a plant.
+    Emulate {
+        /// What `mgpi emulate` is told; `--help` behind `--` tells.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+    /// Hide causes in simulated plants and hold `mgpi diagnose` to finding them.
+    Game {
+        /// What to play; `--help` behind `--` tells.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+    /// Count instructions and bytes, look for panics, and hold the figures against gates.toml.
+    Gates {
+        /// Write the bounds anew around what is measured.
+        #[arg(long)]
+        bless: bool,
+    },
+    /// Hold the crates against the table of which may build on which.
+    Arrows,
+    /// Give mutated inputs to every parser of bytes from outside.
+    Fuzz {
+        /// How long, all targets together. Unit: s.
+        #[arg(long, default_value_t = 60)]
+        seconds: u64,
+    },
+    /// Write docs/faults.md anew from the firmware's tables.
+    Faults {
+        /// Write nothing; fail where the page is out of date.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Write docs/registers.md and docs/registers.csv anew from the table of registers.
+    Registers {
+        /// Write nothing; fail where a file is out of date.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Redraw the figures of docs/figures.
+    Figures {
+        /// Write nothing; fail where a figure is out of date.
+        #[arg(long)]
+        check: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    match perform(Cli::parse().task) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(if error.is::<setup::Missing>() { 2 } else { 1 })
+        }
+    }
+}
+
+fn perform(task: Task) -> anyhow::Result<()> {
+    match task {
+        Task::Setup => {
+            setup::ensure()?;
+            setup::offer_test_tools();
+            println!("setup: nothing is missing");
+        }
+        Task::Firmware => firmware::build(&setup::ensure()?)?,
+        Task::Install { root } => {
+            firmware::build(&setup::ensure()?)?;
+            host::install(root.as_deref(), host::Build::Release)?;
+        }
+        Task::Demo => {
+            firmware::build(&setup::ensure()?)?;
+            demo::demo()?;
+        }
+        Task::Workflow => {
+            firmware::build(&setup::ensure()?)?;
+            workflow::workflow()?;
+        }
+        Task::Book => {
+            firmware::build(&setup::ensure()?)?;
+            book::book()?;
+        }
+        Task::Test => {
+            firmware::build(&setup::ensure()?)?;
+            setup::offer_test_tools();
+            host::test()?;
+        }
+        Task::Emulate { arguments } => {
+            firmware::build(&setup::ensure()?)?;
+            host::emulate(&arguments)?;
+        }
+        Task::Game { arguments } => host::game(&arguments)?,
+        Task::Arrows => arrows::check()?,
+        Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
+        Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
+        Task::Faults { check } => faults::faults(check)?,
+        Task::Registers { check } => registers::registers(check)?,
+        Task::Figures { check } => figures::figures(check)?,
+    }
+    Ok(())
+}

@@ -19,6 +19,13 @@ class Clock(ChipCase):
         self.assertAlmostEqual((after - before) / (later - at), 1000.0, delta=15.0)
         self.assertEqual(master.get("state"), OFF)
 
+    def test_a_tick_is_a_millisecond_to_the_cycle_and_the_caches_are_on(self):
+        chip, _ = self.started()
+        self.assertEqual(chip.systick["LOAD"] + 1, chip.core_hz / 1000)
+        self.assertEqual(chip.tim2["ARR"] + 1, chip.rcc.timer_hz(1) / 1000)
+        self.assertEqual(chip.tim5.hz(), 1e6)
+        self.assertEqual([chip.flash.bit("ACR", place) for place in (9, 10)], [True, True])
+
     def test_the_flash_of_the_first_revision_is_not_prefetched(self):
         for idcode, prefetches in ((0x1000_0413, False), (0x1007_6413, True)):
             chip = self.chip()

@@ -43,6 +43,9 @@ class Flash(ChipCase):
         for told in range(701, 704):
             master.set("bus_silent_ticks", told, timeout_s=2.0)
         self.assertEqual(len(chip.flash.erased), 1)
+        # The data cache is on, and was emptied.
+        self.assertTrue(chip.flash.bit("ACR", 10))
+        self.assertEqual(chip.flash.emptied, 1)
         self.assertEqual(chip.flash["CR"], 1 << LOCK)
         master = self.start(chip)
         self.assertEqual((master.get("bus_silent_ticks"), master.get("fault")), (703, 0))
@@ -56,9 +59,10 @@ class Flash(ChipCase):
             chip.board.send(chip.usart1, write_frame(0x418, struct.pack(">I", 701)))
             chip.run(until=lambda chip=chip: chip.flash.erased, most_s=2.0)
             # The erasure takes the longest; behind it the record is programmed.
-            chip.now -= (1.0 - share) * ERASE_16K_S if share < 1.0 else 0.0
-            if share > 1.0:
-                chip.run((share - 1.0) * 0.01)
+            if share < 1.0:
+                chip.now += share * ERASE_16K_S
+            else:
+                chip.run(ERASE_16K_S + (share - 1.0) * 0.01)
             master = self.start(chip)
             kept.append(master.get("bus_silent_ticks"))
             self.assertIn(kept[-1], (old, 701))

@@ -5,6 +5,7 @@ import struct
 from stm32f405.adc import MOST_HZ
 from stm32f405.case import ChipCase
 from stm32f405.chip import TS_CAL1
+from stm32f405.gpio import OUTPUT
 
 
 class Pins(ChipCase):
@@ -45,6 +46,14 @@ class Pins(ChipCase):
         self.assertAlmostEqual(chip.adc.scans - scans, 100, delta=30)
         self.assertEqual(master.get("fault"), 0)
         self.assertGreater(master.get("ticks"), ticks)
+
+    def test_the_status_light_is_driven_and_blinks_at_a_fault(self):
+        chip, master = self.driven()
+        self.assertEqual(chip.gpio["B"].mode(12), OUTPUT)
+        chip.adc.is_dead = True
+        chip.run(1.0)
+        self.assertEqual(master.get("fault"), 1)
+        self.assertGreater(len(chip.board.light_edges), 1)
 
     def test_a_converter_that_stops_is_fault_1(self):
         chip, master = self.driven()

@@ -1,9 +1,9 @@
 """What interrupts find on the stack."""
 
-from stm32f405.case import ChipCase
+from stm32f405.case import BUS_TASK, ChipCase
+from stm32f405.core import FIRST_IRQ
 from stm32f405.host import BYTE_S
 
-USART1 = 16 + 37
 # What the idle task and its locks need. Unit: byte.
 IDLE_BYTES = 512
 
@@ -18,5 +18,5 @@ class Start(ChipCase):
 
         chip.after(0.0, talk)
         self.start(chip)
-        self.assertIn(USART1, chip.below)
-        self.assertLess(chip.below[USART1], IDLE_BYTES)
+        self.assertIn(FIRST_IRQ + BUS_TASK, chip.below)
+        self.assertLess(chip.below[FIRST_IRQ + BUS_TASK], IDLE_BYTES)

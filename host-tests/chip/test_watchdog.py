@@ -1,6 +1,6 @@
 """The hardware watchdog bites a program that hangs, whatever its oscillator does, driven and vented."""
 
-from stm32f405.case import ChipCase
+from stm32f405.case import LINK_TASK, ChipCase
 
 LSI_HZ = 17e3, 32e3, 47e3
 
@@ -36,7 +36,7 @@ class Watchdog(ChipCase):
     def test_a_link_that_hangs_is_fault_20_and_then_a_reset(self):
         chip, master = self.driven()
         # Its interrupt never comes.
-        chip.nvic.enabled.discard(chip.usart2.IRQ)
+        chip.nvic.enabled.discard(LINK_TASK)
         self.assertTrue(chip.run(until=lambda: chip.board.output_v() < 0.01, most_s=0.5))
         self.assertTrue(chip.run(until=lambda: len(chip.resets) > 1, most_s=9.0))
         self.assertEqual(chip.resets[-1][1], "watchdog")

@@ -6,11 +6,13 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use board_client::emulator::image;
+use firmware::law::extended_parameters;
 use firmware::store::ParameterStore;
 use host_tests::flash::MockFlash;
 use host_tests::store::{numbered, paper_set};
 use libtest_mimic::{Arguments, Conclusion, Failed, Trial};
-use wire::State;
+use model_core::Mode;
+use wire::{Configuration, FRAME_BYTES, Protection, Refusal, Request, Response, State, VERSION};
 
 /// The environment variable that names a Python which has Unicorn.
 const PYTHON: &str = "MGPI_CHIP_PYTHON";
@@ -18,22 +20,35 @@ const PYTHON: &str = "MGPI_CHIP_PYTHON";
 const IMAGE: &str = "MGPI_CHIP_IMAGE";
 /// The one by which it finds the contents of a flash whose next save erases.
 const STORE: &str = "MGPI_CHIP_STORE";
+/// The one by which it finds requests and responses of the link, as frames.
+const FRAMES: &str = "MGPI_CHIP_FRAMES";
+/// The one that names a program of the model to be run in place of the tests: `mutants.py`, `long_runs.py`.
+const PROGRAM: &str = "MGPI_CHIP_PROGRAM";
 /// Unit: byte.
 const SECTOR: usize = 16 * 1024;
 /// More than both sectors have room for.
 const SETS: u32 = 200;
 
 fn main() -> Result<(), Failed> {
-    // Behind the end of `run`, which removes its temporary file.
-    run()?.exit_if_failed();
+    // Behind the end of `run`, which removes its temporary files.
+    if let Some(conclusion) = run()? {
+        conclusion.exit_if_failed();
+    }
     Ok(())
 }
 
-fn run() -> Result<Conclusion, Failed> {
-    let store = tempfile::NamedTempFile::new()?;
-    std::fs::write(&store, full_store()?)?;
-    let trials = match names() {
-        Ok(names) => names.into_iter().map(|name| trial(name, store.path().to_owned())).collect(),
+/// The tests, or the program in their place.
+fn run() -> Result<Option<Conclusion>, Failed> {
+    let inputs = tempfile::tempdir()?;
+    let files = Files { store: inputs.path().join("store"), frames: inputs.path().join("frames") };
+    std::fs::write(&files.store, full_store()?)?;
+    std::fs::write(&files.frames, frames()?)?;
+    if let Some(program) = std::env::var_os(PROGRAM) {
+        let status = python(&files).arg(program).status()?;
+        return if status.success() { Ok(None) } else { Err("it has failed".into()) };
+    }
+    let trials = match names(&files) {
+        Ok(names) => names.into_iter().map(|name| trial(name, files.clone())).collect(),
         Err(reason) => {
             println!("the tests of the chip are skipped: {reason}");
             vec![
@@ -42,7 +57,39 @@ fn run() -> Result<Conclusion, Failed> {
             ]
         }
     };
-    Ok(libtest_mimic::run(&Arguments::from_args(), trials))
+    Ok(Some(libtest_mimic::run(&Arguments::from_args(), trials)))
+}
+
+/// What the model is given.
+#[derive(Clone)]
+struct Files {
+    store: PathBuf,
+    frames: PathBuf,
+}
+
+/// Requests, and the responses they are met with: a name and a frame a line.
+fn frames() -> Result<String, Failed> {
+    let extended = Configuration { version: VERSION, tracking: extended_parameters()? };
+    let framed = |name: &str, frame: &[u8]| {
+        let digits: String = frame.iter().map(|byte| format!("{byte:02x}")).collect();
+        format!("{name} {digits}\n")
+    };
+    let mut buffer = [0; FRAME_BYTES];
+    let mut text = String::new();
+    for (name, request) in [
+        ("identify", Request::Identify),
+        ("protect", Request::Protect(Protection::SIMULATED)),
+        ("extended", Request::Configure(extended)),
+        ("start", Request::Start(Mode::Both)),
+    ] {
+        text += &framed(name, wire::encode(&request, &mut buffer)?);
+    }
+    for (name, response) in
+        [("accepted", Response::Accepted), ("unreadable", Response::Refused(Refusal::Unreadable))]
+    {
+        text += &framed(name, wire::encode(&response, &mut buffer)?);
+    }
+    Ok(text)
 }
 
 /// Sectors that are both full, and so erased by the next save.
@@ -60,32 +107,33 @@ fn full_store() -> Result<Vec<u8>, Failed> {
 }
 
 /// The tests, as the model's own list tells; or what is missing for them.
-fn names() -> Result<Vec<String>, String> {
+fn names(files: &Files) -> Result<Vec<String>, String> {
     if std::env::var_os(PYTHON).is_none() {
         return Err(format!("{PYTHON} names no Python with unicorn; `cargo xtask test` makes one"));
     }
     if !image_file().is_file() {
         return Err(format!("no {}; `cargo xtask firmware` builds it", image_file().display()));
     }
-    let listed = python().arg("names.py").output().map_err(|error| error.to_string())?;
+    let listed = python(files).arg("names.py").output().map_err(|error| error.to_string())?;
     if !listed.status.success() {
         return Err(String::from_utf8_lossy(&listed.stderr).into_owned());
     }
     Ok(String::from_utf8_lossy(&listed.stdout).lines().map(str::to_owned).collect())
 }
 
-fn trial(name: String, store: PathBuf) -> Trial {
+fn trial(name: String, files: Files) -> Trial {
     let shown = name.replace("test_", "").replace('.', "::");
     Trial::test(shown, move || {
-        let ran = python().env(STORE, &store).args(["-m", "unittest", "-q", &name]).output()?;
+        let ran = python(&files).args(["-m", "unittest", "-q", &name]).output()?;
         let said = String::from_utf8_lossy(&ran.stderr).into_owned();
         if ran.status.success() { Ok(()) } else { Err(Failed::from(said)) }
     })
 }
 
-fn python() -> Command {
+fn python(files: &Files) -> Command {
     let mut command = Command::new(std::env::var_os(PYTHON).unwrap_or_default());
     command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("chip"));
+    command.env(STORE, &files.store).env(FRAMES, &files.frames);
     command.env(IMAGE, image_file()).env("PYTHONDONTWRITEBYTECODE", "1");
     command
 }

@@ -1,13 +1,41 @@
 //! What a board answers to what it received over the link, and what it logs about it: the same for every image.
 
 use firmware::node::{Node, carry_out};
-use wire::{FrameError, Refusal, Request, Response, State};
+use wire::{FRAME_BYTES, FrameError, Receiver, Refusal, Request, Response, State};
+
+use crate::serial::{Buffers, Line, Port};
+
+/// Unit: bit/s. At 42 MHz and at 16 MHz the divider is within 0.9 % of it.
+pub const BAUD: u32 = 460_800;
+
+/// Room for a frame each way: a request that comes while another port is served waits as a whole.
+pub type LinkBuffers = Buffers<u8, { FRAME_BYTES + 1 }, { FRAME_BYTES + 1 }>;
+
+/// The next request that has come as a whole, or a frame that is none.
+pub fn next<L: Line<Received = u8>>(
+    port: &mut Port<L>,
+    receiver: &mut Receiver,
+) -> Option<Result<Request, FrameError>> {
+    while let Some(byte) = port.read() {
+        if let Some(received) = receiver.push(byte) {
+            return Some(received);
+        }
+    }
+    None
+}
 
 /// The response to a frame, carried out if it is a request.
 pub fn answer(received: Result<Request, FrameError>, node: &mut impl Node) -> Response {
     match received {
         Ok(request) => carry_out(node, &request),
         Err(_) => Response::Refused(Refusal::Unreadable),
+    }
+}
+
+/// Sends a response, framed in `buffer`. One too long for the buffer is not sent; none of ours is.
+pub fn send<L: Line>(port: &mut Port<L>, buffer: &mut [u8], response: &Response) {
+    if let Ok(frame) = wire::encode(response, buffer) {
+        port.send(frame);
     }
 }
 

@@ -1,5 +1,6 @@
 """ADC1: its injected group, started by a timer (RM0090, chapter 13)."""
 
+from .gpio import ANALOG
 from .peripheral import Peripheral, Register
 
 SAMPLING = (3, 15, 28, 56, 84, 112, 144, 480)
@@ -7,6 +8,7 @@ CONVERSION = 12
 # Unit: Hz.
 MOST_HZ = 36e6
 TEMPERATURE, REFERENCE = 16, 17
+PINS = {0: "PA0", 1: "PA1", 4: "PA4", 10: "PC0"}
 # Least time to sample the sensor of the temperature and the reference. Unit: s.
 INTERNAL_S = 10e-6
 # Time from switching on to the first conversion. Unit: s.
@@ -99,6 +101,10 @@ class Adc(Peripheral):
                 self.violation(f"channel {channel} is converted, which is not enabled")
             if sampling / hz < INTERNAL_S:
                 self.violation(f"channel {channel} is sampled for {sampling / hz * 1e6} us, at least 10 are due")
+
+        pin = PINS.get(channel)
+        if pin and self.chip.gpio[pin[1]].mode(int(pin[2:])) != ANALOG:
+            self.violation(f"{pin} is converted, which is not analogue")
 
         def sampled():
             code = self.chip.board.code(channel)

@@ -8,6 +8,8 @@ from .host import Master
 # Of the output of the front end when vented. Unit: V.
 VENTED_V = 0.010
 DRIVEN_BAR = 3.0
+# Interrupts of the tasks that answer what link and bus have received: those of SPI2 and SPI1, which the port pends.
+LINK_TASK, BUS_TASK = 36, 35
 
 
 class ChipCase(unittest.TestCase):

@@ -223,10 +223,8 @@ class Chip:
         return max(count, 1) * CYCLES_PER_INSTRUCTION, unmasks
 
     def _block(self, uc, address, size, _):
-        if self._stalled_until > self.now:
-            self.now = self._stalled_until
-            self.flash.settle()
-        if self._next_at <= self.now or self._looks and self._taken() is not None:
+        is_stalled = self._stalled_until > self.now
+        if is_stalled or self._next_at <= self.now or self._looks and self._taken() is not None:
             self._is_stopped = True
             uc.emu_stop()
             return
@@ -374,6 +372,9 @@ class Chip:
         """Until the next event, exception or reset."""
         if self._reset_wanted:
             self._reset(self._reset_wanted)
+        if self._stalled_until > self.now:
+            self._wait_for_flash()
+            return
         if self._is_asleep:
             self._sleep()
             return
@@ -392,6 +393,13 @@ class Chip:
             return
         self._pc = pc | 1
         self._is_asleep = not self._is_stopped
+
+    def _wait_for_flash(self):
+        """The processor stands still; all else goes on."""
+        while self._stalled_until > self.now and not self._reset_wanted:
+            self.now = max(self.now, min(self._next_at, self._stalled_until))
+            self._do_events()
+        self.flash.settle()
 
     def _sleep(self):
         """The processor waits for an interrupt until the next event."""

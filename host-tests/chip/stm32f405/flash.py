@@ -30,6 +30,8 @@ class Flash(Peripheral):
     def __init__(self, chip):
         # Sectors that were erased, in order.
         self.erased = []
+        # How often the data cache was.
+        self.emptied = 0
         # What is being done: address, contents before, contents behind.
         self.operation = None
         self.programmed_words = 0
@@ -54,6 +56,7 @@ class Flash(Peripheral):
             self.violation("the data cache is emptied while it is enabled")
         if value >> 11 & 1 and self["ACR"] >> 9 & 1:
             self.violation("the instruction cache is emptied while it is enabled")
+        self.emptied += value >> 12 & 1 & ~(self["ACR"] >> 12)
         self["ACR"] = value
         self.chip.rcc.check_limits()
 

@@ -3,9 +3,10 @@
 //!
 //! | task | priority | interrupt | runs | deadline |
 //! |---|---|---|---|---|
+//! | `link_bytes`, `bus_bytes` | 3 | USART2, USART1 | move bytes | none: the host waits |
 //! | `tick` | 2 | TIM2, pended by `link` | the control tick on the samples that arrived | none: the host waits |
-//! | `link` | 1 | USART2 | receives bytes, answers requests | none: the host waits |
-//! | `bus` | 1 | USART1, and pended by `link` behind each tick | Modbus: receives bytes, answers | none: the host waits |
+//! | `link` | 1 | pended by `link_bytes` | answers requests | none: the host waits |
+//! | `bus` | 1 | pended by `bus_bytes`, and by `link` behind each tick | Modbus: answers requests | none: the host waits |
 //!
 //! The emulator has neither a converter nor a timer that keeps time, so samples come by the serial port and a
 //! complete request is the clock. What computes is the same as in production: the library's
@@ -26,8 +27,8 @@ mod link;
 mod ports;
 #[path = "../../hardware/safe_end.rs"]
 mod safe_end;
-#[path = "../../hardware/usart.rs"]
-mod usart;
+#[path = "../../hardware/serial.rs"]
+mod serial;
 
 use defmt_semihosting as _;
 
@@ -41,18 +42,21 @@ fn end(_: wire::Fault, _: u32) -> ! {
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
+    use core::sync::atomic::{AtomicU32, Ordering};
+
     use firmware::bus::Bus;
     use firmware::node::Node;
     use firmware::store::{Parameters, SaveError};
     use firmware::{BlackBox, Capture, Control, LockStepBoard, Order};
     use rtic::Mutex;
     use stm32f4::stm32f405::Interrupt;
-    use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickReply, TickRequest};
+    use stm32f4::stm32f405::{USART1, USART2};
+    use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickReply, TickRequest, registers};
 
-    use crate::bus_port::{BusPort, DriverEnable};
-    use crate::link::{answer, log_change};
-    use crate::ports;
-    use crate::usart::Usart;
+    use crate::bus_port::{BusBuffers, Stamped, serve};
+    use crate::link::{LinkBuffers, answer, log_change};
+    use crate::serial::{Line, Mover, Port};
+    use crate::{ports, serial};
 
     /// The emulated port does not time its bits; any clock will do.
     const CLOCK_HZ: u32 = 16_000_000;
@@ -66,11 +70,37 @@ mod app {
         reply: Option<TickReply>,
     }
 
-    /// There is no transceiver.
-    pub struct NoDriver;
+    /// Ticks that have run, by which the bus's bytes are timed.
+    static TICKS: AtomicU32 = AtomicU32::new(0);
 
-    impl DriverEnable for NoDriver {
-        fn set(&mut self, _: bool) {}
+    /// The bus; there is no transceiver.
+    pub struct BusLine;
+
+    impl Line for BusLine {
+        const BAUD: u32 = registers::BAUD;
+        const PORT: Interrupt = Interrupt::USART1;
+        const TASK: Interrupt = Interrupt::SPI1;
+        const HAS_ECHO: bool = true;
+        type Received = Stamped;
+
+        fn received(&self, byte: u8) -> Stamped {
+            (byte, TICKS.load(Ordering::Relaxed))
+        }
+    }
+
+    /// The link.
+    pub struct LinkLine;
+
+    impl Line for LinkLine {
+        const BAUD: u32 = crate::link::BAUD;
+        const PORT: Interrupt = Interrupt::USART2;
+        const TASK: Interrupt = Interrupt::SPI2;
+        const HAS_ECHO: bool = false;
+        type Received = u8;
+
+        fn received(&self, byte: u8) -> u8 {
+            byte
+        }
     }
 
     #[shared]
@@ -103,29 +133,35 @@ mod app {
 
     #[local]
     struct Local {
-        usart: Usart,
+        link_mover: Mover<USART2, LinkLine>,
+        link_port: Port<LinkLine>,
         receiver: Receiver,
         frame: [u8; FRAME_BYTES],
-        bus_port: BusPort<NoDriver>,
+        bus_mover: Mover<USART1, BusLine>,
+        bus_port: Port<BusLine>,
         logged: State,
     }
 
     #[init(local = [
         black_box: BlackBox = BlackBox::new(),
         capture: Capture = Capture::new(),
+        link_buffers: LinkBuffers = LinkBuffers::new(),
+        bus_buffers: BusBuffers = BusBuffers::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         ports::hold();
-        let mut usart = Usart::new(cx.device.USART2, CLOCK_HZ);
+        let (link_mover, mut link_port) =
+            serial::open(cx.device.USART2, CLOCK_HZ, LinkLine, cx.local.link_buffers);
+        let (bus_mover, bus_port) = serial::open(cx.device.USART1, CLOCK_HZ, BusLine, cx.local.bus_buffers);
         let parameters = Parameters::FACTORY;
         let mut control = Control::new(parameters.protection, None, cx.local.black_box, cx.local.capture);
         let mut frame = [0; FRAME_BYTES];
-        usart.send(&mut frame, &control.apply(Order::Identify));
+        crate::link::send(&mut link_port, &mut frame, &control.apply(Order::Identify));
         defmt::info!("emulated board, messages version {=u16}", wire::VERSION);
         let logged = control.state();
         let lock_step = LockStep { control, board: LockStepBoard::new(), reply: None };
-        let bus_port = BusPort::new(cx.device.USART1, CLOCK_HZ, NoDriver);
-        let local = Local { usart, receiver: Receiver::new(), frame, bus_port, logged };
+        let receiver = Receiver::new();
+        let local = Local { link_mover, link_port, receiver, frame, bus_mover, bus_port, logged };
         (Shared { lock_step, parameters }, local)
     }
 
@@ -143,38 +179,45 @@ mod app {
         cx.shared.lock_step.lock(|LockStep { control, board, reply }| *reply = Some(control.tick(board)));
     }
 
-    #[task(binds = USART2, priority = 1, shared = [lock_step, parameters], local = [usart, receiver, frame, logged])]
+    #[task(binds = USART2, priority = 3, local = [link_mover])]
+    fn link_bytes(cx: link_bytes::Context) {
+        cx.local.link_mover.advance();
+    }
+
+    #[task(binds = USART1, priority = 3, local = [bus_mover])]
+    fn bus_bytes(cx: bus_bytes::Context) {
+        cx.local.bus_mover.advance();
+    }
+
+    #[task(binds = SPI2, priority = 1, shared = [lock_step, parameters], local = [link_port, receiver, frame, logged])]
     fn link(mut cx: link::Context) {
-        let link::LocalResources { usart, receiver, frame, logged, .. } = cx.local;
+        let link::LocalResources { link_port, receiver, frame, logged, .. } = cx.local;
         let lock_step = &mut cx.shared.lock_step;
-        let Some(received) = usart.read().and_then(|byte| receiver.push(byte)) else {
+        if link_port.is_sending() {
+            return;
+        }
+        let Some(received) = crate::link::next(link_port, receiver) else {
             return;
         };
         let response = match received {
             Ok(Request::Tick(request)) => run_tick(lock_step, request),
             other => answer(other, &mut EmulatedNode { lock_step, parameters: cx.shared.parameters }),
         };
-        usart.send(frame, &response);
+        crate::link::send(link_port, frame, &response);
         log_change(logged, lock_step.lock(|shared| shared.control.state()));
     }
 
     #[task(
-        binds = USART1,
+        binds = SPI1,
         priority = 1,
         shared = [lock_step, parameters],
         local = [bus_port, modbus: Bus = Bus::new(BUS_SILENCE_TICKS)]
     )]
     fn bus(mut cx: bus::Context) {
         let bus::LocalResources { bus_port, modbus, .. } = cx.local;
-        // In this order: the last byte's echo is there before its end is, and nobody has sent it.
-        let byte = bus_port.read();
-        bus_port.go_on();
-        if !bus_port.is_sending() {
-            let lock_step = &mut cx.shared.lock_step;
-            let mut node = EmulatedNode { lock_step, parameters: cx.shared.parameters };
-            let tick = node.control(|control| control.ticks());
-            bus_port.send(modbus.take(byte, tick, &mut node));
-        }
+        let lock_step = &mut cx.shared.lock_step;
+        let mut node = EmulatedNode { lock_step, parameters: cx.shared.parameters };
+        serve(bus_port, modbus, || TICKS.load(Ordering::Relaxed), &mut node);
     }
 
     /// Lays the samples in and lets the tick's task run, which happens before the next statement.
@@ -184,9 +227,10 @@ mod app {
         // Without the barriers a pended interrupt may come some instructions later.
         cortex_m::asm::dsb();
         cortex_m::asm::isb();
+        let (reply, ticks) = lock_step.lock(|shared| (shared.reply.take(), shared.control.ticks()));
         // The bus's silence is counted in ticks.
-        rtic::pend(Interrupt::USART1);
-        let reply = lock_step.lock(|shared| shared.reply.take());
+        TICKS.store(ticks, Ordering::Relaxed);
+        rtic::pend(BusLine::TASK);
         Response::Tick(reply.expect("the tick's task has the higher priority"))
     }
 }

@@ -2,15 +2,17 @@
 //!
 //! | task | priority | raised by | does | deadline |
 //! |---|---|---|---|---|
-//! | `low_voltage` | 3 | PVD, the voltage detector | vents | at once |
+//! | `low_voltage` | 4 | PVD, the voltage detector | vents | at once |
+//! | `link_bytes` | 3 | USART2 | moves a byte | a byte time, 21 µs |
+//! | `bus_bytes` | 3 | USART1 | moves a byte, tells the time of it, switches the bus's driver | a byte time, 87 µs; the driver a bit, 8 µs |
 //! | `tick` | 2 | SysTick, each millisecond | samples, controls, drives the valve, feeds the watchdog | half a period, else counted as late |
-//! | `link` | 1 | USART2, and the supervisor | receives bytes, answers requests | a byte time, 21 µs, while a request arrives |
-//! | `bus` | 1 | USART1, and the supervisor | Modbus: receives bytes, answers, sends | a byte time, 87 µs, while a frame arrives |
+//! | `link` | 1 | `link_bytes`, and the supervisor | answers requests | none: they wait in a queue |
+//! | `bus` | 1 | `bus_bytes`, and the supervisor | Modbus: answers requests | none: they wait in a queue |
 //! | supervisor | 0 | - | status light, log; looks whether link and bus run | 250 ticks |
 //!
-//! A tick takes some tens of microseconds and may delay `link` and `bus` by that; the ports' two bytes of buffer cover it.
-//! Both hold the control's lock only to copy from it, or to carry out an order that was prepared before. While one of the two
-//! prepares or stores a configuration the other is deaf; its host asks again.
+//! A tick takes some tens of microseconds, and a byte of each port delays it by some 80 instructions. `link` and `bus` hold the
+//! control's lock only to copy from it, or to carry out an order that was prepared before. While one of the two prepares a
+//! configuration the other's requests wait; before one of the two stores it, what the other is sending leaves.
 //!
 //! # Safety
 //! The valve's output is the vented code from before the program proper starts; the control drives it in the states that
@@ -37,8 +39,8 @@ mod link;
 mod ports;
 #[path = "../../hardware/safe_end.rs"]
 mod safe_end;
-#[path = "../../hardware/usart.rs"]
-mod usart;
+#[path = "../../hardware/serial.rs"]
+mod serial;
 
 use defmt_rtt as _;
 use drivers::{memory, valve};
@@ -69,6 +71,8 @@ unsafe fn NonMaskableInt() -> ! {
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
+    use core::sync::atomic::{AtomicBool, Ordering};
+
     use firmware::bus::Bus;
     use firmware::node::{Node, apply};
     use firmware::store::{ParameterStore, Parameters, SaveError};
@@ -76,24 +80,63 @@ mod app {
     use firmware::{Capture, Control, led};
     use rtic::Mutex;
     use stm32f4::stm32f405::Interrupt;
-    use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State};
+    use stm32f4::stm32f405::{USART1, USART2};
+    use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State, registers};
 
-    use crate::bus_port::BusPort;
+    use crate::bus_port::{BusBuffers, Stamped, serve};
     use crate::drivers::clock::{self, Source};
     use crate::drivers::parameter_flash::ParameterFlash;
     use crate::drivers::pins::{self, BusDriver, Light, VoltageDetector};
     use crate::drivers::scan::Scan;
+    use crate::drivers::stopwatch::{self, moment_us};
     use crate::drivers::thermometer::Thermometer;
-    use crate::drivers::tick::{TICKS_PER_SECOND, Tick, moment_us};
+    use crate::drivers::tick::{TICKS_PER_SECOND, Tick};
     use crate::drivers::watchdog::HardwareWatchdog;
     use crate::drivers::{SensorsAndValve, memory, output};
-    use crate::link::{answer, log_change};
-    use crate::usart::Usart;
-    use crate::{CHECK_INS, ports};
+    use crate::link::{LinkBuffers, answer, log_change};
+    use crate::serial::{Line, Mover, Port};
+    use crate::{CHECK_INS, ports, serial};
 
-    /// The standard's silence before a frame is 1.75 ms, and a byte of 0.09 ms follows; a tick may delay either end by 0.07 ms.
-    /// Unit: µs.
-    const BUS_SILENCE_US: u32 = 1_700;
+    /// From the end of a byte to that of the next: within a frame pauses of 0.75 ms are allowed (Modbus over serial line 1.02,
+    /// 2.5.1.1), and a byte of 0.09 ms follows; 0.04 ms less, since masters leave hardly more before a request. Unit: µs.
+    const BUS_SILENCE_US: u32 = 800;
+
+    /// More than the longest frame of either port takes: 44 ms on the link. Unit: µs.
+    const LONGEST_FRAME_US: u32 = 50_000;
+
+    /// The bus, its transceiver's driver switched by this.
+    pub struct BusLine(BusDriver);
+
+    impl Line for BusLine {
+        const BAUD: u32 = registers::BAUD;
+        const PORT: Interrupt = Interrupt::USART1;
+        const TASK: Interrupt = Interrupt::SPI1;
+        const HAS_ECHO: bool = true;
+        type Received = Stamped;
+
+        fn received(&self, byte: u8) -> Stamped {
+            (byte, moment_us())
+        }
+
+        fn drive(&mut self, drives: bool) {
+            self.0.set(drives);
+        }
+    }
+
+    /// The link, which has a wire each way.
+    pub struct LinkLine;
+
+    impl Line for LinkLine {
+        const BAUD: u32 = crate::link::BAUD;
+        const PORT: Interrupt = Interrupt::USART2;
+        const TASK: Interrupt = Interrupt::SPI2;
+        const HAS_ECHO: bool = false;
+        type Received = u8;
+
+        fn received(&self, byte: u8) -> u8 {
+            byte
+        }
+    }
 
     #[shared]
     struct Shared {
@@ -108,28 +151,35 @@ mod app {
         parameters: Parameters,
         /// Whether the control has them.
         is_taken: bool,
+        /// Whether link and bus are sending.
+        sending: [&'static AtomicBool; 2],
     }
 
     impl Kept {
         /// What is stored, its layout brought up to date.
         // Not inlined: `init` would need the stack all the time.
         #[inline(never)]
-        fn load(flash: ParameterFlash, control: &mut Control) -> Self {
+        fn load(flash: ParameterFlash, sending: [&'static AtomicBool; 2], control: &mut Control) -> Self {
             let mut store = ParameterStore::new(flash);
             let parameters = store.load().unwrap_or_else(|error| {
                 defmt::error!("stored parameters: {}", defmt::Debug2Format(&error));
                 control.report(error.fault());
                 Parameters::FACTORY
             });
-            let mut kept = Self { store, parameters, is_taken: false };
+            let mut kept = Self { store, parameters, is_taken: false, sending };
             // What is not brought up to date is brought up to date by the next save, whose host is told.
             let _ = kept.save(control.state());
             kept
         }
 
-        /// Stores the set. That it cannot be stored does not keep it from being used.
+        /// Stores the set. That it cannot be stored does not keep it from being used. What is being sent leaves before: a flash
+        /// that is erased stops the processor, with the bus's driver on.
         #[inline(never)]
         fn save(&mut self, state: State) -> Result<(), SaveError> {
+            let begin = moment_us();
+            while self.sending.iter().any(|is_sending| is_sending.load(Ordering::Acquire))
+                && moment_us().wrapping_sub(begin) < LONGEST_FRAME_US
+            {}
             self.store.save(state, &self.parameters).inspect_err(|error| {
                 defmt::error!("parameters are not stored: {}", defmt::Debug2Format(error));
             })
@@ -190,14 +240,19 @@ mod app {
         watchdog: Watchdog,
         hardware_watchdog: HardwareWatchdog,
         voltage: VoltageDetector,
-        usart: Usart,
-        bus_port: BusPort<BusDriver>,
-        cycles_per_us: u32,
+        link_mover: Mover<USART2, LinkLine>,
+        link_port: Port<LinkLine>,
+        bus_mover: Mover<USART1, BusLine>,
+        bus_port: Port<BusLine>,
         light: Light,
         logged: State,
     }
 
-    #[init(local = [capture: Capture = Capture::new()])]
+    #[init(local = [
+        capture: Capture = Capture::new(),
+        link_buffers: LinkBuffers = LinkBuffers::new(),
+        bus_buffers: BusBuffers = BusBuffers::new(),
+    ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         ports::hold();
         let device = cx.device;
@@ -214,6 +269,7 @@ mod app {
             Scan::new(device.ADC1, &device.ADC_COMMON, Thermometer::of_chip(&device.DBGMCU)),
             valve,
         );
+        stopwatch::start(&device.TIM5, clocks.timer_hz);
         Scan::start(&device.TIM2, &clocks, TICKS_PER_SECOND);
         let clock = Tick::start(cx.core.SYST, clocks.core_hz);
         let mut control = Control::new(
@@ -231,7 +287,13 @@ mod app {
             defmt::warn!("the brown-out reset is off: set it by the option bytes");
             control.note(Fault::BrownOut);
         }
-        let kept = Kept::load(ParameterFlash::new(device.FLASH), &mut control);
+        let (link_mover, link_port) =
+            serial::open(device.USART2, clocks.slow_bus_hz, LinkLine, cx.local.link_buffers);
+        let bus_line = BusLine(BusDriver::listening(device.GPIOA));
+        let (bus_mover, bus_port) =
+            serial::open(device.USART1, clocks.fast_bus_hz, bus_line, cx.local.bus_buffers);
+        let sending = [link_port.sending, bus_port.sending];
+        let kept = Kept::load(ParameterFlash::new(device.FLASH), sending, &mut control);
         let logged = control.state();
         let local = Local {
             board,
@@ -239,9 +301,10 @@ mod app {
             watchdog: Watchdog::default(),
             hardware_watchdog,
             voltage,
-            usart: Usart::new(device.USART2, clocks.slow_bus_hz),
-            bus_port: BusPort::new(device.USART1, clocks.fast_bus_hz, BusDriver::listening(device.GPIOA)),
-            cycles_per_us: clocks.core_hz / 1_000_000,
+            link_mover,
+            link_port,
+            bus_mover,
+            bus_port,
             light: Light::dark(device.GPIOB),
             logged,
         };
@@ -254,8 +317,8 @@ mod app {
         ports::release();
         loop {
             CHECK_INS.check_in(Task::Supervisor);
-            rtic::pend(Interrupt::USART2);
-            rtic::pend(Interrupt::USART1);
+            rtic::pend(LinkLine::TASK);
+            rtic::pend(BusLine::TASK);
             let (state, fault, ticks) =
                 cx.shared.control.lock(|control| (control.state(), control.fault(), control.ticks()));
             cx.local.light.set(led::is_lit(state, fault, ticks));
@@ -282,46 +345,52 @@ mod app {
         });
     }
 
-    #[task(binds = PVD, priority = 3)]
+    #[task(binds = PVD, priority = 4)]
     fn low_voltage(_: low_voltage::Context) {
         pins::on_low_voltage();
     }
 
+    #[task(binds = USART2, priority = 3, local = [link_mover])]
+    fn link_bytes(cx: link_bytes::Context) {
+        cx.local.link_mover.advance();
+    }
+
+    #[task(binds = USART1, priority = 3, local = [bus_mover])]
+    fn bus_bytes(cx: bus_bytes::Context) {
+        cx.local.bus_mover.advance();
+    }
+
     // What is large never passes over the stack of `init`, which a stored configuration needs.
     #[task(
-        binds = USART2,
+        binds = SPI2,
         priority = 1,
         shared = [control, kept],
         local = [
-            usart,
+            link_port,
             receiver: Receiver = Receiver::new(),
             frame: [u8; FRAME_BYTES] = [0; FRAME_BYTES],
         ]
     )]
     fn link(cx: link::Context) {
-        let link::LocalResources { usart, receiver, frame, .. } = cx.local;
+        let link::LocalResources { link_port, receiver, frame, .. } = cx.local;
         CHECK_INS.check_in(Task::Link);
         let mut node = BoardNode::new(cx.shared.control, cx.shared.kept);
-        if let Some(received) = usart.read().and_then(|byte| receiver.push(byte)) {
-            usart.send(frame, &answer(received, &mut node));
+        if !link_port.is_sending()
+            && let Some(received) = crate::link::next(link_port, receiver)
+        {
+            crate::link::send(link_port, frame, &answer(received, &mut node));
         }
     }
 
     #[task(
-        binds = USART1,
+        binds = SPI1,
         priority = 1,
         shared = [control, kept],
-        local = [bus_port, cycles_per_us, modbus: Bus = Bus::new(BUS_SILENCE_US)]
+        local = [bus_port, modbus: Bus = Bus::new(BUS_SILENCE_US)]
     )]
     fn bus(cx: bus::Context) {
-        let bus::LocalResources { bus_port, cycles_per_us, modbus, .. } = cx.local;
-        // In this order: the last byte's echo is there before its end is, and nobody has sent it.
-        let byte = bus_port.read();
-        bus_port.go_on();
-        if !bus_port.is_sending() {
-            let mut node = BoardNode::new(cx.shared.control, cx.shared.kept);
-            let moment_us = node.control(|control| moment_us(control.ticks(), *cycles_per_us));
-            bus_port.send(modbus.take(byte, moment_us, &mut node));
-        }
+        let bus::LocalResources { bus_port, modbus, .. } = cx.local;
+        let mut node = BoardNode::new(cx.shared.control, cx.shared.kept);
+        serve(bus_port, modbus, moment_us, &mut node);
     }
 }

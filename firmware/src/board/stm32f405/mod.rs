@@ -7,6 +7,7 @@
 //! | [`output`] | the valve: `analog.rs` by a voltage, or `pulses.rs` with the feature `solenoid` |
 //! | [`valve`] | the safe value of either by raw registers |
 //! | [`thermometer`] | the processor's temperature by its factory values |
+//! | [`stopwatch`] | moments in microseconds |
 //! | [`tick`] | the clock of the control |
 //! | [`watchdog`] | the hardware watchdog |
 //! | [`memory`] | the black box, and why the processor has started |
@@ -21,6 +22,7 @@ pub mod output;
 pub mod parameter_flash;
 pub mod pins;
 pub mod scan;
+pub mod stopwatch;
 pub mod thermometer;
 pub mod tick;
 pub mod valve;

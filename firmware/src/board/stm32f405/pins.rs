@@ -6,7 +6,6 @@ use stm32f4::stm32f405::{EXTI, GPIOA, GPIOB, GPIOC, PWR};
 
 use super::clock::within;
 use super::valve::vent;
-use crate::bus_port::DriverEnable;
 
 /// Threshold of the voltage detector: 2.93 V falling, 2.84 to 2.99 V from chip to chip (data sheet DS8626, "Embedded reset
 /// and power control block"). The next one, 3.03 V, would trip on a supply of 3.3 V less 5 %.
@@ -50,10 +49,9 @@ impl BusDriver {
         port.moder().modify(|_, w| w.moder8().output());
         Self(port)
     }
-}
 
-impl DriverEnable for BusDriver {
-    fn set(&mut self, drives: bool) {
+    /// Drives, or listens.
+    pub fn set(&mut self, drives: bool) {
         self.0.bsrr().write(|w| if drives { w.bs8().set_bit() } else { w.br8().set_bit() });
     }
 }

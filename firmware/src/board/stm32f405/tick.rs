@@ -45,15 +45,3 @@ impl Tick {
         }
     }
 }
-
-/// Time since the start, on a clock that wraps, while no tick can come. `ticks`: that have run. Unit: µs.
-pub fn moment_us(ticks: u32, cycles_per_us: u32) -> u32 {
-    // SAFETY: reading the counter has no side effect.
-    let left = || unsafe { (*SYST::PTR).cvr.read() };
-    let before = left();
-    // A tick that is due waits until its task may run.
-    let (is_due, left) = if SCB::is_pendst_pending() { (1, left()) } else { (0, before) };
-    let period_us = 1_000_000 / TICKS_PER_SECOND;
-    let elapsed_us = period_us.saturating_sub(left / cycles_per_us.max(1));
-    ticks.wrapping_add(is_due).wrapping_mul(period_us).wrapping_add(elapsed_us)
-}

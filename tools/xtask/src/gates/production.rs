@@ -30,8 +30,12 @@ use super::inputs::{self, Sample};
 const MAIN: &str = "main";
 /// What runs while no interrupt does.
 const SUPERVISOR: &str = "stm32f405::app::supervise";
-/// The interrupts of link and bus, which do not interrupt each other.
-const PORTS: [&str; 2] = ["USART1", "USART2"];
+/// The interrupts of the tasks of link and bus, which do not interrupt each other.
+const TASKS: [&str; 2] = ["SPI1", "SPI2"];
+/// The interrupts that move their bytes, which do not interrupt each other, but the tick.
+const MOVERS: [&str; 2] = ["USART1", "USART2"];
+/// The interrupt of low voltage, which interrupts all others.
+const LOW_VOLTAGE: &str = "PVD";
 /// The interrupt of the tick, which interrupts them.
 const TICK: &str = "SysTick";
 /// The function that reads the converter.
@@ -79,17 +83,18 @@ pub fn figures(image: &Image, plugin: &Path, samples: &[Sample]) -> Result<Vec<F
     Ok(figures)
 }
 
-/// The most stack over all calls: while the image starts, where ticks come but no message; or by a message, with a tick on top.
+/// The most stack over all calls: while the image starts, where ticks and bytes come but no message; or by a message,
+/// with a tick, a byte and low voltage on top.
 /// `room`: what there is. Unit: byte.
 fn deepest_stack(image: &Image, room: u32) -> Result<Figure> {
     let mut depths = Depths::of(image)?;
-    let tick = depths.interrupt(image.function(TICK)?)?;
-    let start = depths.deepest(image.function(MAIN)?)? + tick;
-    let mut message = 0;
-    for port in PORTS {
-        message = message.max(depths.interrupt(image.function(port)?)?);
-    }
-    let running = depths.deepest(image.function(SUPERVISOR)?)? + message + tick;
+    let mut deepest = |names: &[&str]| -> Result<u64> {
+        names.iter().try_fold(0, |most, name| Ok(most.max(depths.interrupt(image.function(name)?)?)))
+    };
+    let above = deepest(&[TICK])? + deepest(&MOVERS)? + deepest(&[LOW_VOLTAGE])?;
+    let message = deepest(&TASKS)?;
+    let start = depths.deepest(image.function(MAIN)?)? + above;
+    let running = depths.deepest(image.function(SUPERVISOR)?)? + message + above;
     Ok(Figure {
         name: "image stm32f405, most bytes of stack over all calls".to_owned(),
         value: start.max(running) as f64,

@@ -4,8 +4,8 @@
         cargo test -p host-tests --test chip
 
 The changes are those of `mutants.csv`: a file below `firmware/src`, what stands there exactly once, what takes its place, the
-tests that are most likely to catch it, and why none has to where none does. A copy of the project below `target/mutants` is
-changed, and built there. Ends with 1 where less than 95 % are caught, or where one that is not caught has no reason.
+tests that are most likely to catch it, and why none has to where none does. A copy of the project is changed, and
+built. Ends with 1 where less than 95 % are caught, or where one that is not caught has no reason.
 
 Set MGPI_MUTANTS to a list of numbers, as `3,17`, to try these only.
 """
@@ -16,11 +16,13 @@ import pathlib
 import shutil
 import subprocess
 import sys
+import tempfile
 
 HERE = pathlib.Path(__file__).parent
 PROJECT = HERE.parents[1]
-COPY = PROJECT / "target" / "mutants" / "project"
-TARGET = COPY.parent / "target"
+# Not below the project, whose settings of cargo would count twice.
+COPY = pathlib.Path(tempfile.mkdtemp(prefix="mutants-"))
+TARGET = PROJECT / "target" / "mutants"
 TRIPLE = "thumbv7em-none-eabihf"
 IMAGE = TARGET / TRIPLE / "firmware" / "stm32f405"
 BUILD = [
@@ -34,7 +36,6 @@ LIMIT_S = 900
 
 def copy_project():
     """Copies what git knows of the project, as it is now."""
-    shutil.rmtree(COPY, ignore_errors=True)
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=PROJECT, check=True, capture_output=True, text=True)
     for name in listed.stdout.splitlines():
         source, place = PROJECT / name, COPY / name
@@ -107,4 +108,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    finally:
+        shutil.rmtree(COPY)

@@ -23,7 +23,6 @@ class Clock(ChipCase):
         chip, _ = self.started()
         self.assertEqual(chip.systick["LOAD"] + 1, chip.core_hz / 1000)
         self.assertEqual(chip.tim2["ARR"] + 1, chip.rcc.timer_hz(1) / 1000)
-        self.assertEqual(chip.tim5.hz(), 1e6)
         self.assertEqual([chip.flash.bit("ACR", place) for place in (9, 10)], [True, True])
 
     def test_the_flash_of_the_first_revision_is_not_prefetched(self):

@@ -1,9 +1,10 @@
 """Link and bus at once: what one of them does takes no byte from the other."""
 
 import os
+import random
 
 from stm32f405.case import ChipCase
-from stm32f405.host import BYTE_S, read_frame
+from stm32f405.host import BYTE_S, UNIT, read_frame, with_crc
 from stm32f405.link import Link
 
 STATE = 0x200
@@ -100,6 +101,20 @@ class LinkAndBus(ChipCase):
             self.assertEqual(link.received(), link.response("accepted"))
             self.assertEqual(len(chip.flash.erased), 1)
             self.assert_whole(chip, 5 + 2 * LONG)
+
+    def test_random_frames_on_the_bus_make_no_tick_late_while_the_board_tracks(self):
+        chip, master, _ = self.tracking()
+        before = [master.get(name) for name in ("overruns", "late_ticks")]
+        chance = random.Random(7)
+        for _ in range(60):
+            frame = chance.randbytes(chance.randrange(2, 60))
+            if chance.random() < 0.5:
+                frame = with_crc(bytes([UNIT]) + frame[1:])
+            end = chip.board.send(chip.usart1, frame)
+            chip.run(end - chip.now + 2e-3)
+        chip.run(5e-3)
+        self.assertEqual([master.get(name) for name in ("overruns", "late_ticks")], before)
+        self.assertEqual(chip.board.lost_bytes, 0)
 
     def test_a_damaged_frame_is_told_and_the_next_one_answered(self):
         chip, _ = self.started()

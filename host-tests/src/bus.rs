@@ -76,7 +76,7 @@ impl BusBoard {
         let control = Control::simulated(black_box, capture);
         let parameters = Parameters { protection: Protection::SIMULATED, tracking: None };
         let node = HostNode { control, parameters };
-        Self { node, board: LockStepBoard::new(), bus: Bus::new(SILENCE_TICKS) }
+        Self { node, board: LockStepBoard::new(), bus: Bus::new(SILENCE_TICKS, SILENCE_TICKS) }
     }
 
     /// Sends a request over the link.

@@ -41,10 +41,10 @@ pub struct Bus {
 }
 
 impl Bus {
-    /// A bus on which a frame begins after a silence: the time from the end of a byte to the end of the next, more than that
-    /// of any pause within a frame. Unit: that of the moments which [`Bus::take`] is told.
-    pub const fn new(silence: u32) -> Self {
-        Self { receiver: Receiver::new(silence), server: Server::new(), response: Vec::new() }
+    /// A bus on which a frame may begin after a pause, and does after a silence: times from the end of a byte to the end of the
+    /// next. Unit: that of the moments which [`Bus::take`] is told.
+    pub const fn new(pause: u32, silence: u32) -> Self {
+        Self { receiver: Receiver::new(pause, silence), server: Server::new(), response: Vec::new() }
     }
 
     /// Takes a byte, or the news that there is none, at a moment of a clock that wraps; to be called at least every few

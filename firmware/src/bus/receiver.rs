@@ -3,8 +3,11 @@
 //! A frame is complete as soon as it is as long as its function says and its CRC fits, so that an answer need not wait, and
 //! so that a request behind another board's answer is heard whatever the silence between them; one
 //! of a function that the board does not know is complete when nothing follows. What does not become a frame is dropped
-//! after [`Receiver::silence`] without a byte, or as soon as it is longer than any frame: that is how a receiver
+//! after a silence without a byte, or as soon as it is longer than any frame: that is how a receiver
 //! that joins in the middle gets into step.
+//!
+//! Between a pause within a frame and the silence between two there is no sharp limit in practice: after a shorter pause a frame
+//! may begin, or the one before go on. Whichever becomes complete was it.
 
 use heapless::Vec;
 use wire::registers::{FRAME_BYTES, UNIT};
@@ -20,20 +23,24 @@ const BROADCAST: u8 = 0;
 pub struct Receiver {
     bytes: Vec<u8, FRAME_BYTES>,
     /// From the end of a byte to the end of the first one of the next frame, at the least. Unit: that of the moments.
+    pause: u32,
+    /// The same, where a frame does begin.
     silence: u32,
     /// Of the last byte.
     last: u32,
     is_overlong: bool,
-    /// Whether `bytes` is a frame that was handed over.
-    is_taken: bool,
+    /// Where a frame may begin, behind the last pause.
+    begin: usize,
+    /// Where the frame begins that was handed over.
+    taken: Option<usize>,
     damaged: u32,
 }
 
 impl Receiver {
     /// A receiver at the start of a frame.
-    pub const fn new(silence: u32) -> Self {
+    pub const fn new(pause: u32, silence: u32) -> Self {
         let bytes = Vec::new();
-        Self { bytes, silence, last: 0, is_overlong: false, is_taken: false, damaged: 0 }
+        Self { bytes, pause, silence, last: 0, is_overlong: false, begin: 0, taken: None, damaged: 0 }
     }
 
     /// Runs of bytes that were no frame.
@@ -43,58 +50,89 @@ impl Receiver {
 
     /// Takes a byte, if one has come, at this moment of a clock that wraps; answers the frame that is complete.
     pub fn take(&mut self, byte: Option<u8>, moment: u32) -> Option<&[u8]> {
-        if core::mem::take(&mut self.is_taken) {
-            self.bytes.clear();
+        if self.taken.take().is_some() {
+            self.clear();
         }
-        let is_silent = moment.wrapping_sub(self.last) >= self.silence;
+        // A moment before the last one is no silence.
+        let elapsed = u32::try_from(moment.wrapping_sub(self.last).cast_signed()).unwrap_or(0);
+        let is_silent = elapsed >= self.silence;
         match byte {
             // Of a function that is known it would have been complete before.
-            None if is_silent && self.lengths().is_none() && self.is_whole() => self.is_taken = true,
+            None if is_silent && lengths(&self.bytes).is_none() && self.is_whole(0) => self.taken = Some(0),
             None if is_silent => self.drop_bytes(),
             None => {}
             Some(byte) => {
                 if is_silent {
                     self.drop_bytes();
+                } else if elapsed >= self.pause {
+                    self.begin = self.bytes.len();
                 }
                 self.last = moment;
-                self.is_overlong |= self.bytes.push(byte).is_err();
-                let is_long_enough =
-                    self.lengths().is_some_and(|lengths| lengths.contains(&self.bytes.len()));
-                self.is_taken = is_long_enough && self.is_whole();
+                self.push(byte);
+                self.taken = [0, self.begin].into_iter().find(|&begin| self.is_complete(begin));
+                self.damaged = self
+                    .damaged
+                    .wrapping_add(u32::from(self.taken.is_some_and(|begin| begin > 0 && !self.ends(begin))));
             }
         }
-        self.is_taken.then_some(&*self.bytes)
+        self.taken.and_then(|begin| self.bytes.get(begin..))
+    }
+
+    fn push(&mut self, byte: u8) {
+        if self.bytes.is_full() && self.begin > 0 {
+            // What was before the pause is longer than a frame together with what is behind it.
+            self.bytes.drain(..self.begin);
+            self.begin = 0;
+        }
+        self.is_overlong |= self.bytes.push(byte).is_err();
+    }
+
+    fn clear(&mut self) {
+        self.bytes.clear();
+        self.begin = 0;
+        self.is_overlong = false;
     }
 
     fn drop_bytes(&mut self) {
         self.damaged = self.damaged.wrapping_add(u32::from(!self.bytes.is_empty()));
-        self.bytes.clear();
-        self.is_overlong = false;
+        self.clear();
     }
 
-    /// Whether what has come ends with its CRC.
-    fn is_whole(&self) -> bool {
-        match self.bytes.split_last_chunk() {
-            Some((content, crc)) if content.len() >= 2 && !self.is_overlong => {
-                CRC.checksum(content) == u16::from_le_bytes(*crc)
-            }
-            _ => false,
-        }
+    /// Whether what has come from a byte on is as long as its function says, and ends with its CRC.
+    fn is_complete(&self, begin: usize) -> bool {
+        let bytes = self.bytes.get(begin..).unwrap_or_default();
+        lengths(bytes).is_some_and(|lengths| lengths.contains(&bytes.len())) && self.is_whole(begin)
     }
 
-    /// How long a frame of the function is (Modbus application protocol 1.1b3, chapter 6), CRC included: a request, and
-    /// another board's answer, behind which the next request need not wait for a silence. `None` while that is not known.
-    fn lengths(&self) -> Option<[usize; 2]> {
-        let at = |place: usize| self.bytes.get(place).map(|&byte| usize::from(byte));
-        let [request, answer] = match at(1)? {
-            1..=4 => [8, 5 + at(2)?],
-            5 | 6 => [8, 8],
-            15 | 16 => [9 + at(6)?, 8],
-            0x80.. => [5, 5],
-            _ => return None,
-        };
-        // Nobody but this board answers by its number.
-        let is_others = !matches!(self.bytes.first(), Some(&(BROADCAST | UNIT)));
-        Some([request, if is_others { answer } else { request }])
+    /// Whether what has come from a byte on ends with its CRC.
+    fn is_whole(&self, begin: usize) -> bool {
+        !self.is_overlong && self.bytes.get(begin..).is_some_and(ends_with_crc)
     }
+
+    /// Whether what is before a byte ends with its CRC: a frame of a function that is not known.
+    fn ends(&self, end: usize) -> bool {
+        self.bytes.get(..end).is_some_and(ends_with_crc)
+    }
+}
+
+fn ends_with_crc(bytes: &[u8]) -> bool {
+    bytes
+        .split_last_chunk()
+        .is_some_and(|(content, crc)| content.len() >= 2 && CRC.checksum(content) == u16::from_le_bytes(*crc))
+}
+
+/// How long a frame of the function is (Modbus application protocol 1.1b3, chapter 6), CRC included: a request, and
+/// another board's answer, behind which the next request need not wait for a silence. `None` while that is not known.
+fn lengths(bytes: &[u8]) -> Option<[usize; 2]> {
+    let at = |place: usize| bytes.get(place).map(|&byte| usize::from(byte));
+    let [request, answer] = match at(1)? {
+        1..=4 => [8, 5 + at(2)?],
+        5 | 6 => [8, 8],
+        15 | 16 => [9 + at(6)?, 8],
+        0x80.. => [5, 5],
+        _ => return None,
+    };
+    // Nobody but this board answers by its number.
+    let is_others = !matches!(bytes.first(), Some(&(BROADCAST | UNIT)));
+    Some([request, if is_others { answer } else { request }])
 }

@@ -126,6 +126,9 @@ class Scb(Peripheral):
             if value >> place & 1:
                 exceptions.discard(number)
 
+    def read_SHCSR(self, value):
+        return value & ~(1 << 11) | (SYSTICK in self.chip.nvic.active) << 11
+
     def write_CFSR(self, value):
         self["CFSR"] &= ~value
 

@@ -33,8 +33,8 @@ fn main() {
         trial("faults_of_the_processor_vent_reset_and_are_kept_until_acknowledged", faults::of_the_processor),
         trial("the_production_image_takes_an_upload_on_its_bus_within_its_stack", bus::takes_an_upload),
         trial(
-            "random_frames_make_no_tick_of_the_production_image_late",
-            bus::ticks_in_time_under_random_frames,
+            "random_frames_are_met_with_exceptions_by_the_production_image",
+            bus::meets_random_frames_with_exceptions,
         ),
         trial("the_production_image_starts_with_what_is_stored", store::starts_with_what_is_stored),
         trial("a_store_that_cannot_be_read_is_the_fault_of_its_kind", store::faults),

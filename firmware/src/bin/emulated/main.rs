@@ -211,7 +211,7 @@ mod app {
         binds = SPI1,
         priority = 1,
         shared = [lock_step, parameters],
-        local = [bus_port, modbus: Bus = Bus::new(BUS_SILENCE_TICKS)]
+        local = [bus_port, modbus: Bus = Bus::new(BUS_SILENCE_TICKS, BUS_SILENCE_TICKS)]
     )]
     fn bus(mut cx: bus::Context) {
         let bus::LocalResources { bus_port, modbus, .. } = cx.local;

@@ -26,7 +26,7 @@ pub struct Clocks {
     pub slow_bus_hz: u32,
     /// APB2, which clocks the analogue inputs and USART1. Unit: Hz.
     pub fast_bus_hz: u32,
-    /// TIM2, TIM3 and TIM5. Unit: Hz.
+    /// TIM2 and TIM3. Unit: Hz.
     pub timer_hz: u32,
 }
 
@@ -59,7 +59,7 @@ pub fn feed_peripherals(rcc: &RCC) {
     rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled().gpioben().enabled().gpiocen().enabled());
     rcc.apb1enr().modify(|_, w| {
         w.dacen().enabled().pwren().enabled().usart2en().enabled();
-        w.tim2en().enabled().tim3en().enabled().tim5en().enabled()
+        w.tim2en().enabled().tim3en().enabled()
     });
     rcc.apb2enr().modify(|_, w| w.adc1en().enabled().usart1en().enabled());
 }

@@ -7,8 +7,7 @@
 //! | [`output`] | the valve: `analog.rs` by a voltage, or `pulses.rs` with the feature `solenoid` |
 //! | [`valve`] | the safe value of either by raw registers |
 //! | [`thermometer`] | the processor's temperature by its factory values |
-//! | [`stopwatch`] | moments in microseconds |
-//! | [`tick`] | the clock of the control |
+//! | [`tick`] | the clock of the control, and moments in microseconds |
 //! | [`watchdog`] | the hardware watchdog |
 //! | [`memory`] | the black box, and why the processor has started |
 //! | [`parameter_flash`] | the sectors of the parameter store |
@@ -22,7 +21,6 @@ pub mod output;
 pub mod parameter_flash;
 pub mod pins;
 pub mod scan;
-pub mod stopwatch;
 pub mod thermometer;
 pub mod tick;
 pub mod valve;

@@ -2,6 +2,8 @@
 //!
 //! It also tells how long a tick has taken: its counter runs down from one tick to the next.
 
+use core::sync::atomic::{AtomicU32, Ordering};
+
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
 use firmware::TickClock;
@@ -9,6 +11,13 @@ use firmware::timing::TickEnd;
 
 /// Unit: Hz. The controller's `period_s` has to agree with it.
 pub const TICKS_PER_SECOND: u32 = 1_000;
+
+/// In the processor's register of handlers: SysTick's is at work.
+const SYSTICK_ACTIVE: u32 = 1 << 11;
+
+/// Ticks that have begun.
+static TICKS: AtomicU32 = AtomicU32::new(0);
+static CYCLES_PER_US: AtomicU32 = AtomicU32::new(1);
 
 /// The running clock.
 pub struct Tick {
@@ -20,12 +29,18 @@ impl Tick {
     /// Starts it; the first tick comes after a period. `core_hz`: the processor's clock.
     pub fn start(mut registers: SYST, core_hz: u32) -> Self {
         let period_cycles = core_hz / TICKS_PER_SECOND;
+        CYCLES_PER_US.store(core_hz / 1_000_000, Ordering::Relaxed);
         registers.set_clock_source(SystClkSource::Core);
         registers.set_reload(period_cycles - 1);
         registers.clear_current();
         registers.enable_interrupt();
         registers.enable_counter();
         Self { registers, period_cycles }
+    }
+
+    /// To be called when a tick begins.
+    pub fn begin(&self) {
+        TICKS.store(TICKS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     }
 
     /// What the control has to know of it. The valve has to be written in the first half of the period.
@@ -44,4 +59,21 @@ impl Tick {
             is_overrun,
         }
     }
+}
+
+/// Time since the start, on a clock that wraps after 71 minutes, whatever interrupt or lock is at work; one that comes before a
+/// tick's first instructions sees it a period early, and so does one
+/// in a tick that is longer than its period. Unit: µs.
+pub fn moment_us() -> u32 {
+    // SAFETY: reading the counter has no side effect.
+    let left = || unsafe { (*SYST::PTR).cvr.read() };
+    let before = left();
+    // A tick that is due may have to wait.
+    // SAFETY: so has this.
+    let is_active = || unsafe { (*SCB::PTR).shcsr.read() } & SYSTICK_ACTIVE != 0;
+    let is_waiting = SCB::is_pendst_pending() && !is_active();
+    let (is_due, left) = if is_waiting { (1, left()) } else { (0, before) };
+    let period_us = 1_000_000 / TICKS_PER_SECOND;
+    let elapsed_us = period_us.saturating_sub(left / CYCLES_PER_US.load(Ordering::Relaxed).max(1));
+    TICKS.load(Ordering::Relaxed).wrapping_add(is_due).wrapping_mul(period_us).wrapping_add(elapsed_us)
 }

@@ -1,7 +1,7 @@
 //! The tick, and the orders between ticks.
 //!
 //! [`crate::state_machine`] tells which order is taken when, [`crate::faults`] what happens when something is wrong; the
-//! orders are in `control/orders.rs`.
+//! orders are in `control/orders.rs`, emergency stop and dump valve in `control/second_path.rs`.
 //!
 //! # Contract
 //! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the valve, in every
@@ -15,6 +15,9 @@
 //! old: who knows the course of the reference gives it a tick ahead, and loses nothing.
 
 mod orders;
+mod second_path;
+
+pub use second_path::STOP_TICKS;
 
 use core::hint::black_box;
 
@@ -31,6 +34,7 @@ use crate::faults::black_box::BlackBox;
 use crate::faults::log::FaultLog;
 use crate::law::{controller_act, controller_prepare};
 use crate::monitors::Monitors;
+use crate::monitors::persistence::InARow;
 use crate::order::Installation;
 use crate::output::{self, Output};
 use crate::scaling::{COMMAND, VENT};
@@ -70,6 +74,7 @@ pub struct Control {
     pub(crate) next_reference_mm: f32,
     pub(crate) service_code: DacCode,
     overrun: bool,
+    stop: InARow,
     pub(crate) limited_ticks: u32,
     self_test_ticks: u32,
     pub(crate) timing: Timing,
@@ -121,6 +126,7 @@ impl Control {
             next_reference_mm: 0.0,
             service_code: VENT,
             overrun: false,
+            stop: InARow::default(),
             player: Player::new(),
         }
     }
@@ -198,7 +204,11 @@ impl Control {
 
     /// Looks at what takes several ticks to be seen. `before`: what was out until this tick.
     fn watch(&mut self, before: DacCode, feedback_bar: f32) -> Result<(), Fault> {
-        if matches!(self.state, State::Off | State::Fault) {
+        if self.state == State::Off {
+            return Ok(());
+        }
+        self.monitors.watch_venting(self.state.is_driven())?;
+        if self.state == State::Fault {
             return Ok(());
         }
         let outermost = self.installed.as_ref().map(|installed| &installed.survey.outermost);

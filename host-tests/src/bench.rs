@@ -46,6 +46,8 @@ pub struct Wrong {
     pub silent: Option<Task>,
     /// Whether the host has gone.
     pub no_host: bool,
+    /// Whether the emergency stop is pressed.
+    pub is_stopped: bool,
     /// Whether the voltage is low.
     pub low_voltage: bool,
 }
@@ -149,6 +151,8 @@ impl Bench {
         if self.wrong.low_voltage {
             self.control().report(Fault::BrownOut);
         }
+        let is_stopped = self.wrong.is_stopped;
+        self.control().hear_stop(is_stopped);
         self.control.iter_mut().for_each(|control| _ = control.tick(&mut self.inputs));
         if !self.watchdog.is_content(&self.check_ins) {
             self.control().report(Fault::TaskSilent);

@@ -10,6 +10,7 @@ pub mod desk;
 pub mod desk_commands;
 pub mod flash;
 pub mod game;
+pub mod single;
 pub mod store;
 
 use board_client::pil::lock_step::{self, Board, Measurement, Plant, Run, Wanted};

@@ -39,6 +39,8 @@ pub enum Fault {
     ResetLoop = 29,
     Clock = 30,
     Temperature = 31,
+    EmergencyStop = 32,
+    VentIneffective = 33,
 }
 
 /// Number of faults.
@@ -46,7 +48,7 @@ pub const FAULTS: usize = Fault::ALL.len();
 
 impl Fault {
     /// All of them, in the order of their numbers, which begin at 1.
-    pub const ALL: [Self; 31] = [
+    pub const ALL: [Self; 33] = [
         Self::Acquisition,
         Self::PressureSensor,
         Self::ContractionSensor,
@@ -78,6 +80,8 @@ impl Fault {
         Self::ResetLoop,
         Self::Clock,
         Self::Temperature,
+        Self::EmergencyStop,
+        Self::VentIneffective,
     ];
 
     /// The stable number.
@@ -101,6 +105,6 @@ mod tests {
             assert_eq!(usize::from(fault.code()), place + 1);
             assert_eq!(Fault::of_code(fault.code()), Some(fault));
         }
-        assert_eq!([Fault::of_code(0), Fault::of_code(32)], [None; 2]);
+        assert_eq!([Fault::of_code(0), Fault::of_code(34)], [None; 2]);
     }
 }

@@ -30,7 +30,7 @@ pub struct Telemetry {
     /// The last samples.
     pub signals: Signals,
     /// How often each fault has occurred since the start, by its number less one.
-    pub faults: [u16; FAULTS],
+    pub faults: heapless::Vec<u16, FAULTS>,
 }
 
 /// Measured quantities.

@@ -32,8 +32,8 @@ impl FaultLog {
     }
 
     /// How often each has occurred.
-    pub fn counters(&self) -> [u16; FAULTS] {
-        self.counters
+    pub fn counters(&self) -> heapless::Vec<u16, FAULTS> {
+        heapless::Vec::from_array(self.counters)
     }
 
     /// The first fault since the last acknowledgement.

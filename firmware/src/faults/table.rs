@@ -5,9 +5,11 @@
 
 use wire::Fault;
 
+use crate::control::STOP_TICKS;
 use crate::faults::black_box::LOOP_RESETS;
 use crate::monitors::sensor::{BAD_IN_A_ROW, JUMPS_IN_A_ROW};
 use crate::monitors::stuck::STUCK_TICKS;
+use crate::monitors::venting::WINDOW_TICKS;
 use crate::monitors::{AUTHORITY_TICKS, IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
 use crate::timing::LATE_IN_A_ROW;
 use crate::watchdog::ALLOWANCE_TICKS;
@@ -319,6 +321,23 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         200,
         "the board is in the sun, in a closed box, or overloaded",
         "let it cool down, give it air, then acknowledge",
+    ),
+    vent(
+        Fault::EmergencyStop,
+        "emergency stop",
+        "its contacts are open three ticks in a row; they have opened the dump valve by themselves",
+        STOP_TICKS as u32,
+        "somebody has pressed it, or its cable or plug is open; without an emergency stop its input has to be bridged to ground",
+        "see to the danger, release the button, then acknowledge",
+    ),
+    vent(
+        Fault::VentIneffective,
+        "venting without effect",
+        "the valve is vented, and in 300 ticks the pressure neither reaches 0.5 bar nor loses a fifth; the dump valve is opened. In \
+         the state `Fault`, where it is open already, it is counted each 300 ticks as long as that lasts",
+        WINDOW_TICKS as u32,
+        "the regulator, its amplifier or the converter is stuck; the pressure sensor is; or the outlet is closed",
+        "keep away, close the supply by hand; then measure the set point's voltage, and compare the sensor with a gauge",
     ),
 ];
 

@@ -7,10 +7,11 @@
 //! | [`slow`] | supply and temperature |
 //! | [`following`] | pressure against command: leak, burst, stuck valve |
 //! | [`survey`] | the model against itself, and contraction against pressure |
+//! | [`venting`] | pressure behind a valve that is vented |
 //! | [`persistence`] | how long something has to last |
 //!
 //! # Contract
-//! Once a tick, in every state but `Off` and `Fault`: [`Monitors::take`] before the valve is written, for what the controller
+//! Once a tick, in every state but `Off` and `Fault`, where only the venting is watched: [`Monitors::take`] before the valve is written, for what the controller
 //! needs and what a single sample shows; and [`Monitors::watch`] behind it, for what takes several ticks to be seen. A tick
 //! without samples is one with the last.
 //! Both read whole numbers where they can: codes are compared with limits that were turned into codes once.
@@ -21,6 +22,7 @@ pub mod sensor;
 pub mod slow;
 pub mod stuck;
 pub mod survey;
+pub mod venting;
 
 use wire::{Fault, Protection, Scaling};
 
@@ -32,6 +34,7 @@ use sensor::Sensor;
 use slow::Slow;
 use stuck::Stuck;
 use survey::Loop;
+use venting::Venting;
 
 /// Ticks in a row without new samples that are a fault.
 pub const MISSING_IN_A_ROW: u16 = 3;
@@ -51,7 +54,7 @@ struct Limits {
     temperature: slow::Limits,
     overpressure_hard: u16,
     overpressure_soft: u16,
-    vented: u16,
+    venting: venting::Limits,
     following: following::Limits,
     implausible_share: f32,
     authority_bar: f32,
@@ -73,6 +76,7 @@ pub struct Monitors {
     temperature: Slow,
     pressure_average: Average<4>,
     following: Following,
+    venting: Venting,
     implausible: InARow,
     authority: InARow,
 }
@@ -92,6 +96,7 @@ impl Monitors {
             temperature: Slow::default(),
             pressure_average: Average::default(),
             following: Following::default(),
+            venting: Venting::default(),
             implausible: InARow::default(),
             authority: InARow::default(),
         }
@@ -170,6 +175,15 @@ impl Monitors {
         }
     }
 
+    /// Looks whether a valve that is vented lets the pressure fall.
+    ///
+    /// # Errors
+    /// It does not.
+    #[inline(always)]
+    pub fn watch_venting(&mut self, is_driven: bool) -> Result<(), Fault> {
+        self.venting.take(&self.limits.venting, is_driven, self.last.pressure.0)
+    }
+
     /// Looks at the feedback (bar) beside a feed-forward; 0 where there are not both.
     ///
     /// # Errors
@@ -185,7 +199,7 @@ impl Monitors {
     /// # Errors
     /// Pressure is left: the valve does not vent.
     pub fn is_vented(&self) -> Result<(), Fault> {
-        if self.last.pressure.0 > self.limits.vented { Err(Fault::ValveStuck) } else { Ok(()) }
+        if self.last.pressure.0 > self.limits.venting.vented { Err(Fault::ValveStuck) } else { Ok(()) }
     }
 
     /// Forgets the past, with a fault or an installation.
@@ -236,7 +250,10 @@ impl Limits {
             },
             overpressure_hard: level(&PRESSURE, protection.overpressure_hard_bar),
             overpressure_soft: level(&PRESSURE, protection.overpressure_soft_bar),
-            vented: level(&PRESSURE, protection.vented_bar),
+            venting: venting::Limits {
+                zero: level(&PRESSURE, 0.0),
+                vented: level(&PRESSURE, protection.vented_bar),
+            },
             following: following::Limits {
                 band_bar: protection.following_band_bar,
                 limit: protection.following_limit_bar_s / period_s,

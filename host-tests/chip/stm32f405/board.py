@@ -4,6 +4,8 @@ import collections
 
 # The amplifier behind PA4, and the resistor from there to ground.
 GAIN, TO_GROUND_OHM = 3.03, 10e3
+# How long the pump keeps the dump valve closed behind the last change of PB13.
+PUMP_S = 0.010
 # Unit: bit/s.
 BUS_BAUD, LINK_BAUD = 115_200, 460_800
 # Codes at 3.3 V, by channel: 25 °C, the reference, 8 bar of supply, no pressure, no contraction.
@@ -40,6 +42,9 @@ class Board:
         self.undriven, self.collisions = 0, 0
         self.lost_bytes = 0
         self.light_edges = []
+        # When PB13 has last changed, and whether the emergency stop's contacts are closed.
+        self.dump_edge_at = None
+        self.is_stop_closed = True
         # (begin, end) of bytes of others on the bus.
         self.others = collections.deque(maxlen=4096)
 
@@ -52,6 +57,8 @@ class Board:
 
     def level(self, pin):
         """The level from outside; None where nothing drives the pin."""
+        if pin == "PB14":
+            return False if self.is_stop_closed else None
         lines = {"PA10": self.bus, "PA3": self.link}
         return True if pin in lines and lines[pin].is_plugged else None
 
@@ -64,6 +71,14 @@ class Board:
             self.driver_edges.append((self.chip.now, is_high))
         elif pin == "PB12":
             self.light_edges.append((self.chip.now, is_high))
+        elif pin == "PB13":
+            self.dump_edge_at = self.chip.now
+
+    def is_dumping(self):
+        """Whether the dump valve is open: the pump holds it for some time behind the last change of PB13, and the emergency
+        stop's contacts are in its line."""
+        is_held = self.dump_edge_at is not None and self.chip.now - self.dump_edge_at < PUMP_S
+        return not (is_held and self.chip.gpio["B"].mode(13) == 1 and self.is_stop_closed)
 
     def drives_bus(self):
         """Whether the transceiver drives the bus: PA8 has 10 kilohm to ground."""

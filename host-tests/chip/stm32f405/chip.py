@@ -205,9 +205,12 @@ class Chip:
                 timer.replan()
 
     def _do_events(self):
-        while self._events and self._events[0][0] <= self.now:
-            _, _, work = heapq.heappop(self._events)
+        """Each at its own moment: while the processor waits for the flash the peripherals go on."""
+        now = self.now
+        while self._events and self._events[0][0] <= now:
+            self.now, _, work = heapq.heappop(self._events)
             work()
+        self.now = now
         self._next_at = self._events[0][0] if self._events else float("inf")
 
     def _measure(self, address, size):

@@ -123,6 +123,15 @@ impl Injection {
                 let contraction_mm = f64::from(CONTRACTION.value(codes.contraction.0));
                 return bench.reference_mm - contraction_mm > 41.0;
             }
+            Fault::VentIneffective => {
+                if pressure_bar < 1.0 && wrong.valve_bar.is_none() {
+                    return false;
+                }
+                if wrong.valve_bar.replace(pressure_bar).is_none() {
+                    bench.demand(&Request::Stop);
+                }
+            }
+            Fault::EmergencyStop => wrong.is_stopped = true,
             Fault::Deadline => wrong.is_late = true,
             Fault::TaskSilent => wrong.silent = Some(Task::Link),
             Fault::BusSilent => wrong.no_host = true,

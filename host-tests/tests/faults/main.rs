@@ -82,7 +82,9 @@ fn every_row_of_the_table_ends_as_it_says_by_its_own_fault() {
             Fault::Authority | Fault::PressureStuck => {
                 Protection { following_limit_bar_s: f32::INFINITY, ..on }
             }
-            Fault::ValveStuck => Protection { stuck_command_bar: f32::INFINITY, ..on },
+            Fault::ValveStuck | Fault::VentIneffective => {
+                Protection { stuck_command_bar: f32::INFINITY, ..on }
+            }
             Fault::ContractionStuck => {
                 Protection { implausible_share: f32::INFINITY, authority_bar: f32::INFINITY, ..on }
             }

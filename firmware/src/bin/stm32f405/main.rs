@@ -16,9 +16,9 @@
 //!
 //! # Safety
 //! The valve's output is the vented code from before the program proper starts; the control drives it in the states that
-//! say so. Every wait for the hardware is bounded, and the tick has none: a clock that does not start is replaced by the
-//! internal one, a conversion that does not end is a fault. Panics, faults of the processor and a crystal that stops vent, seal
-//! the record and reset; what starts then is at fault until the host acknowledges it.
+//! say so. The dump valve opens unless each tick keeps it closed. Every wait for the hardware is bounded, the tick has none: a
+//! crystal that does not start is replaced, a conversion that does not end is a fault. What ends the program vents, seals the
+//! record and resets; what starts then is at fault until it is acknowledged.
 //!
 //! # Parameters
 //! A configuration and limits that were accepted are stored, and taken again behind the next start. Storing them stops the
@@ -55,7 +55,7 @@ fn make_safe() {
     valve::vent();
 }
 
-/// Keeps what happened, and starts anew.
+/// Keeps what happened, starts anew.
 fn end(fault: Fault, detail: u32) -> ! {
     memory::seal(fault, detail);
     cortex_m::peripheral::SCB::sys_reset()
@@ -79,14 +79,13 @@ mod app {
     use firmware::watchdog::{Task, Watchdog};
     use firmware::{Capture, Control, led};
     use rtic::Mutex;
-    use stm32f4::stm32f405::Interrupt;
-    use stm32f4::stm32f405::{USART1, USART2};
+    use stm32f4::stm32f405::{Interrupt, USART1, USART2};
     use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State, registers};
 
     use crate::bus_port::{BusBuffers, Stamped, serve};
     use crate::drivers::clock::{self, Source};
     use crate::drivers::parameter_flash::ParameterFlash;
-    use crate::drivers::pins::{self, BusDriver, Light, VoltageDetector};
+    use crate::drivers::pins::{self, BusDriver, DumpValve, Light, VoltageDetector};
     use crate::drivers::scan::Scan;
     use crate::drivers::thermometer::Thermometer;
     use crate::drivers::tick::{TICKS_PER_SECOND, Tick, moment_us};
@@ -241,6 +240,7 @@ mod app {
         watchdog: Watchdog,
         hardware_watchdog: HardwareWatchdog,
         voltage: VoltageDetector,
+        dump: DumpValve,
         link_mover: Mover<USART2, LinkLine>,
         link_port: Port<LinkLine>,
         bus_mover: Mover<USART1, BusLine>,
@@ -259,7 +259,7 @@ mod app {
         let device = cx.device;
         clock::feed_peripherals(&device.RCC);
         let hardware_watchdog = HardwareWatchdog::start(device.IWDG, &device.DBGMCU);
-        pins::route(&device.GPIOA, &device.GPIOC);
+        pins::route(&device.GPIOA, &device.GPIOB, &device.GPIOC);
         let reset = memory::reset_cause(&device.RCC);
         let voltage = VoltageDetector::start(device.PWR, &device.EXTI);
         let is_supplied = voltage.wait();
@@ -301,11 +301,12 @@ mod app {
             watchdog: Watchdog::default(),
             hardware_watchdog,
             voltage,
+            dump: DumpValve::default(),
             link_mover,
             link_port,
             bus_mover,
             bus_port,
-            light: Light::dark(device.GPIOB),
+            light: Light,
             logged,
         };
         (Shared { control, kept }, local)
@@ -327,14 +328,15 @@ mod app {
         }
     }
 
-    #[task(binds = SysTick, priority = 2, shared = [control], local = [board, clock, watchdog, hardware_watchdog, voltage])]
+    #[task(binds = SysTick, priority = 2, shared = [control], local = [board, clock, watchdog, hardware_watchdog, voltage, dump])]
     fn tick(mut cx: tick::Context) {
-        let tick::LocalResources { board, clock, watchdog, hardware_watchdog, voltage, .. } = cx.local;
+        let tick::LocalResources { board, clock, watchdog, hardware_watchdog, voltage, dump, .. } = cx.local;
         clock.begin();
         cx.shared.control.lock(|control| {
             if voltage.is_low() {
                 control.report(Fault::BrownOut);
             }
+            control.hear_stop(pins::is_stop_open());
             control.tick(board);
             // Behind the write of the valve, which need not wait for what takes many ticks.
             if watchdog.is_content(&CHECK_INS) {
@@ -343,6 +345,7 @@ mod app {
                 control.report(Fault::TaskSilent);
             }
             control.close_tick(clock.end());
+            dump.tick(control.keeps_dump_closed());
         });
     }
 

@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use stm32f4::stm32f405::{EXTI, GPIOA, GPIOB, GPIOC, PWR};
+use stm32f4::stm32f405::{EXTI, GPIOA, GPIOB, GPIOC, PWR, gpiob};
 
 use super::clock::within;
 use super::valve::vent;
@@ -13,7 +13,7 @@ const THRESHOLD: u8 = 6;
 
 /// Connects the pins to the peripherals. The receivers' pins are pulled up: without a cable they would float, and see bytes
 /// that nobody has sent.
-pub fn route(a: &GPIOA, c: &GPIOC) {
+pub fn route(a: &GPIOA, b: &GPIOB, c: &GPIOC) {
     a.pupdr().modify(|_, w| w.pupdr3().pull_up().pupdr10().pull_up());
     a.moder().modify(|_, w| {
         w.moder0().analog().moder1().analog().moder2().alternate().moder3().alternate().moder4().analog();
@@ -21,23 +21,46 @@ pub fn route(a: &GPIOA, c: &GPIOC) {
     });
     a.afrl().modify(|_, w| w.afrl2().af7().afrl3().af7().afrl6().af2());
     a.afrh().modify(|_, w| w.afrh9().af7().afrh10().af7());
+    b.pupdr().modify(|_, w| w.pupdr14().pull_up());
+    b.moder().modify(|_, w| w.moder12().output().moder13().output());
     c.moder().modify(|_, w| w.moder0().analog());
 }
 
 /// The status light at PB12, lit when high.
-pub struct Light(GPIOB);
+pub struct Light;
 
 impl Light {
-    /// Dark.
-    pub fn dark(port: GPIOB) -> Self {
-        port.moder().modify(|_, w| w.moder12().output());
-        Self(port)
-    }
-
     /// Lights it, or not.
     pub fn set(&mut self, is_lit: bool) {
-        self.0.bsrr().write(|w| if is_lit { w.bs12().set_bit() } else { w.br12().set_bit() });
+        port_b().bsrr().write(|w| if is_lit { w.bs12().set_bit() } else { w.br12().set_bit() });
     }
+}
+
+/// What keeps the dump valve closed: PB13, which changes its level in each tick that wants that. A charge pump makes of the
+/// changes what holds the valve; a level that stays, high or low, lets it open.
+#[derive(Default)]
+pub struct DumpValve {
+    is_high: bool,
+}
+
+impl DumpValve {
+    /// Once a tick.
+    pub fn tick(&mut self, keeps_closed: bool) {
+        self.is_high = keeps_closed && !self.is_high;
+        let is_high = self.is_high;
+        port_b().bsrr().write(|w| if is_high { w.bs13().set_bit() } else { w.br13().set_bit() });
+    }
+}
+
+/// Whether the second contact of the emergency stop, from PB14 to ground, is open; a cable that is broken is.
+pub fn is_stop_open() -> bool {
+    port_b().idr().read().idr14().bit_is_set()
+}
+
+/// Light, dump valve and emergency stop share it.
+fn port_b() -> &'static gpiob::RegisterBlock {
+    // SAFETY: reading has no side effect, and a store to the register of bits that are set and reset touches its own pin only.
+    unsafe { &*GPIOB::ptr() }
 }
 
 /// The driver of the bus at PA8, enabled when high.

@@ -36,6 +36,8 @@ use recording::model_file::section::{KeyError, Section};
 
 /// The format that this version writes and reads.
 const FORMAT: usize = 1;
+/// The oldest messages whose configurations and limits are those of today.
+const OLDEST: u16 = 6;
 const SHA256: &str = "sha256";
 
 /// A backup with the board that it is of.
@@ -233,8 +235,9 @@ fn scalings(identity: &Identity) -> [(&'static str, Scaling); 3] {
 
 fn origin(mut board: Section) -> Result<Origin, KeyError> {
     let messages = board.count("messages")?;
-    if messages != usize::from(VERSION) {
-        let trouble = format!("{messages} is of another version; this program speaks version {VERSION}");
+    if !(usize::from(OLDEST)..=usize::from(VERSION)).contains(&messages) {
+        let trouble =
+            format!("{messages} is of another version; this program reads versions {OLDEST} to {VERSION}");
         return Err(board.error("messages", &trouble));
     }
     let firmware = board.text("firmware")?;

@@ -1,0 +1,54 @@
+//! Does the pressure fall once the valve is vented?
+//!
+//! A converter, an amplifier or a regulator that is stuck is not vented by a code. So the measured pressure is looked at: in
+//! each [`WINDOW_TICKS`] it has to reach what counts as vented, or to lose a fifth of what it was. A muscle that empties with a
+//! time constant of up to 1.3 s does.
+
+use wire::Fault;
+
+/// Unit: tick.
+pub const WINDOW_TICKS: u16 = 300;
+
+/// What the codes are compared with. Unit: ADC code.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// That of no pressure.
+    pub zero: u16,
+    /// Up to this the muscle is vented.
+    pub vented: u16,
+}
+
+/// What is remembered of the codes since a window began.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Venting {
+    first: u16,
+    /// A single sample that is wrong makes no fault: one too low ends it, one too high puts it off to the next window.
+    lowest: u16,
+    ticks: u16,
+}
+
+impl Venting {
+    /// Takes the code of a tick.
+    ///
+    /// # Errors
+    /// A window has ended, and the pressure has not fallen.
+    #[inline(always)]
+    pub fn take(&mut self, limits: &Limits, is_driven: bool, code: u16) -> Result<(), Fault> {
+        if is_driven {
+            self.ticks = 0;
+            return Ok(());
+        }
+        if self.ticks == 0 {
+            (self.first, self.lowest) = (code, code);
+        }
+        self.lowest = self.lowest.min(code);
+        self.ticks += 1;
+        if self.ticks < WINDOW_TICKS {
+            return Ok(());
+        }
+        self.ticks = 0;
+        let above = |code: u16| u32::from(code.saturating_sub(limits.zero));
+        let has_fallen = 5 * above(self.lowest) <= 4 * above(self.first);
+        if self.lowest <= limits.vented || has_fallen { Ok(()) } else { Err(Fault::VentIneffective) }
+    }
+}

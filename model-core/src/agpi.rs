@@ -78,6 +78,30 @@ impl<T: Real, const N: usize> AgpiParameters<T, N> {
 }
 
 /// A validated AGPI model with at most `N` plays.
+///
+/// ```
+/// use model_core::agpi::{Agpi, AgpiParameters};
+/// use model_core::envelope::{EnvelopeParameters::Tanh, TanhParameters};
+/// use model_core::{Hysteresis, paper};
+///
+/// // Falling inputs see a higher envelope.
+/// let falling = TanhParameters { c3: paper::ENVELOPE.c3 + 0.2, ..paper::ENVELOPE };
+/// let muscle = Agpi::try_new(&AgpiParameters {
+///     rising: Tanh(paper::ENVELOPE),
+///     falling: Tanh(falling),
+///     plays: paper::mgpi()?.plays,
+///     gain: 50.0,
+///     offset: 0.0,
+///     input_min: 0.0,
+///     input_max: 6.0,
+///     preconditioned: false,
+/// })?;
+/// let mut state = muscle.rest_state();
+/// let rising = muscle.step(&mut state, 3.0)?;
+/// muscle.step(&mut state, 6.0)?;
+/// assert!(muscle.step(&mut state, 3.0)? > rising);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Agpi<T, const N: usize> {
     rising: AnyEnvelope<T>,

@@ -22,6 +22,13 @@ const MANTISSA_BITS: u32 = 23;
 const HALF_LN_2: f32 = 0.346_573_6;
 
 /// atanh((a - b)/(a + b)) for a and b above 0 and below a quarter of the largest number.
+///
+/// ```
+/// use model_core::atanh::{ERROR, atanh_of_ratio};
+///
+/// let exact = (-1.0_f64 / 3.0).atanh(); // of (1 - 2)/(1 + 2)
+/// assert!((f64::from(atanh_of_ratio(1.0, 2.0)) - exact).abs() <= f64::from(ERROR));
+/// ```
 #[inline(always)]
 pub fn atanh_of_ratio(a: f32, b: f32) -> f32 {
     let (a_bits, b_bits) = (a.to_bits() as i32, b.to_bits() as i32);

@@ -34,6 +34,16 @@ use crate::real::Real;
 use crate::turning_points::TurningPoints;
 
 /// Raw parameters of a cascade with at most `N` plays and `M` dead zones.
+///
+/// ```
+/// use model_core::Mgpi;
+///
+/// let mut muscle = model_core::paper::mgpi()?;
+/// (muscle.input_min, muscle.input_max) = (6.0, 0.0);
+/// let refused = Mgpi::try_new(&muscle).unwrap_err();
+/// assert_eq!(refused.to_string(), "input range is 0 input unit, must be above 6 input unit");
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -76,6 +86,18 @@ impl<T: Real, const N: usize, const M: usize> CascadeParameters<T, N, M> {
 }
 
 /// A validated, invertible cascade of an envelope, at most `N` plays and at most `M` dead zones.
+///
+/// ```
+/// use model_core::{Hysteresis, Mgpi};
+///
+/// let muscle = Mgpi::try_new(&model_core::paper::mgpi()?)?;
+/// let mut state = muscle.rest_state();
+/// let rising = muscle.step(&mut state, 3.0)?;
+/// muscle.step(&mut state, 6.0)?;
+/// let falling = muscle.step(&mut state, 3.0)?;
+/// assert!(falling > rising); // mm: at the same pressure the muscle is shorter on the way back
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)] // As for `InverseCascade`.
 pub struct Cascade<T, E, const N: usize, const M: usize> {
@@ -208,6 +230,19 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Cascade<T,
 }
 
 /// The inverse of a [`Cascade`].
+///
+/// ```
+/// use model_core::{Hysteresis, InverseHysteresis, Invertible, Mgpi};
+///
+/// let muscle = Mgpi::try_new(&model_core::paper::mgpi()?)?;
+/// let inverse = muscle.inverse()?;
+/// let (mut there, mut back) = (muscle.rest_state(), inverse.rest_state());
+/// for pressure in [1.0, 5.0, 2.0, 4.0] {
+///     let contraction = muscle.step(&mut there, pressure)?;
+///     assert!((inverse.step(&mut back, contraction)? - pressure).abs() < 1e-9);
+/// }
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)] // In this order what every sample needs is within the reach of a load, 1020 bytes: else each costs an addition.
 pub struct InverseCascade<T, E, const N: usize, const M: usize> {

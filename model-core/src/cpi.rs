@@ -16,6 +16,16 @@ use crate::real::Real;
 ///
 /// # Errors
 /// The capacity `M` is 0.
+///
+/// ```
+/// use model_core::play::PlayParameters;
+/// use model_core::{Kind, ModelParameters, cpi};
+///
+/// let plays = PlayParameters::<f64, 4>::exponential(4, 0.3, 0.2, 1.0, 0.5)?;
+/// let classical = cpi::parameters::<f64, 4, 1>(plays, 20.0, 0.0, (0.0, 6.0))?;
+/// assert_eq!(ModelParameters::Cascade(classical).kind(), Kind::Cpi);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn parameters<T: Real, const N: usize, const M: usize>(
     plays: PlayParameters<T, N>,
     gain: T,

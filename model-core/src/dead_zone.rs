@@ -26,6 +26,19 @@ use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
 /// Raw parameters of at most `M` dead zones.
+///
+/// ```
+/// use heapless::Vec;
+/// use model_core::dead_zone::{DeadZoneParameters, DeadZones};
+///
+/// let list = |numbers: [f64; 2]| Vec::<f64, 2>::from_iter(numbers);
+/// let mut zones = DeadZoneParameters { thresholds: list([0.0, 1.0]), weights: list([20.0, -5.0]), offset: 0.0 };
+/// assert_eq!(DeadZones::try_new(&zones)?.smallest_slope(), 15.0); // flatter beyond 1, but rising
+///
+/// zones.weights = list([20.0, -20.0]);
+/// assert!(DeadZones::try_new(&zones).is_err()); // level beyond 1: no inverse
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -69,6 +82,15 @@ impl<T: Real, const M: usize> DeadZoneParameters<T, M> {
 }
 
 /// A validated dead-zone stage of at most `M` dead zones, at least one.
+///
+/// ```
+/// use model_core::dead_zone::{DeadZoneParameters, DeadZones};
+///
+/// let line = DeadZones::try_new(&DeadZoneParameters::<f64, 1>::line(20.0, 5.0)?)?;
+/// assert_eq!(line.value(2.0), 45.0);
+/// assert_eq!(line.inverse(45.0), 2.0);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeadZones<T, const M: usize> {
     curve: MonotoneCurve<T, M>,

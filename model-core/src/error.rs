@@ -35,6 +35,13 @@ impl fmt::Display for Requirement {
 }
 
 /// A parameter that no model can be made of: its name, its value and what it has to be.
+///
+/// ```
+/// use model_core::Range;
+///
+/// let refused = Range::try_new(1.0, 0.5, "command range", "bar").unwrap_err();
+/// assert_eq!(refused.to_string(), "command range is 0.5 bar, must be above 1 bar");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterError {
     /// The parameter, by the name that it has in its struct and in a model file.
@@ -63,6 +70,14 @@ impl fmt::Display for ParameterError {
 impl core::error::Error for ParameterError {}
 
 /// An input that a step refuses; the state is as it was before.
+///
+/// ```
+/// use model_core::{Hysteresis, InputError, Mgpi};
+///
+/// let muscle = Mgpi::try_new(&model_core::paper::mgpi()?)?;
+/// assert_eq!(muscle.step(&mut muscle.rest_state(), f64::INFINITY), Err(InputError::NotFinite));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputError {
     /// The input is infinite or not a number.

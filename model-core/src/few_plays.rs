@@ -22,8 +22,8 @@
 use core::array;
 
 use crate::convert::counted_from;
+use crate::direction::{go, passes};
 use crate::loading_curve::LoadingCurve;
-use crate::play_move::{go, passes};
 use crate::range::Range;
 use crate::real::Real;
 

@@ -8,6 +8,20 @@ use crate::range::Range;
 use crate::real::Real;
 
 /// What a model or an inverse remembers.
+///
+/// ```
+/// use model_core::{Hysteresis, Mgpi};
+///
+/// // Wiping out: after a rise to the upper end it no longer matters what was before.
+/// let muscle = Mgpi::try_new(&model_core::paper::mgpi()?)?;
+/// let (mut straight, mut winding) = (muscle.rest_state(), muscle.rest_state());
+/// for pressure in [2.0, 1.0, 3.0, 0.5] {
+///     muscle.step(&mut winding, pressure)?;
+/// }
+/// let (one, other) = (muscle.step(&mut straight, 6.0)?, muscle.step(&mut winding, 6.0)?);
+/// assert!((one - other).abs() < 1e-12);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)] // As for `InverseCascade`.
 pub struct HysteresisState<T, const N: usize> {

@@ -32,6 +32,25 @@ pub struct LawParameters<T> {
 }
 
 /// A validated control law with the inverse model `I`.
+///
+/// ```
+/// use model_core::law::{Law, LawParameters};
+/// use model_core::pid::PidParameters;
+/// use model_core::{Invertible, Mgpi};
+///
+/// let inverse = Mgpi::try_new(&model_core::paper::mgpi()?)?.inverse()?;
+/// let law = Law::try_new(inverse, &LawParameters {
+///     pid: PidParameters::paper(),
+///     command_min: 0.0,
+///     command_max: 6.0,
+///     slew_bar_per_s: 60.0,
+///     period_s: 0.001,
+/// })?;
+/// let mut state = law.rest_state(0.0);
+/// let command: f64 = law.step(&mut state, 40.0, 0.0)?;
+/// assert!(command > 0.0 && command <= 0.06 + 1e-12); // bar: no faster than the slew limit
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)] // As for `LawState`.
 pub struct Law<T, I> {

@@ -47,6 +47,7 @@ mod convert;
 pub mod cpi;
 pub mod curve;
 pub mod dead_zone;
+mod direction;
 pub mod egpi;
 pub mod envelope;
 pub mod error;

@@ -33,6 +33,17 @@ impl<T: Real> MemorylessParameters<T> {
 }
 
 /// A validated memoryless curve.
+///
+/// ```
+/// use model_core::Range;
+/// use model_core::memoryless::{Memoryless, MemorylessParameters};
+///
+/// let range = Range::try_new(0.0, 6.0, "input range", "bar")?;
+/// let curve = Memoryless::try_new(&MemorylessParameters { rises: [1.0, 2.0, 3.0] }, &range)?;
+/// assert_eq!((curve.value(0.0), curve.value(6.0)), (0.0, 6.0)); // from 0 to the sum of the rises
+/// assert!(curve.value(4.0) > curve.value(2.0)); // no rise is negative: the curve does not fall
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memoryless<T> {
     rises: [T; DEGREE],

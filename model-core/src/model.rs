@@ -12,6 +12,12 @@ use crate::range::Range;
 use crate::real::Real;
 
 /// The members of the family.
+///
+/// ```
+/// use model_core::Kind;
+///
+/// assert_eq!(Kind::ALL.map(Kind::name), ["cpi", "sgpi", "agpi", "mpi", "egpi", "mgpi"]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Classical, see [`crate::cpi`].
@@ -52,6 +58,16 @@ impl fmt::Display for Kind {
 }
 
 /// Raw parameters of a model with at most `N` plays and `M` dead zones.
+///
+/// ```
+/// use model_core::{Kind, ModelParameters};
+///
+/// let muscle = ModelParameters::Cascade(model_core::paper::mgpi()?);
+/// assert_eq!((muscle.kind(), muscle.input()), (Kind::Mgpi, (0.0, 6.0)));
+/// let on_board: ModelParameters<f32, 16, 16> = muscle.convert()?;
+/// assert!(muscle.convert::<f32, 4, 4>().is_err()); // ten plays do not fit in four places
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -133,6 +149,19 @@ impl<T: Real, const N: usize, const M: usize> ModelParameters<T, N, M> {
 }
 
 /// A validated model.
+///
+/// ```
+/// use model_core::{Hysteresis, Model, ModelParameters};
+///
+/// let muscle = Model::try_new(&ModelParameters::Cascade(model_core::paper::mgpi()?))?;
+/// assert!(muscle.smallest_output_slope() > 0.0); // mm/bar: more pressure, more contraction
+///
+/// let mut state = muscle.rest_state();
+/// let before = state.clone();
+/// assert!(muscle.step(&mut state, f64::NAN).is_err());
+/// assert_eq!(state, before); // a refused input leaves no trace
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Model<T, const N: usize, const M: usize> {
     /// CPI, SGPI, MPI or MGPI.

@@ -12,6 +12,17 @@ use crate::play::PlayParameters;
 
 /// The parameters of an MPI model. Thresholds of plays and dead zones: input unit; weights of the dead zones:
 /// output unit per input unit; input: lower and upper end of the valid inputs, input unit. The muscle comes from rest.
+///
+/// ```
+/// use model_core::envelope::EnvelopeParameters;
+/// use model_core::{Kind, ModelParameters, mpi, paper};
+///
+/// let muscle = paper::mgpi()?;
+/// let linear = mpi::parameters(muscle.plays, muscle.dead_zones, (0.0, 6.0));
+/// assert_eq!(linear.envelope, EnvelopeParameters::Identity);
+/// assert_eq!(ModelParameters::Cascade(linear).kind(), Kind::Mpi);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn parameters<T, const N: usize, const M: usize>(
     plays: PlayParameters<T, N>,
     dead_zones: DeadZoneParameters<T, M>,

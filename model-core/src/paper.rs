@@ -30,6 +30,15 @@ pub const WEIGHTS: [f64; SIZE] =
 ///
 /// # Errors
 /// None in practice: the tabled values are valid. The type is that of the steps that lead here.
+///
+/// ```
+/// use model_core::{Hysteresis, Mgpi};
+///
+/// let muscle = Mgpi::try_new(&model_core::paper::mgpi()?)?;
+/// let (rest, longest) = muscle.output_range();
+/// assert!(longest - rest > 0.2 * model_core::paper::MUSCLE_LENGTH_MM); // it contracts by more than a fifth
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn mgpi() -> Result<MgpiParameters<f64, SIZE, SIZE>, ParameterError> {
     let [q, rho, tau, alpha] = PLAYS;
     let plays = PlayParameters::exponential(SIZE, q, rho, tau, alpha)?;

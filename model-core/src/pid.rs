@@ -17,6 +17,13 @@ use crate::error::{Check, ParameterError};
 use crate::real::Real;
 
 /// Raw parameters of the PID.
+///
+/// ```
+/// use model_core::pid::{Pid, PidParameters};
+///
+/// let wrong = PidParameters { ki: -0.01, ..PidParameters::paper() };
+/// assert_eq!(Pid::try_new(&wrong, 0.001).unwrap_err().parameter, "ki");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PidParameters<T> {
@@ -46,6 +53,18 @@ impl<T: Real> PidParameters<T> {
 }
 
 /// A validated PID for a fixed period.
+///
+/// ```
+/// use model_core::pid::{Pid, PidParameters, PidState};
+///
+/// let pid = Pid::try_new(&PidParameters::paper(), 0.001)?;
+/// let mut state = PidState::starting_at(0.0);
+/// let first: f64 = pid.output(&mut state, 2.0, 0.0);
+/// assert!((first - 0.05 * 2.0).abs() < 1e-12); // bar: the proportional part alone
+/// pid.settle(&mut state, 2.0, 0.0);
+/// assert!(pid.output(&mut state, 2.0, 0.0) > first); // the integral grows while the error lasts
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pid<T> {
     kp: T,

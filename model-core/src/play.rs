@@ -27,20 +27,36 @@
 use heapless::Vec;
 
 use crate::curve::Segment;
+use crate::direction::Target;
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
 use crate::few_plays::{FEW_PLAYS, FewPlays};
 use crate::loading_curve::LoadingCurve;
-use crate::play_move::Target;
 use crate::play_state::Memory;
 use crate::range::Range;
 use crate::real::Real;
-use crate::turning_points::{Turn, TurningPoints, admissible};
+use crate::turn_stack::Turn;
+use crate::turning_points::{TurningPoints, admissible};
 
-pub(crate) use crate::play_move::Reached;
+pub(crate) use crate::direction::Reached;
 pub use crate::play_parameters::PlayParameters;
 pub use crate::play_state::PlayState;
 
 /// A validated bank of at most `N` plays.
+///
+/// ```
+/// use model_core::play::{PlayBank, PlayParameters};
+///
+/// let bank = PlayBank::try_new(&PlayParameters::<f64, 4>::exponential(4, 0.3, 0.2, 5.0, 0.1)?)?;
+/// let mut state = bank.rest_state(0.0);
+/// let rising = bank.step(&mut state, 0.5)?;
+/// bank.step(&mut state, 1.0)?;
+/// let falling = bank.step(&mut state, 0.5)?;
+/// assert!(falling > rising); // hysteresis: the way back lies above
+///
+/// bank.step(&mut state, 1.0)?;
+/// assert_eq!(bank.step(&mut state, 0.5)?, falling); // a small loop closes
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)] // As for `InverseCascade`.
 pub struct PlayBank<T, const N: usize> {
@@ -346,6 +362,19 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     ///
     /// # Errors
     /// Thresholds of the inverse coincide, or are not finite, in this number type.
+    ///
+    /// ```
+    /// use model_core::play::{PlayBank, PlayParameters};
+    ///
+    /// let bank = PlayBank::try_new(&PlayParameters::<f64, 4>::exponential(4, 0.3, 0.2, 5.0, 0.1)?)?;
+    /// let inverse = bank.inverse()?;
+    /// let (mut there, mut back) = (bank.rest_state(0.0), inverse.rest_state(0.0));
+    /// for v in [0.2, 0.9, 0.4, 0.6] {
+    ///     let u = bank.step(&mut there, v)?;
+    ///     assert!((inverse.step(&mut back, u)? - v).abs() < 1e-12);
+    /// }
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     pub fn inverse(&self) -> Result<Self, ParameterError> {
         let mut last = T::ZERO;
         for (i, segment) in self.curve.segments().skip(1).enumerate() {

@@ -3,39 +3,11 @@
 //! The theory stands in [`crate::play`].
 
 use crate::curve::Segment;
+use crate::direction::{Reached, Target, go, passes, reaches, way};
 use crate::play::PlayBank;
 use crate::real::Real;
-use crate::turning_points::{Turn, TurningPoints};
-
-/// How far a move is to go: to the input `v`, but no farther than to the output `end`.
-pub(crate) struct Target<T> {
-    pub(crate) v: T,
-    pub(crate) end: Option<T>,
-}
-
-impl<T: Real> Target<T> {
-    /// Whether a move that leads to this output has come to the end.
-    #[inline(always)]
-    fn is_reached<const RISING: bool>(&self, u: T) -> bool {
-        self.end.is_some_and(|end| reaches::<T, RISING>(u, end))
-    }
-}
-
-/// The output after a move.
-pub(crate) enum Reached<T> {
-    /// Where it was to go.
-    Inside(T),
-    /// The end of the range.
-    End(T),
-}
-
-impl<T> Reached<T> {
-    pub(crate) fn output(self) -> T {
-        match self {
-            Self::Inside(u) | Self::End(u) => u,
-        }
-    }
-}
+use crate::turn_stack::Turn;
+use crate::turning_points::TurningPoints;
 
 /// The heights of the turning points that a move leaves, see [`TurnStack`].
 #[derive(Clone, Copy)]
@@ -209,28 +181,4 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
             ahead.truncate(ahead.height().saturating_sub(1));
         }
     }
-}
-
-/// Whether a move in one direction passes `other` on its way to `to`.
-#[inline(always)]
-pub(crate) fn passes<T: Real, const RISING: bool>(to: T, other: T) -> bool {
-    if RISING { to > other } else { to < other }
-}
-
-/// Whether a move in one direction to `to` reaches `other`.
-#[inline(always)]
-fn reaches<T: Real, const RISING: bool>(to: T, other: T) -> bool {
-    if RISING { to >= other } else { to <= other }
-}
-
-/// How far it is from one coordinate to another, in the direction of a move.
-#[inline(always)]
-fn way<T: Real, const RISING: bool>(from: T, to: T) -> T {
-    if RISING { to - from } else { from - to }
-}
-
-/// The coordinate that far from another, in the direction of a move.
-#[inline(always)]
-pub(crate) fn go<T: Real, const RISING: bool>(from: T, way: T) -> T {
-    if RISING { from + way } else { from - way }
 }

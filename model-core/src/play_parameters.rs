@@ -7,6 +7,17 @@ use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
 
 /// Raw parameters of a bank of at most `N` plays.
+///
+/// ```
+/// use model_core::play::PlayParameters;
+///
+/// // Equations (9) and (10): equally spaced thresholds, weights that fade.
+/// let plays = PlayParameters::<f64, 3>::exponential(3, 0.3, 0.2, 5.0, 0.1)?;
+/// assert!((plays.thresholds[2] - 0.3).abs() < 1e-15);
+/// assert!(plays.weights[0] > plays.weights[1] && plays.weights[1] > plays.weights[2]);
+/// assert!(PlayParameters::<f64, 3>::exponential(4, 0.3, 0.2, 5.0, 0.1).is_err()); // no room for four
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

@@ -5,6 +5,18 @@ use crate::real::Real;
 use crate::turning_points::TurningPoints;
 
 /// What a bank of at most `N` plays remembers.
+///
+/// ```
+/// use model_core::play::{PlayBank, PlayParameters};
+///
+/// let bank = PlayBank::try_new(&PlayParameters::<f64, 2>::exponential(2, 0.3, 0.2, 5.0, 0.1)?)?;
+/// let mut state = bank.rest_state(0.0);
+/// bank.step(&mut state, 1.0)?;
+/// // Each play follows at the distance of its threshold.
+/// let outputs = bank.outputs(&state);
+/// assert!((outputs[0] - 0.9).abs() < 1e-12 && (outputs[1] - 0.8).abs() < 1e-12);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C)] // As for `InverseCascade`.
 pub struct PlayState<T, const N: usize> {

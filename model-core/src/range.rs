@@ -4,6 +4,16 @@ use crate::error::{Check, ParameterError};
 use crate::real::Real;
 
 /// A closed interval, `min < max`, both finite. Unit: that of its use.
+///
+/// ```
+/// use model_core::Range;
+///
+/// let limits = Range::try_new(0.0, 6.0, "command range", "bar")?;
+/// assert_eq!([limits.limit(-1.0), limits.limit(7.0)], [0.0, 6.0]);
+/// assert!(limits.contains(6.0) && !limits.contains(f64::NAN));
+/// assert!(Range::try_new(6.0, 0.0, "command range", "bar").is_err());
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range<T> {
     min: T,

@@ -8,6 +8,16 @@ use core::fmt::{Debug, Display};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// A floating-point number: `f32` on the board, `f64` on the host.
+///
+/// ```
+/// use model_core::Real;
+///
+/// fn share_left<T: Real>(time_s: T, constant_s: T) -> T {
+///     (-time_s / constant_s).exp()
+/// }
+/// assert!((share_left(1.0_f64, 1.0) - 0.36788).abs() < 1e-5);
+/// assert!((share_left(1.0_f32, 1.0) - 0.36788).abs() < 1e-5);
+/// ```
 pub trait Real:
     Copy
     + Debug

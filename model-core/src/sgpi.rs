@@ -16,6 +16,16 @@ use crate::real::Real;
 ///
 /// # Errors
 /// The capacity `M` is 0.
+///
+/// ```
+/// use model_core::envelope::EnvelopeParameters::Tanh;
+/// use model_core::{Kind, ModelParameters, paper, sgpi};
+///
+/// let plays = paper::mgpi()?.plays;
+/// let symmetric = sgpi::parameters::<f64, 10, 1>(Tanh(paper::ENVELOPE), plays, 50.0, 0.0, (0.0, 6.0))?;
+/// assert_eq!(ModelParameters::Cascade(symmetric).kind(), Kind::Sgpi);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn parameters<T: Real, const N: usize, const M: usize>(
     envelope: EnvelopeParameters<T>,
     plays: PlayParameters<T, N>,

@@ -41,6 +41,12 @@ use crate::range::Range;
 use crate::real::Real;
 
 /// Which parts of the controller act.
+///
+/// ```
+/// use model_core::Mode;
+///
+/// assert_eq!(Mode::default(), Mode::Both);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mode {
@@ -99,6 +105,31 @@ impl<T> From<T> for Measured<T> {
 const MARGIN: f64 = 0.1;
 
 /// A validated tracking controller.
+///
+/// ```
+/// use model_core::pid::PidParameters;
+/// use model_core::{ExtensionParameters, Hysteresis, Mgpi, Mode, ModelParameters, Tracking, TrackingParameters};
+///
+/// let parameters = model_core::paper::mgpi()?;
+/// let muscle = Mgpi::try_new(&parameters)?;
+/// let controller = Tracking::try_new(&TrackingParameters {
+///     model: ModelParameters::Cascade(parameters),
+///     extensions: ExtensionParameters::default(),
+///     pid: PidParameters::paper(),
+///     command_min: 0.0,
+///     command_max: 6.0,
+///     slew_bar_per_s: 60.0,
+///     period_s: 0.001,
+/// })?;
+/// let (mut state, mut plant) = (controller.rest_state(Mode::Both), muscle.rest_state());
+/// let mut contraction = muscle.step(&mut plant, 0.0)?;
+/// for _ in 0..200 {
+///     let command = controller.step(&mut state, Mode::Both, 50.0, contraction)?.command;
+///     contraction = muscle.step(&mut plant, command)?;
+/// }
+/// assert!((contraction - 50.0).abs() < 1.0); // mm
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tracking<T, const N: usize, const M: usize> {
     inverse: ExtendedInverse<T, N, M>,

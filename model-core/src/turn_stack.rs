@@ -1,7 +1,24 @@
 //! The turning points on one side: a stack that is searched by halving.
 
 use crate::real::Real;
-use crate::turning_points::Turn;
+
+/// A point that the input has turned at, or where it stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Turn<T> {
+    /// Input.
+    pub(crate) v: T,
+    /// Output there.
+    pub(crate) u: T,
+    /// How many plays, those of the smallest thresholds, were driven on the way here.
+    pub(crate) driven: usize,
+}
+
+impl<T> Turn<T> {
+    /// The same place, seen from the inverse bank.
+    pub(crate) fn inverted(self) -> Self {
+        Self { v: self.u, u: self.v, driven: self.driven }
+    }
+}
 
 /// Turning points in `N` places, the innermost last.
 #[derive(Clone, Debug)]

@@ -16,25 +16,7 @@
 use crate::convert::counted_from;
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;
-use crate::turn_stack::TurnStack;
-
-/// A point that the input has turned at, or where it stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Turn<T> {
-    /// Input.
-    pub(crate) v: T,
-    /// Output there.
-    pub(crate) u: T,
-    /// How many plays, those of the smallest thresholds, were driven on the way here.
-    pub(crate) driven: usize,
-}
-
-impl<T> Turn<T> {
-    /// The same place, seen from the inverse bank.
-    fn inverted(self) -> Self {
-        Self { v: self.u, u: self.v, driven: self.driven }
-    }
-}
+use crate::turn_stack::{Turn, TurnStack};
 
 /// The turning points of a bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]

@@ -30,6 +30,14 @@ pub fn memory(residuals: &[f64]) -> usize {
 }
 
 /// How many times the variance of a mean of the residuals is that of as many white ones: 1 + Σ 2 ρₖ, as in [`memory`].
+///
+/// ```
+/// use identification::autocorrelation::inflation;
+///
+/// let slow: Vec<f64> = (0..1000).map(|k| (0.05 * f64::from(k)).sin()).collect();
+/// let alternating: Vec<f64> = (0..1000).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+/// assert!(inflation(&slow) > inflation(&alternating)); // alike residuals tell less
+/// ```
 pub fn inflation(residuals: &[f64]) -> f64 {
     sums(residuals).0
 }

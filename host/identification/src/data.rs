@@ -5,6 +5,7 @@ use model_core::memoryless::{DEGREE, Memoryless, MemorylessParameters};
 use model_core::{ParameterError, Range};
 
 use super::coordinates::Coordinate;
+use super::row::{Row, Span};
 use super::structure::Structure;
 use super::{DEAD_ZONES, FREE, IdentificationError, Options, PLAYS, Problem, Weights};
 use recording::numbers::range;
@@ -12,22 +13,6 @@ use recording::numbers::range;
 /// The smallest slope that the stage behind the plays may get, as a share of the mean slope: how far a model is
 /// kept from being non-invertible.
 const LEAST_SLOPE: f64 = 1e-2;
-
-/// Lowest input and span of the inputs. Input unit.
-pub type Span = (f64, f64);
-
-/// A row of a recording.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// The input, 0 … 1 over the span of the recording's inputs.
-    pub input: f64,
-    /// The measured output. Output unit.
-    pub output: f64,
-    /// How many rows that count it stands for; 0 if it is history only.
-    pub weight: f32,
-    /// Whether it is on a rising branch; one that rests keeps its branch.
-    pub rising: bool,
-}
 
 /// A recording, normalised for the search.
 #[derive(Clone)]

@@ -14,7 +14,7 @@
 use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters, TanhParameters};
 
 use super::coordinates::Coordinate;
-use super::data::Span;
+use super::row::Span;
 
 /// The shape of an envelope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,6 +5,14 @@ use std::fmt;
 use model_core::ParameterError;
 
 /// Why nothing can be identified.
+///
+/// ```
+/// use identification::{IdentificationError, Options, Problem, identify};
+///
+/// let still = Problem { input: &[1.0; 50], output: &[5.0; 50], scored: &[true; 50] };
+/// let refused: IdentificationError = identify(&still, &Options::default(), &|_| ()).unwrap_err();
+/// assert!(!refused.to_string().is_empty()); // an input that never moves tells nothing
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum IdentificationError {
     /// Lists of different length.

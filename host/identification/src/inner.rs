@@ -8,9 +8,9 @@
 //!
 //! `K` is the capacity for coordinates; what is beyond their number stays 0.
 
-use super::data::{Row, Span};
 use super::envelope::Envelope;
 use super::plays::Plays;
+use super::row::{Row, Span};
 use super::structure::Structure;
 
 /// Envelope and plays at a point of the coordinates.

@@ -3,7 +3,7 @@
 //! # Design
 //! | file | what it does |
 //! |---|---|
-//! | `data` | the recording, checked and normalised |
+//! | `data`, `row` | the recording, checked and normalised |
 //! | `structure` | the parts of a model of the family |
 //! | `coordinates` | the nonlinear coordinates, bounded smoothly |
 //! | `envelope`, `plays` | the parts in normalised form, without the model's two exact scalings |
@@ -12,8 +12,9 @@
 //! | `projection`, `nnls` | offset, slopes of the dead zones and added functions, linear and kept positive |
 //! | `problem` | the reduced problem and its Jacobian, for the Levenberg-Marquardt kernel (MINPACK's, crate `levenberg-marquardt`) |
 //! | `starts` | where the searches begin |
+//! | `descent` | one search, from a start to its end |
 //! | `search` | the searches, one after the other and side by side |
-//! | `plan` | how much work they are |
+//! | `plan` | how many they are, on how many rows, and how much work |
 //! | `raw` | the way to the raw parameters |
 //! | `robust` | Huber's loss |
 //! | `strays` | when it is needed |
@@ -40,6 +41,7 @@ mod collinear;
 pub mod comparison;
 mod coordinates;
 mod data;
+mod descent;
 mod envelope;
 mod error;
 pub mod holdout;
@@ -52,6 +54,7 @@ pub mod progress;
 mod projection;
 mod raw;
 mod robust;
+mod row;
 mod search;
 mod starts;
 mod strays;
@@ -65,15 +68,15 @@ use model_core::envelope::KNOTS;
 use model_core::{Invertible, Kind, ParameterError};
 
 use data::{Data, normalise};
+use descent::{End, Reached};
 pub use error::IdentificationError;
-use plan::Plan;
+use plan::{FREED, Plan};
 use problem::Point;
 use robust::Robust;
-use search::{End, FREED, Reached, Searches, finalists};
+use search::{Searches, finalists};
 use starts::Start;
 pub use strays::Strays;
-use structure::Structure;
-use sums::FURTHER;
+use structure::{FURTHER, Structure};
 pub use termination::Termination;
 pub use uncertainty::{Estimate, Uncertainty};
 
@@ -110,6 +113,14 @@ impl<'a> From<&'a Recording> for Problem<'a> {
 }
 
 /// How to identify.
+///
+/// ```
+/// use identification::Options;
+/// use model_core::Kind;
+///
+/// let unknowns = |plays, model| Options { plays, model, ..Options::default() }.unknowns();
+/// assert!(unknowns(10, Kind::Mgpi) > unknowns(10, Kind::Sgpi)); // dead zones are parameters
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Which model.
@@ -133,6 +144,24 @@ pub struct Options {
     /// A step that gains less than this share of the sum of squares is the last of a search: [`CONVERGED`], or more where the
     /// answer is only a beginning. Outliers are looked for at [`CONVERGED`].
     pub tolerance: f64,
+}
+
+impl Default for Options {
+    /// The paper's model with its ten plays and ten dead zones, as `mgpi identify` does it.
+    fn default() -> Self {
+        Self {
+            model: Kind::Mgpi,
+            knots: None,
+            plays: 10,
+            weights: Weights::Exponential,
+            dead_zones: 10,
+            loss: Loss::Huber,
+            starts: STARTS,
+            seed: SEED,
+            threads: 0,
+            tolerance: CONVERGED,
+        }
+    }
 }
 
 impl Options {
@@ -196,6 +225,13 @@ macro_rules! with_capacity {
 }
 
 /// Units of the work of [`identify`] on so many rows that count, to compare with each other.
+///
+/// ```
+/// use identification::{Options, work};
+///
+/// let options = Options::default();
+/// assert!(work(20_000, &options) > work(2_000, &options));
+/// ```
 pub fn work(rows: usize, options: &Options) -> f64 {
     Plan::new(rows, options).units()
 }
@@ -204,6 +240,22 @@ pub fn work(rows: usize, options: &Options) -> f64 {
 ///
 /// # Errors
 /// See [`IdentificationError`].
+///
+/// ```
+/// use identification::{Options, Problem, identify};
+/// use model_core::Kind;
+///
+/// // A straight line with a play of 0.5 bar: 10 mm/bar, and hysteresis.
+/// let input: Vec<f64> = (0..400).map(|k| 3.0 - 3.0 * (0.0628 * f64::from(k)).cos()).collect();
+/// let mut held = 0.0_f64;
+/// let output: Vec<f64> = input.iter().map(|&x| { held = held.clamp(x - 0.5, x + 0.5); 5.0 * (x + held) }).collect();
+/// let scored = vec![true; input.len()];
+/// let options = Options { model: Kind::Cpi, plays: 4, starts: 2, ..Options::default() };
+/// let fit = identify(&Problem { input: &input, output: &output, scored: &scored }, &options, &|_| ())?;
+/// let worst = fit.simulated.iter().zip(&output).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+/// assert!(worst < 3.0, "{worst} mm of a stroke of 57 mm");
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn identify(
     problem: &Problem<'_>,
     options: &Options,

@@ -7,8 +7,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::data::{Data, normalise};
+use super::descent::{Limits, Reached, search};
 use super::inner::Inner;
-use super::search::{Limits, Reached, best, better, finalists, remove_repeated, search};
+use super::plan::{best, better};
+use super::search::{finalists, remove_repeated};
 use super::tests::{data, fit, options, truth};
 use super::{CONVERGED, Problem, simulate, starts};
 use crate::progress::{Planned, Work};

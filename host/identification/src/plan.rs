@@ -3,11 +3,21 @@
 //! A unit is the time that the sums over one row take for a model of few coordinates. Searches that go to their end are
 //! planned with as many evaluations as they have mostly taken (the project's recordings, all models).
 
-use super::search::{FREED, ROWS, SCREENING, best, better, levels};
 use super::structure::Structure;
 use super::{Loss, Options, Weights};
 use crate::progress::Planned;
 
+/// Rows that count of the thinned recording: many for each of a few dozen parameters.
+pub const ROWS: usize = 4000;
+/// The next recording has so many times the rows, or all if that is at least a quarter of them.
+const LEVEL: usize = 4;
+/// How many ends with exponential weights free ones go on from.
+pub const FREED: usize = 3;
+/// One more search goes to its end on the thinned recording for so many rows: all together take
+/// less time than the few on all rows do (million rows, 24 starts: 1 s of 4).
+const ROWS_A_SEARCH: usize = 2 * ROWS;
+/// Evaluations per coordinate that every start gets, and then the better half of them once more.
+pub const SCREENING: usize = 2;
 /// Evaluations per coordinate of a search to its end from a screened start, and of one from an end on fewer rows.
 const TO_THE_END: usize = 3;
 const ONWARDS: usize = 2;
@@ -19,6 +29,23 @@ const POLISHED: usize = 2;
 const ROUNDS: usize = 8;
 /// Passes over all rows that the standard errors take.
 const UNCERTAINTY: usize = 6;
+
+/// The starts that are screened once more, of a number of starts for so many rows that count.
+pub fn better(starts: usize, rows: usize) -> usize {
+    starts.div_ceil(2).max(best(starts, rows))
+}
+
+/// The starts that go on to their ends, of a number of starts for so many rows that count: a
+/// quarter, of a long recording all.
+pub fn best(starts: usize, rows: usize) -> usize {
+    (rows / ROWS_A_SEARCH).clamp(starts.div_ceil(4), starts)
+}
+
+/// Rows that count of the recordings between the thinned one and all rows.
+pub fn levels(rows: usize) -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(ROWS * LEVEL), |level| Some(level * LEVEL))
+        .take_while(move |level| 4 * level < rows)
+}
 
 /// The parts of an identification.
 pub struct Plan {

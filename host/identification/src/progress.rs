@@ -17,6 +17,15 @@ pub fn within(tell: Tell<'_>, [from, to]: [f64; 2]) -> impl Fn(f64) + Sync {
 }
 
 /// A work whose parts are planned.
+///
+/// ```
+/// use identification::progress::Work;
+///
+/// let told = std::sync::Mutex::new(0.0);
+/// let tell = |share: f64| *told.lock().unwrap() = share;
+/// Work::new(4.0, &tell).add(1.0);
+/// assert_eq!(*told.lock().unwrap(), 0.25);
+/// ```
 pub struct Work<'a> {
     planned: f64,
     done: Mutex<f64>,
@@ -86,6 +95,14 @@ impl Drop for Part<'_> {
 }
 
 /// How long a work will still take; None before there is anything to tell it from.
+///
+/// ```
+/// use identification::progress::left;
+/// use std::time::Duration;
+///
+/// let left = left(0.5, Duration::from_secs(30)).expect("half is enough to tell");
+/// assert_eq!(left.0, Duration::from_secs(30));
+/// ```
 pub fn left(share: f64, elapsed: Duration) -> Option<Left> {
     /// The least share and time to judge by.
     const LEAST: (f64, Duration) = (0.02, Duration::from_millis(500));

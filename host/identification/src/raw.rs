@@ -8,10 +8,10 @@ use model_core::memoryless::MemorylessParameters;
 use model_core::play::PlayParameters;
 use model_core::{Kind, ParameterError, cpi, mgpi::MgpiParameters, mpi, sgpi};
 
-use super::data::Span;
 use super::inner::Inner;
 use super::plays::Plays;
 use super::projection::{Grid, Linear};
+use super::row::Span;
 use super::structure::Structure;
 use super::{DEAD_ZONES, Density, HostParameters, PLAYS, Weights};
 

@@ -10,8 +10,8 @@ use std::borrow::Cow;
 
 use super::CONVERGED;
 use super::data::Data;
+use super::descent::{End, Limits, is_clearly_better, search};
 use super::problem::Point;
-use super::search::{End, Limits, is_clearly_better, search};
 use super::starts::Start;
 use crate::progress::Part;
 use recording::numbers::median;

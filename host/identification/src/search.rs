@@ -3,61 +3,23 @@
 
 use std::borrow::Cow;
 
-use levenberg_marquardt::{LevenbergMarquardt, TerminationReason};
 use rayon::prelude::*;
 
 use super::data::Data;
-use super::plan::Plan;
-use super::problem::{Point, Problem};
+use super::descent::{End, Limits, is_clearly_better, search};
+use super::plan::{Plan, ROWS, SCREENING, best, better, levels};
+use super::problem::Point;
 use super::robust::{self, Robust};
 use super::starts::{Start, starts};
 use super::{CONVERGED, Loss, Options};
 use crate::progress::{Part, Work};
 
-/// Rows that count of the thinned recording: many for each of a few dozen parameters.
-pub const ROWS: usize = 4000;
-/// The next recording has so many times the rows, or all if that is at least a quarter of them.
-const LEVEL: usize = 4;
-/// The share by which the sum of squares of a fresh muscle has to be smaller to be believed.
-const CLEARLY: f64 = 0.02;
-/// How many ends with exponential weights free ones go on from.
-pub const FREED: usize = 3;
 /// How many ends go on to the next recording at most, to all rows and to one between, and by which
 /// share their sums of squares may be larger than the least: which of two that are nearly as good
 /// is better, few rows may not tell.
 const POLISHED: usize = 4;
 const FINALISTS: usize = 12;
 const NEAR: f64 = 0.1;
-/// One more search goes to its end on the thinned recording for so many rows: all together take
-/// less time than the few on all rows do (million rows, 24 starts: 1 s of 4).
-const ROWS_A_SEARCH: usize = 2 * ROWS;
-/// Evaluations per coordinate that every start gets, and then the better half of them once more.
-pub const SCREENING: usize = 2;
-/// Evaluations per coordinate that a search gets at most.
-const MOST: usize = 60;
-
-/// Where a search ended, and with what.
-pub type End = (Start, Reached);
-
-/// What a search has reached.
-pub struct Reached {
-    /// Sum of squares.
-    pub cost: f64,
-    /// Why it ended.
-    pub reason: TerminationReason,
-}
-
-/// The starts that are screened once more, of a number of starts for so many rows that count.
-pub fn better(starts: usize, rows: usize) -> usize {
-    starts.div_ceil(2).max(best(starts, rows))
-}
-
-/// The starts that go on to their ends, of a number of starts for so many rows that count: a
-/// quarter, of a long recording all.
-pub fn best(starts: usize, rows: usize) -> usize {
-    (rows / ROWS_A_SEARCH).clamp(starts.div_ceil(4), starts)
-}
-
 /// The searches of an identification.
 pub struct Searches<'a> {
     /// How they are made.
@@ -168,12 +130,6 @@ fn near(ends: &[End], most: usize) -> usize {
     near.clamp(1, most)
 }
 
-/// Rows that count of the recordings between the thinned one and all rows.
-pub fn levels(rows: usize) -> impl Iterator<Item = usize> {
-    std::iter::successors(Some(ROWS * LEVEL), |level| Some(level * LEVEL))
-        .take_while(move |level| 4 * level < rows)
-}
-
 /// The same point for the kind of muscle that fits better there.
 fn of_better_kind<const K: usize>(data: &Data, end: Start) -> Start {
     let other = Point::<K>::new(data, end.of_other_kind(), None);
@@ -191,11 +147,6 @@ fn prefer_preconditioned(mut ends: Vec<End>) -> Vec<End> {
     ends
 }
 
-/// Whether a fresh muscle fits so much better than a preconditioned one that it is believed.
-pub fn is_clearly_better((_, fresh): &End, (_, preconditioned): &End) -> bool {
-    fresh.cost < preconditioned.cost * (1.0 - CLEARLY)
-}
-
 /// Searches from all starts, side by side. The best end comes first.
 fn search_all<const K: usize>(data: &Data, starts: &[Start], limits: Limits, part: &Part<'_>) -> Vec<End> {
     let mut ends: Vec<End> = starts.par_iter().map(|start| search::<K>(data, start, limits, part)).collect();
@@ -206,32 +157,4 @@ fn search_all<const K: usize>(data: &Data, starts: &[Start], limits: Limits, par
 /// Stable: of equal ends the first start wins, whichever thread was faster.
 fn sort(ends: &mut [End]) {
     ends.sort_by(|(_, one), (_, other)| one.cost.total_cmp(&other.cost));
-}
-
-/// What ends a search that gets no further by itself.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// Evaluations per coordinate.
-    pub patience: usize,
-    /// A step that gains less than this share of the sum of squares is the last.
-    pub tolerance: f64,
-}
-
-impl Limits {
-    /// Of a search that is to come to its end.
-    pub fn to_the_end(tolerance: f64) -> Self {
-        Self { patience: MOST, tolerance }
-    }
-}
-
-/// Searches from a start.
-pub fn search<const K: usize>(data: &Data, start: &Start, limits: Limits, part: &Part<'_>) -> End {
-    let kernel = LevenbergMarquardt::new()
-        .with_ftol(limits.tolerance)
-        .with_xtol(CONVERGED)
-        .with_gtol(CONVERGED)
-        .with_patience(limits.patience);
-    let (problem, report) = kernel.minimize(Problem::<K>::new(data, start, part));
-    let point = problem.into_point();
-    (point.at, Reached { cost: point.cost, reason: report.termination })
 }

@@ -6,8 +6,11 @@ use model_core::memoryless::DEGREE;
 use super::coordinates::Coordinate;
 use super::envelope::Shape;
 use super::plays;
-use super::sums::FURTHER;
 use super::{Options, Weights};
+
+/// Entries of a row beside derivatives of u and added functions: 1, the way gone in the segment, and the measured output
+/// less the reference.
+pub const FURTHER: usize = 3;
 
 /// The parts of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -18,10 +18,6 @@ use super::inner::{Inner, Sample};
 use super::projection::{Grid, Linear};
 use super::starts::Start;
 
-/// Entries of a row beside derivatives of u and added functions: 1, the way gone in the segment, and the measured output
-/// less the reference.
-pub const FURTHER: usize = 3;
-
 /// Sums of products of the entries of rows that count, by segment.
 pub struct Sums<const K: usize> {
     segments: Vec<[[f64; K]; K]>,

@@ -1,7 +1,7 @@
 //! What the identification claims, on models whose truth is known.
 
+use super::descent::{Limits, search};
 use super::problem::Problem as Reduced;
-use super::search::{Limits, search};
 use super::*;
 use crate::progress::Planned;
 use levenberg_marquardt::LeastSquaresProblem;

@@ -14,8 +14,9 @@
 
 use std::borrow::Cow;
 
-use super::data::{Data, Row};
+use super::data::Data;
 use super::envelope::Shape;
+use super::row::Row;
 use recording::numbers::travel;
 
 /// The golden ratio less 1: its multiples less their whole part cover 0 … 1 evenly, however many they are.

@@ -15,6 +15,15 @@ pub struct Limits {
 }
 
 /// A command over time: straight lines between waypoints. It begins and stays at the lowest command until it is drawn.
+///
+/// ```
+/// use recording::course::{Course, Limits};
+///
+/// let mut course = Course::new(Limits { min_bar: 0.0, max_bar: 6.0, slew_bar_per_s: Some(2.0) });
+/// course.ramp(1.0, 0.5); // from 0 to 6 bar in 0.5 s is faster than the limit allows
+/// assert_eq!(course.duration_s(), 3.0);
+/// assert_eq!(course.samples([0.0, 1.5, 3.0].into_iter()).collect::<Vec<_>>(), [0.0, 3.0, 6.0]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Course {
     limits: Limits,

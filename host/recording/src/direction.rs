@@ -6,6 +6,10 @@ use crate::turning::turning_points;
 const LEAST_HEIGHT: f64 = 0.02;
 
 /// Whether the input rises at each row: from a turning point on, seen afterwards, so that noise does not count.
+///
+/// ```
+/// assert_eq!(recording::direction::rising(&[0.0, 1.0, 2.0, 1.0, 0.0]), [true, true, true, false, false]);
+/// ```
 pub fn rising(input: &[f64]) -> Vec<bool> {
     let (low, high) =
         input.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));

@@ -6,6 +6,14 @@ use crate::numbers::legible;
 use crate::unit::Unit;
 
 /// Root mean square, mean absolute and maximum error. Unit: that of the compared values.
+///
+/// ```
+/// use recording::figures::Figures;
+///
+/// let figures = Figures::of(&[1.0, 5.0, 100.0], &[4.0, 1.0, 0.0], &[true, true, false]);
+/// assert_eq!((figures.mae, figures.max_error), (3.5, 4.0)); // the last sample is not scored
+/// assert!(figures.mae <= figures.rmse && figures.rmse <= figures.max_error);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// Root of the mean square error.

@@ -19,6 +19,14 @@ const NEAR: f64 = 0.05;
 const MOST: f64 = 0.25;
 
 /// Which of the first samples are history of the input only.
+///
+/// ```
+/// use recording::history::UnknownPast;
+///
+/// // An input that begins at an end of its range leaves no doubt about what was before.
+/// let (time_s, input) = ([0.0, 1.0, 2.0], [0.0, 6.0, 0.0]);
+/// assert_eq!(UnknownPast::take_out(&time_s, &input, &mut [true; 3]), None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnknownPast {
     /// How many.

@@ -26,6 +26,14 @@ const REPEATS: usize = 20;
 const AWAY: usize = 5;
 
 /// How noisy a signal is. Unit: that of the signal.
+///
+/// ```
+/// use recording::noise;
+///
+/// let time_s: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
+/// let smooth: Vec<f64> = time_s.iter().map(|t| 50.0 * t.sin()).collect();
+/// assert!(noise::floor(&time_s, &smooth).deviation < 0.05); // mm: a smooth signal has next to no noise
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NoiseFloor {
     /// Standard deviation of the noise, quantisation included.

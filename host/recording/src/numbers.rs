@@ -46,6 +46,12 @@ pub fn root_mean_square(values: &[f64]) -> f64 {
 }
 
 /// The way so far of what follows the values at the distance of `band`, as a play does: noise within it adds none.
+///
+/// ```
+/// use recording::numbers::travel;
+///
+/// assert_eq!(travel(&[0.0, 0.1, -0.1, 2.0], 0.5), [0.0, 0.0, 0.0, 1.5]); // noise within the band adds none
+/// ```
 pub fn travel(values: &[f64], band: f64) -> Vec<f64> {
     let mut held = values.first().copied().unwrap_or(0.0);
     let mut way = 0.0;

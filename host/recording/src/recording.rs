@@ -148,6 +148,17 @@ pub struct Beside {
 }
 
 /// A recording to learn from or to compare with.
+///
+/// ```
+/// use recording::{Choice, Recording, table::Table};
+///
+/// let csv = b"time_s,pressure_bar,contraction_mm\n0.0,0.0,0.0\n0.1,1.0,8.0\n0.2,0.0,2.0\n";
+/// let table = Table::parse("rec.csv".as_ref(), csv)?;
+/// let recording = Recording::of(&table, &Choice { may_be_sparse: true, ..Choice::default() })?;
+/// assert_eq!(recording.drive.input.values, [0.0, 1.0, 0.0]);
+/// assert_eq!(recording.stroke(), 8.0); // mm
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Recording {
     /// Times and input.

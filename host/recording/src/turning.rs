@@ -1,6 +1,14 @@
 //! Where a signal turns back.
 
 /// A row at which a signal turns.
+///
+/// ```
+/// use recording::turning::{Turn, turning_points};
+///
+/// // A dip of 0.5 is noise where less than 1 is.
+/// let turns = turning_points(&[0.0, 3.0, 2.5, 5.0, 1.0], 1.0);
+/// assert_eq!(turns, [Turn { row: 3, is_peak: true }]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Turn {
     /// The row of the extreme value.

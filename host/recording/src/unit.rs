@@ -7,6 +7,13 @@
 use std::fmt;
 
 /// What a unit measures.
+///
+/// ```
+/// use recording::unit::{Quantity, Unit};
+///
+/// assert_eq!(Unit::BAR.quantity(), Quantity::Pressure);
+/// assert_ne!(Unit::MM.quantity(), Unit::BAR.quantity());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Base unit: s.
@@ -36,6 +43,14 @@ pub enum Quantity {
 }
 
 /// A unit that columns may have.
+///
+/// ```
+/// use recording::unit::Unit;
+///
+/// assert_eq!(Unit::of_column("pressure_kpa").and_then(|kpa| kpa.convert(250.0, Unit::BAR)), Some(2.5));
+/// assert_eq!(Unit::BAR.convert(1.0, Unit::MM), None); // a pressure is no length
+/// assert_eq!(Unit::of_column("pressure_furlongs"), None); // an unknown unit is refused
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Unit {
     suffix: &'static str,
@@ -214,6 +229,13 @@ impl PartialEq for Unit {
 impl Eq for Unit {}
 
 /// A quantity by the name of its column.
+///
+/// ```
+/// use recording::unit::{Channel, Unit};
+///
+/// let pressure = Channel::of_column("pressure_bar").expect("bar is known");
+/// assert_eq!((pressure.stem(), pressure.unit), ("pressure", Unit::BAR));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channel {
     /// Name of the column.

@@ -30,6 +30,15 @@ pub enum EnvelopeParameters<T> {
 }
 
 /// One of the validated envelopes.
+///
+/// ```
+/// use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters};
+///
+/// let envelope = AnyEnvelope::try_new(&EnvelopeParameters::Tanh(model_core::paper::ENVELOPE))?;
+/// let AnyEnvelope::Tanh(tanh) = &envelope else { panic!("another kind") };
+/// assert_eq!(envelope.value(2.0), tanh.value(2.0));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // as above
 pub enum AnyEnvelope<T> {

@@ -5,6 +5,12 @@ use crate::range::Range;
 use crate::real::Real;
 
 /// γ(x) = x.
+///
+/// ```
+/// use model_core::envelope::{Envelope, Identity};
+///
+/// assert_eq!(Identity.inverse(Identity.value(2.5)), 2.5);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Identity;
 

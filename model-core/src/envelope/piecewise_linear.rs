@@ -12,6 +12,15 @@ use crate::range::Range;
 use crate::real::Real;
 
 /// Raw parameters: the knots, at least two, both coordinates strictly increasing.
+///
+/// ```
+/// use heapless::Vec;
+/// use model_core::envelope::{PiecewiseLinear, PiecewiseLinearParameters};
+///
+/// let list = |numbers: [f64; 3]| Vec::<f64, 4>::from_iter(numbers);
+/// let flat = PiecewiseLinearParameters { inputs: list([0.0, 1.0, 2.0]), values: list([0.0, 1.0, 1.0]) };
+/// assert!(PiecewiseLinear::try_new(&flat).is_err()); // a level piece has no inverse
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -26,6 +35,18 @@ pub struct PiecewiseLinearParameters<T, const K: usize> {
 }
 
 /// A validated envelope of at most `K` knots; outside them the end segments go on.
+///
+/// ```
+/// use heapless::Vec;
+/// use model_core::envelope::{Envelope, PiecewiseLinear, PiecewiseLinearParameters};
+///
+/// let list = |numbers: [f64; 3]| Vec::<f64, 4>::from_iter(numbers);
+/// let knots = PiecewiseLinearParameters { inputs: list([0.0, 1.0, 6.0]), values: list([0.0, 2.0, 3.0]) };
+/// let envelope = PiecewiseLinear::try_new(&knots)?;
+/// assert_eq!(envelope.value(0.5), 1.0);
+/// assert_eq!(envelope.inverse(2.5), 3.5);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PiecewiseLinear<T, const K: usize> {
     curve: MonotoneCurve<T, K>,

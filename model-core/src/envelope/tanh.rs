@@ -14,6 +14,14 @@ use crate::range::Range;
 use crate::real::Real;
 
 /// Raw parameters of the envelope, equation (11).
+///
+/// ```
+/// use model_core::envelope::{TanhEnvelope, TanhParameters};
+///
+/// // An envelope that does not rise has no inverse.
+/// let falling = TanhParameters { c1: -0.3, ..model_core::paper::ENVELOPE };
+/// assert_eq!(TanhEnvelope::try_new(falling).unwrap_err().parameter, "c1");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TanhParameters<T> {
@@ -41,6 +49,15 @@ impl<T: Real> TanhParameters<T> {
 }
 
 /// A validated envelope.
+///
+/// ```
+/// use model_core::envelope::{Envelope, TanhEnvelope};
+///
+/// let envelope = TanhEnvelope::try_new(model_core::paper::ENVELOPE)?;
+/// assert!(envelope.value(3.1) > envelope.value(3.0)); // it rises,
+/// assert!((envelope.inverse(envelope.value(3.0)) - 3.0).abs() < 1e-12); // so that it has an inverse
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TanhEnvelope<T> {
     parameters: TanhParameters<T>,

@@ -14,22 +14,15 @@ use crate::real::Real;
 
 use super::derivative::{Affine, Derivative, Stencil};
 use super::inertia::Inertia;
-use super::profile::Profile;
 use super::rate_dependent_width::{RateDependentWidth, Width, WidthMemory};
 use super::root::{Point, root};
 use super::schedule::Schedule;
 use super::sliding::SlidingStep;
 use super::sum::Sum;
+use super::term::Term;
 use super::viscous_lag::ViscousLag;
 use super::warm_up::WarmUp;
 use super::{ExtensionParameters, Site, Sites, Surroundings, each};
-
-/// An effect at a sample: a profile times what drives it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Term<'a, T> {
-    pub(super) profile: &'a Profile<T>,
-    pub(super) driver: Affine<T>,
-}
 
 /// The validated effects.
 #[derive(Clone, Debug, PartialEq)]

@@ -57,6 +57,21 @@ pub struct Output<T> {
 }
 
 /// A validated extended model of at most `N` plays and `M` dead zones.
+///
+/// ```
+/// use model_core::extension::{ExtendedModel, ExtensionParameters, Sample, Surroundings, ValveLagParameters};
+/// use model_core::ModelParameters;
+///
+/// let muscle = ModelParameters::Cascade(model_core::paper::mgpi()?);
+/// let valve_lag = Some(ValveLagParameters::new(0.1));
+/// let model = ExtendedModel::try_new(&muscle, &ExtensionParameters { valve_lag, ..Default::default() })?;
+/// let mut state = model.rest_state();
+/// let sample = |input, dt_s| Sample { input, surroundings: Surroundings::default(), dt_s };
+/// model.step(&mut state, &sample(0.0, 0.1))?;
+/// let pressure: f64 = model.step(&mut state, &sample(1.0, 0.1))?.pressure;
+/// assert!(pressure > 0.0 && pressure < 1.0); // bar: the valve is still on its way
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExtendedModel<T, const N: usize, const M: usize> {
     model: Model<T, N, M>,

@@ -3,9 +3,9 @@
 use crate::error::ParameterError;
 use crate::real::Real;
 
-use super::balance::Term;
 use super::derivative::Affine;
 use super::profile::{Profile, ProfileParameters};
+use super::term::Term;
 
 /// A validated inertia.
 #[derive(Clone, Debug, PartialEq)]

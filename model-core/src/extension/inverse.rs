@@ -27,6 +27,21 @@ use super::transport_delay::TransportDelayParameters;
 use super::{ExtensionParameters, Surroundings, each};
 
 /// A validated inverse of an extended model of at most `N` plays and `M` dead zones.
+///
+/// ```
+/// use model_core::{ExtendedInverse, ExtensionParameters, Hysteresis, Mgpi, ModelParameters, Surroundings};
+///
+/// let parameters = model_core::paper::mgpi()?;
+/// let muscle = Mgpi::try_new(&parameters)?;
+/// let (parameters, none) = (ModelParameters::Cascade(parameters), ExtensionParameters::default());
+/// let inverse = ExtendedInverse::try_new(&parameters, &none, 0.001, (0.0, 6.0))?;
+/// let (mut back, mut plant) = (inverse.rest_state(), muscle.rest_state());
+/// for wanted in [20.0, 60.0, 35.0] {
+///     let pressure = inverse.step(&mut back, wanted, &Surroundings::default())?;
+///     assert!((muscle.step(&mut plant, pressure)? - wanted).abs() < 1e-9); // mm
+/// }
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExtendedInverse<T, const N: usize, const M: usize> {
     operator: InverseModel<T, N, M>,

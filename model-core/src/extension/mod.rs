@@ -59,6 +59,7 @@ mod sliding;
 pub(crate) mod smoother;
 mod sum;
 pub mod supply_saturation;
+mod term;
 pub mod transport_delay;
 mod valve;
 pub mod valve_deadband;
@@ -83,6 +84,15 @@ pub use valve_lag::ValveLagParameters;
 pub use warm_up::WarmUpParameters;
 
 /// Raw parameters of the effects that a model is extended by, each by the name of its cause.
+///
+/// ```
+/// use model_core::ExtensionParameters;
+/// use model_core::extension::TransportDelayParameters;
+///
+/// let transport_delay = Some(TransportDelayParameters { delay_s: 0.02 });
+/// let late = ExtensionParameters { transport_delay, ..Default::default() };
+/// assert_eq!(late.preview_s(0.001), 0.02); // s: the reference has to be known so much ahead
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

@@ -50,6 +50,18 @@ struct Piece<T> {
 }
 
 /// A validated profile.
+///
+/// ```
+/// use heapless::Vec;
+/// use model_core::extension::profile::{Profile, ProfileParameters};
+///
+/// let list = |numbers: [f64; 2]| Vec::from_iter(numbers);
+/// let profile = ProfileParameters { knots: list([0.0, 100.0]), values: list([1.0, 3.0]) };
+/// let profile = Profile::try_new(&profile, "viscous_lag", "bar s/mm")?;
+/// assert!((profile.value(50.0) - 2.0).abs() < 1e-12); // straight between knots
+/// assert_eq!(profile.value(-10.0), 1.0); // and level before the first
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile<T> {
     /// By rising knot. Unused ones begin nowhere.

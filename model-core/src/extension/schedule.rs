@@ -8,9 +8,9 @@ use crate::convert;
 use crate::error::{Check, ParameterError};
 use crate::real::Real;
 
-use super::balance::Term;
 use super::derivative::Affine;
 use super::profile::{Profile, ProfileParameters};
+use super::term::Term;
 
 /// The farthest from its reference that a measured value is believed to be, in its unit.
 const FARTHEST: f64 = 1e6;

@@ -6,9 +6,9 @@
 use crate::error::ParameterError;
 use crate::real::Real;
 
-use super::balance::Term;
 use super::derivative::Affine;
 use super::profile::{Profile, ProfileParameters};
+use super::term::Term;
 
 /// A validated viscosity.
 #[derive(Clone, Debug, PartialEq)]

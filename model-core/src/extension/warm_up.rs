@@ -6,9 +6,9 @@ use crate::convert;
 use crate::error::{Check, ParameterError};
 use crate::real::Real;
 
-use super::balance::Term;
 use super::derivative::Affine;
 use super::profile::{Profile, ProfileParameters};
+use super::term::Term;
 
 /// Raw parameters of a warm-up.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@
 //! a sample usually passes none or one.
 
 use super::{FEW_PLAYS, FewPlays, Outputs};
-use crate::play_move::{go, passes};
+use crate::direction::{go, passes};
 use crate::real::Real;
 
 impl<T: Real> FewPlays<T> {

@@ -13,6 +13,14 @@ use crate::{FREE, Options, Weights};
 const PENALTY: f64 = 1e-3;
 
 /// An error, and what the unknowns have to pay beside it.
+///
+/// ```
+/// use identification::{Options, comparison::choice::penalised};
+///
+/// let few = Options { plays: 4, ..Options::default() };
+/// let many = Options { plays: 16, ..Options::default() };
+/// assert!(penalised(1.0, &few) <= penalised(1.0, &many));
+/// ```
 pub fn penalised(error: f64, options: &Options) -> f64 {
     error * (1.0 + PENALTY * options.unknowns() as f64)
 }

@@ -192,6 +192,13 @@ pub const PIECEWISE_LINEAR: &str = "-pl";
 pub const FREE_WEIGHTS: &str = "-free";
 
 /// Whether a model has dead zones, and so a number of them.
+///
+/// ```
+/// use identification::comparison::has_dead_zones;
+/// use model_core::Kind;
+///
+/// assert_eq!(Kind::ALL.map(has_dead_zones), [false, false, false, true, false, true]);
+/// ```
 pub fn has_dead_zones(kind: Kind) -> bool {
     matches!(kind, Kind::Mpi | Kind::Mgpi)
 }

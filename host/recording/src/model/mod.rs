@@ -35,6 +35,15 @@ pub enum Density {
 }
 
 /// The model's output for every input, from rest; the inputs are finite.
+///
+/// ```
+/// use recording::model::{HostModel, HostParameters, simulate};
+///
+/// let muscle = HostParameters::Cascade(model_core::paper::mgpi()?.convert()?);
+/// let answer = simulate(&HostModel::try_new(&muscle)?, &[0.0, 6.0, 3.0, 6.0, 3.0]);
+/// assert!((answer[4] - answer[2]).abs() < 1e-9); // mm: a loop between 3 and 6 bar closes
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn simulate(model: &HostModel, input: &[f64]) -> Vec<f64> {
     let mut state = model.rest_state();
     input.iter().map(|&x| model.step(&mut state, x).unwrap_or(f64::NAN)).collect()

@@ -10,6 +10,16 @@ use thiserror::Error;
 use crate::unit::Unit;
 
 /// What is wrong with a file of data, and where.
+///
+/// ```
+/// use recording::table::Table;
+///
+/// let csv = b"time_s,pressure_bar\n0.0,0.0\n0.1,1.5\n";
+/// let table = Table::parse("rec.csv".as_ref(), csv)?;
+/// let error = table.first_column(&["contraction_mm"]).unwrap_err().to_string();
+/// assert!(error.contains("rec.csv") && error.contains("contraction_mm")); // it names file and column
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Debug, Error)]
 #[error("{place}: {problem}")]
 pub struct DataError {

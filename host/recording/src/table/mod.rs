@@ -50,6 +50,16 @@ use lines::{Stream, number};
 pub const VALID: &str = "valid";
 
 /// A table of numbers.
+///
+/// ```
+/// use recording::table::Table;
+///
+/// let csv = b"time_s,pressure_bar\n0.0,0.0\n0.1,1.5\n";
+/// let table = Table::parse("rec.csv".as_ref(), csv)?;
+/// assert_eq!(table.rows(), 2);
+/// assert_eq!(table.first_column(&["pressure_bar"])?.1, [0.0, 1.5]);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Table {
     file: PathBuf,

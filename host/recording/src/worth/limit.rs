@@ -17,6 +17,13 @@ const MOST: f64 = 0.5;
 const CHANGED: f64 = 2.0;
 
 /// What limits a model.
+///
+/// ```
+/// use recording::worth::Limit;
+///
+/// assert_eq!(Limit::of_key("no such limit"), None);
+/// assert!(Limit::keys().split(", ").all(|key| Limit::of_key(key).is_some_and(|limit| limit.key() == key)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
     /// The noise of the measured output.

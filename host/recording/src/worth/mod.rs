@@ -52,6 +52,14 @@ impl Grade {
 }
 
 /// What a model is worth.
+///
+/// ```
+/// use recording::worth::{DEPLOYABLE, Worth};
+///
+/// let poor = Worth { share: 2.0 * DEPLOYABLE, is_heldout: true, limit: None };
+/// assert!(!poor.may_deploy());
+/// assert!(Worth { share: 0.005, ..poor }.may_deploy());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worth {
     /// Root mean square error. Unit: share of stroke.

@@ -4,10 +4,8 @@
 //! was given. The *loop* tells between which contractions the muscle is at each pressure: the two branches of the outermost
 //! loop, as a table. Both are made when a configuration arrives, outside the tick.
 
-use model_core::{Hysteresis, InverseHysteresis, Model, ModelParameters, ParameterError};
+use model_core::{Hysteresis, InverseHysteresis, InverseModel, Model, ModelParameters, ParameterError};
 use wire::{DEAD_ZONES, PLAYS};
-
-use crate::law::BoardInverse;
 
 /// Rows of the table.
 const ROWS: usize = 33;
@@ -43,7 +41,7 @@ pub struct Survey {
 #[inline(never)]
 pub fn survey(
     model: &ModelParameters<f32, PLAYS, DEAD_ZONES>,
-    inverse: &BoardInverse,
+    inverse: &InverseModel<f32, PLAYS, DEAD_ZONES>,
 ) -> Result<Survey, ParameterError> {
     let model = Model::try_new(model)?;
     let (start, end) = (model.input_range().min(), model.input_range().max());

@@ -12,6 +12,7 @@
 
 use super::anatomy::spectrum::LEAST_PERIODS;
 use super::cause::Cause;
+pub use super::rates::Rate;
 use super::signals::{Signals, TENTS};
 use recording::numbers::root_mean_square;
 
@@ -99,15 +100,6 @@ pub enum Driver {
     WarmUp,
     /// The rate of the contraction.
     Rate,
-}
-
-/// The rate that a width depends on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rate {
-    /// Of the input.
-    Input,
-    /// Of the contraction: measured, or the simulated one where the model runs free.
-    Contraction,
 }
 
 impl Form {

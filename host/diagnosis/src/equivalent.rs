@@ -2,9 +2,9 @@
 
 use super::basis::Seen;
 use super::effect::{Effect, Form, Parameter, Rate};
-use super::output::{driven, low_pass};
-use super::recorded::Recorded;
-use super::signals::{Signals, TENTS};
+use super::low_pass::low_pass;
+use super::output::driven;
+use super::signals::{Recorded, Signals, TENTS};
 
 /// What arrives at the muscle.
 #[derive(Clone, Debug)]

@@ -52,6 +52,7 @@ pub mod fit;
 mod follower;
 pub mod free_run;
 pub mod gain;
+mod low_pass;
 mod measured;
 mod noisy_input;
 pub mod output;

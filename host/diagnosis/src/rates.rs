@@ -2,6 +2,15 @@
 
 use nalgebra::{SMatrix, SVector};
 
+/// The rate that a width depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rate {
+    /// Of the input.
+    Input,
+    /// Of the contraction: measured, or the simulated one where the model runs free.
+    Contraction,
+}
+
 /// Half of the window of the local cubic: at least so many rows, and so long. Unit of the second: s.
 pub const WINDOW: (usize, f64) = (2, 0.02);
 /// A wider one, for the third derivative.

@@ -1,28 +1,11 @@
 //! All rows of a recording, for what is quicker than the kept ones show: delays of the input, tones, single rows far off.
 
-use super::anatomy::spectrum::{InputLines, amplitude, tones};
-use super::signals::Signals;
+use super::anatomy::spectrum::{amplitude, tones};
+use super::signals::{Recorded, Signals};
 
 /// Peaks of a residual that are looked at, and what each has to have in the scored rows of its amplitude in all.
 const PEAKS: usize = 12;
 const STANDS: f64 = 0.5;
-
-/// What is quicker than kept rows show.
-#[derive(Debug)]
-pub struct Recorded {
-    /// Of all rows up to the last kept one. Unit: s.
-    pub time_s: Vec<f64>,
-    /// Input unit.
-    pub input: Vec<f64>,
-    /// Size of its rate above the noise. Unit: input unit/s.
-    pub input_speed: Vec<f64>,
-    /// The strong lines of the input.
-    pub input_lines: InputLines,
-    /// Of all rows that may be scored. Unit: s.
-    pub scored_s: Vec<f64>,
-    /// Output unit.
-    pub scored: Vec<f64>,
-}
 
 impl Signals {
     /// Frequencies of the strongest tones of a residual of the scored rows, `most` of them at most. Unit: Hz.

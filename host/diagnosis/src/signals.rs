@@ -11,10 +11,8 @@ use std::sync::Arc;
 
 use super::Columns;
 use super::anatomy::spectrum::InputLines;
-use super::effect::Rate;
-use super::output::low_pass;
-use super::rates::{JERK_WINDOW, WINDOW, local_cubic, speed};
-use super::recorded::Recorded;
+use super::low_pass::low_pass;
+use super::rates::{JERK_WINDOW, Rate, WINDOW, local_cubic, speed};
 use super::thinning::Thinning;
 use recording::drop_out::DropOut;
 use recording::noise::NoiseFloor;
@@ -59,6 +57,23 @@ impl Row {
     pub fn fold(&self) -> usize {
         self.block % FOLDS
     }
+}
+
+/// What is quicker than kept rows show.
+#[derive(Debug)]
+pub struct Recorded {
+    /// Of all rows up to the last kept one. Unit: s.
+    pub time_s: Vec<f64>,
+    /// Input unit.
+    pub input: Vec<f64>,
+    /// Size of its rate above the noise. Unit: input unit/s.
+    pub input_speed: Vec<f64>,
+    /// The strong lines of the input.
+    pub input_lines: InputLines,
+    /// Of all rows that may be scored. Unit: s.
+    pub scored_s: Vec<f64>,
+    /// Output unit.
+    pub scored: Vec<f64>,
 }
 
 /// A recording, prepared. Each list has a value a kept row.

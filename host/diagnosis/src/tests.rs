@@ -179,7 +179,7 @@ fn a_slow_valve_is_told_from_the_muscle() {
     let plant = Plant::new();
     let mut slow = Columns { ..plant.recorded(&hysteresis(&plant.pressure)) };
     let commands: Vec<f64> = plant.time_s.iter().map(|&t| command(t)).collect();
-    slow.input = super::output::low_pass(&commands, &plant.time_s, 0.3);
+    slow.input = super::low_pass::low_pass(&commands, &plant.time_s, 0.3);
     slow.output = hysteresis(&slow.input).iter().zip(&slow.output).map(|(y, _)| *y).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     for (p, y) in slow.input.iter_mut().zip(&mut slow.output) {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::Columns;
 use super::cause::Cause;
 use super::equivalent::delayed;
-use super::output::low_pass;
+use super::low_pass::low_pass;
 use recording::noise::steps;
 use recording::numbers::range;
 use recording::unit::Unit;

@@ -5,6 +5,7 @@
 mod arrows;
 mod board_compiler;
 mod book;
+mod circles;
 mod demo;
 mod emulated;
 mod faults;

@@ -3,7 +3,7 @@
 use model_core::ExtensionParameters;
 
 use super::Extension;
-use super::refine::Task;
+use super::task::Task;
 use identification::Termination;
 
 /// An extended model with more than this share of the plain one's error is tried from another start too.

@@ -2,7 +2,7 @@
 
 use model_core::ExtensionParameters;
 
-use super::refine::Task;
+use super::task::Task;
 use super::{Extension, Operator};
 use identification::HostExtendedModel;
 

@@ -43,6 +43,7 @@ mod roughness;
 mod side;
 mod slow;
 pub(super) mod start;
+mod task;
 mod thinned;
 mod variables;
 pub mod written;
@@ -66,8 +67,8 @@ pub use plain::Plain;
 use recording::figures::Figures;
 use recording::numbers::{range, root_mean_square};
 use recording::simulation::Rows;
-use refine::Task;
 use slow::Slow;
+use task::Task;
 pub use written::Written;
 
 /// The share of the scored rows that the compared models are fitted to.

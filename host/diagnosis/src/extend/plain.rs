@@ -3,7 +3,7 @@
 use model_core::ExtensionParameters;
 
 use super::beginnings::plainer;
-use super::refine::Task;
+use super::task::Task;
 use super::{Extension, Operator, split, start};
 use crate::Columns;
 use identification::{IdentificationError, Termination};

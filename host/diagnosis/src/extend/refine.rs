@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::rests;
 use super::roughness::{ease, roughness, unevenness};
+use super::task::Task;
 use super::thinned::Thinned;
 use super::variables::{Units, of, with};
 use super::{Extension, rows};
@@ -47,19 +48,6 @@ const CORRECTIONS: usize = 2;
 const OTHERWISE: f64 = 0.4;
 /// A size that most operators keep within: their states are copied often.
 const SMALL: usize = 16;
-
-/// Which rows of a recording a model is fitted to.
-#[derive(Clone, Copy)]
-pub struct Task<'a> {
-    pub columns: &'a Columns,
-    /// In order.
-    pub scored: &'a [usize],
-    /// What the search errs by with the same effects, root mean square: by that it is measured what unevenness costs. Output unit.
-    pub reached: f64,
-    /// Whether a rest after a swing counts once ([`rests`]): for the model that is kept, not where models are compared by the errors of
-    /// all rows.
-    pub rests_once: bool,
-}
 
 /// The problem at a point.
 struct Problem<'a> {
@@ -111,12 +99,7 @@ impl Derivatives {
     }
 }
 
-impl<'a> Task<'a> {
-    /// Of a model without effects. An operator alone may be as uneven as it likes: no search is asked what that costs.
-    pub fn alone(columns: &'a Columns, scored: &'a [usize]) -> Self {
-        Self { columns, scored, reached: 0.0, rests_once: false }
-    }
-
+impl Task<'_> {
     /// The model refined from where it stands; None where it does not run through the rows.
     pub fn refined(&self, base: Extension) -> Option<(Extension, Termination)> {
         self.searched(base, true)

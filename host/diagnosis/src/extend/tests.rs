@@ -9,7 +9,7 @@ use model_core::{ExtensionParameters, Kind};
 
 use super::given::judge;
 use super::heldout::gain;
-use super::refine::Task;
+use super::task::Task;
 use super::{Extension, Operator, Plain, plainer};
 use crate::Columns;
 use identification::{CONVERGED, HostParameters, Loss, Options, Problem, Weights, identify};

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use model_core::ExtensionParameters;
 
-use super::refine::Task;
+use super::task::Task;
 use crate::Columns;
 use crate::thinning::Thinning;
 

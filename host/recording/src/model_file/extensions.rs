@@ -17,11 +17,11 @@ use model_core::extension::{
 };
 use toml::{Table, Value};
 
-use super::convert::{Scale, bar};
 use super::names::Names;
 use super::parameters::numbers;
+use super::scale::{Scale, bar};
 use super::section::{KeyError, Section};
-use super::write::list;
+use super::values::list;
 
 const EXTENSIONS: &str = "extensions";
 /// The forms of a valve's dead band.

@@ -23,7 +23,9 @@ pub mod listed;
 pub mod names;
 mod parameters;
 mod read;
+mod scale;
 pub mod section;
+mod values;
 pub mod write;
 
 use std::io;

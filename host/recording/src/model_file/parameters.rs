@@ -22,7 +22,7 @@ use toml::{Table, Value};
 use super::Problem;
 use super::names::Names;
 use super::section::{KeyError, Section};
-use super::write::{count, list, table};
+use super::values::{count, list, table};
 use crate::model::named::Dimension;
 use crate::model::{DEAD_ZONES, Density, HostParameters, PLAYS};
 

@@ -3,6 +3,7 @@
 use toml::{Table, Value};
 
 use super::names::Names;
+use super::values::{count, table};
 use super::{
     FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, extensions, parameters,
 };
@@ -77,19 +78,4 @@ fn source(source: &Source) -> Table {
 
 fn figures(figures: &Figures, unit: Unit) -> Table {
     figures.keyed(unit).map(|(key, value)| (key, value.into())).into_iter().collect()
-}
-
-/// A table of these entries.
-pub fn table<const N: usize>(entries: [(&str, Value); N]) -> Value {
-    Value::Table(entries.map(|(key, value)| (key.to_owned(), value)).into_iter().collect())
-}
-
-/// A list of numbers.
-pub fn list(numbers: &[f64]) -> Value {
-    Value::Array(numbers.iter().copied().map(Value::Float).collect())
-}
-
-/// TOML's integers are signed; no count of rows or operators comes near their limit.
-pub fn count(count: usize) -> Value {
-    Value::Integer(i64::try_from(count).unwrap_or(i64::MAX))
 }

@@ -147,7 +147,7 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// The paper's model with its ten plays and ten dead zones, as `mgpi identify` does it.
+    /// The paper's model with its ten plays and ten dead zones, by least squares.
     fn default() -> Self {
         Self {
             model: Kind::Mgpi,
@@ -155,7 +155,7 @@ impl Default for Options {
             plays: 10,
             weights: Weights::Exponential,
             dead_zones: 10,
-            loss: Loss::Huber,
+            loss: Loss::Squares,
             starts: STARTS,
             seed: SEED,
             threads: 0,

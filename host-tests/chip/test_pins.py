@@ -5,6 +5,7 @@ import struct
 from stm32f405.adc import MOST_HZ
 from stm32f405.case import ChipCase
 from stm32f405.chip import TS_CAL1
+from stm32f405.core import SYSTICK
 from stm32f405.gpio import OUTPUT
 
 
@@ -46,6 +47,27 @@ class Pins(ChipCase):
         self.assertAlmostEqual(chip.adc.scans - scans, 100, delta=30)
         self.assertEqual(master.get("fault"), 0)
         self.assertGreater(master.get("ticks"), ticks)
+
+    def test_a_scan_ends_less_than_10_us_before_the_tick_that_uses_it(self):
+        chip, _ = self.started()
+        at_ticks, ended, pend = [], [0.0], chip.nvic.pend_exception
+
+        def pended(number):
+            if number == SYSTICK:
+                at_ticks.append((chip.adc.is_scanning, chip.now - ended[0]))
+            pend(number)
+
+        def watch():
+            if chip.adc.scans != count[0]:
+                count[0], ended[0] = chip.adc.scans, chip.now
+            chip.after(0.5e-6, watch)
+
+        count = [chip.adc.scans]
+        chip.nvic.pend_exception = pended
+        watch()
+        chip.run(5e-3)
+        self.assertFalse(any(is_scanning for is_scanning, _ in at_ticks))
+        self.assertLess(max(age_s for _, age_s in at_ticks[1:]), 10e-6)
 
     def test_the_status_light_is_driven_and_blinks_at_a_fault(self):
         chip, master = self.driven()

@@ -64,15 +64,17 @@ impl Receiver {
             Some(byte) => {
                 if is_silent {
                     self.drop_bytes();
+                } else if elapsed >= self.pause && self.is_whole(0) {
+                    // Of a function that is not known, or it would have been handed over.
+                    self.clear();
                 } else if elapsed >= self.pause {
                     self.begin = self.bytes.len();
                 }
                 self.last = moment;
                 self.push(byte);
                 self.taken = [0, self.begin].into_iter().find(|&begin| self.is_complete(begin));
-                self.damaged = self
-                    .damaged
-                    .wrapping_add(u32::from(self.taken.is_some_and(|begin| begin > 0 && !self.ends(begin))));
+                let is_behind_damaged = self.taken.is_some_and(|begin| begin > 0);
+                self.damaged = self.damaged.wrapping_add(u32::from(is_behind_damaged));
             }
         }
         self.taken.and_then(|begin| self.bytes.get(begin..))
@@ -107,11 +109,6 @@ impl Receiver {
     /// Whether what has come from a byte on ends with its CRC.
     fn is_whole(&self, begin: usize) -> bool {
         !self.is_overlong && self.bytes.get(begin..).is_some_and(ends_with_crc)
-    }
-
-    /// Whether what is before a byte ends with its CRC: a frame of a function that is not known.
-    fn ends(&self, end: usize) -> bool {
-        self.bytes.get(..end).is_some_and(ends_with_crc)
     }
 }
 

@@ -329,7 +329,6 @@ mod app {
     #[task(binds = SysTick, priority = 2, shared = [control], local = [board, clock, watchdog, hardware_watchdog, voltage, dump])]
     fn tick(mut cx: tick::Context) {
         let tick::LocalResources { board, clock, watchdog, hardware_watchdog, voltage, dump, .. } = cx.local;
-        clock.begin();
         cx.shared.control.lock(|control| {
             if voltage.is_low() {
                 control.report(Fault::BrownOut);
@@ -345,6 +344,7 @@ mod app {
             control.close_tick(clock.end());
             dump.tick(control.keeps_dump_closed());
         });
+        clock.finish();
     }
 
     #[task(binds = PVD, priority = 4)]

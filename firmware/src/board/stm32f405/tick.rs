@@ -15,7 +15,7 @@ pub const TICKS_PER_SECOND: u32 = 1_000;
 /// In the processor's register of handlers: SysTick's is at work.
 const SYSTICK_ACTIVE: u32 = 1 << 11;
 
-/// Ticks that have begun.
+/// Ticks that have ended.
 static TICKS: AtomicU32 = AtomicU32::new(0);
 static CYCLES_PER_US: AtomicU32 = AtomicU32::new(1);
 
@@ -38,8 +38,8 @@ impl Tick {
         Self { registers, period_cycles }
     }
 
-    /// To be called when a tick begins.
-    pub fn begin(&self) {
+    /// To be called last in a tick.
+    pub fn finish(&self) {
         TICKS.store(TICKS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     }
 
@@ -61,19 +61,21 @@ impl Tick {
     }
 }
 
-/// Time since the start, on a clock that wraps after 71 minutes, whatever interrupt or lock is at work; one that comes before a
-/// tick's first instructions sees it a period early, and so does one
-/// in a tick that is longer than its period. Unit: µs.
+/// Time since the start, on a clock that wraps after 71 minutes, whatever interrupt or lock is at work; one that comes behind a
+/// tick's last instructions sees it a period late. Unit: µs.
 pub fn moment_us() -> u32 {
     // SAFETY: reading the counter has no side effect.
     let left = || unsafe { (*SYST::PTR).cvr.read() };
+    // SAFETY: neither has reading which handlers are at work.
+    let is_in_tick = unsafe { (*SCB::PTR).shcsr.read() } & SYSTICK_ACTIVE != 0;
     let before = left();
     // A tick that is due may have to wait.
-    // SAFETY: so has this.
-    let is_active = || unsafe { (*SCB::PTR).shcsr.read() } & SYSTICK_ACTIVE != 0;
-    let is_waiting = SCB::is_pendst_pending() && !is_active();
-    let (is_due, left) = if is_waiting { (1, left()) } else { (0, before) };
+    let (begun, left) = match (is_in_tick, SCB::is_pendst_pending()) {
+        (true, _) => (1, before),
+        (false, true) => (1, left()),
+        (false, false) => (0, before),
+    };
     let period_us = 1_000_000 / TICKS_PER_SECOND;
     let elapsed_us = period_us.saturating_sub(left / CYCLES_PER_US.load(Ordering::Relaxed).max(1));
-    TICKS.load(Ordering::Relaxed).wrapping_add(is_due).wrapping_mul(period_us).wrapping_add(elapsed_us)
+    TICKS.load(Ordering::Relaxed).wrapping_add(begun).wrapping_mul(period_us).wrapping_add(elapsed_us)
 }

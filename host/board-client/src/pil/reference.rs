@@ -27,24 +27,30 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Reads a reference that is sampled `rate_hz` (above 0) times a second, from its first time to its last.
+    /// Reads a reference that is sampled `rate_hz` (above 0) times a second, from its first time to its last. `choice`: what is
+    /// said of the file's columns.
     ///
     /// # Errors
     /// The file is no table, lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
-    pub fn read(file: &Path, rate_hz: f64) -> Result<Self, PilError> {
-        let reference = Self::of(&Table::read(file)?, COLUMN, rate_hz)?;
-        for note in &reference.notes {
-            eprintln!("note: {}: {note}", recording::input::name(file));
-        }
+    pub fn read(file: &Path, choice: Choice, rate_hz: f64) -> Result<Self, PilError> {
+        let reference = Self::of(&choice.table(file)?, COLUMN, choice, rate_hz)?;
+        reference.say_notes(file);
         Ok(reference)
     }
 
-    /// Takes a column of a table.
+    /// Says on standard error what was done to read a file.
+    pub fn say_notes(&self, file: &Path) {
+        for note in &self.notes {
+            eprintln!("note: {}: {note}", recording::input::name(file));
+        }
+    }
+
+    /// Takes a column of a table, which has been named.
     ///
     /// # Errors
     /// The table lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
-    pub fn of(table: &Table, column: &str, rate_hz: f64) -> Result<Self, PilError> {
-        let choice = Choice { input: Some(column.to_owned()), may_be_sparse: true, ..Choice::default() };
+    pub fn of(table: &Table, column: &str, choice: Choice, rate_hz: f64) -> Result<Self, PilError> {
+        let choice = Choice { input: Some(column.to_owned()), may_be_sparse: true, ..choice };
         let Drive { file, time_s, input, notes, .. } = Drive::of(table, &choice)?;
         // A table has at least one row. The margin is for a last tick that rounding puts behind the last row.
         let duration_s = time_s[time_s.len() - 1] - time_s[0];
@@ -123,14 +129,25 @@ mod tests {
             assert_eq!(wanted.ahead_mm, wanted.reference_mm);
             (wanted.time_s, wanted.reference_mm)
         };
-        Ok(Reference::read(file.path(), rate_hz)?.samples(0.0).map(wanted).collect())
+        Ok(Reference::read(file.path(), Choice::default(), rate_hz)?.samples(0.0).map(wanted).collect())
+    }
+
+    #[test]
+    fn a_reference_may_have_other_columns_and_units() -> Result<(), PilError> {
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        std::fs::write(&file, "t,x\n0,1\n2000,3\n").expect("written");
+        let columns = ["time=t:ms", "reference=x:cm"].map(|asked| asked.parse().expect("a column")).to_vec();
+        let naming = recording::table::naming::Naming { columns, ..Default::default() };
+        let reference = Reference::read(file.path(), Choice { naming, ..Choice::default() }, 1.0)?;
+        assert_eq!(reference.points(0.0).collect::<Vec<_>>(), [10.0, 20.0, 30.0]);
+        Ok(())
     }
 
     #[test]
     fn a_reference_ahead_is_the_one_of_later_and_at_last_the_last() {
         let file = tempfile::NamedTempFile::new().expect("a temporary file");
         std::fs::write(&file, "time_s,reference_mm\n0,0\n1,8\n2,4\n").expect("written");
-        let reference = Reference::read(file.path(), 2.0).expect("valid");
+        let reference = Reference::read(file.path(), Choice::default(), 2.0).expect("valid");
         let ahead: Vec<f64> = reference.samples(0.75).map(|wanted| wanted.ahead_mm).collect();
         assert_eq!(ahead, [6.0, 7.0, 5.0, 4.0, 4.0]);
     }

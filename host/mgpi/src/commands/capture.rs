@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::plant::positive;
 use super::port::PortArguments;
+use super::reading::Reading;
 use super::show::{Show, show_rows};
 use crate::Error;
 use crate::output::Outputs;
@@ -18,7 +19,6 @@ use board_client::bus::recording::Growing;
 use board_client::child::Stop;
 use board_client::pil::reference::Reference;
 use recording::TOOL;
-use recording::table::Table;
 
 /// The column of the command.
 const COLUMN: &str = "command_bar";
@@ -29,6 +29,8 @@ pub struct Arguments {
     /// What is played: time_s, command_bar, from `mgpi plan` for instance [default: triangles of falling height, two fast swings, holds]
     #[arg(long, value_name = "EXC.csv", conflicts_with_all = ["max_bar", "duration_s"])]
     excitation: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
     /// Highest command of the default excitation in bar
     #[arg(long, default_value_t = 6.0, value_name = "BAR", value_parser = positive)]
     max_bar: f64,
@@ -116,8 +118,11 @@ impl Arguments {
             let points = course.samples(times).map(|bar| bar as f32).collect();
             return Ok((points, format!("triangles, swings and holds, 0 to {max_bar} bar, {duration_s} s")));
         };
-        let table = Table::read(file)?;
-        let points = Reference::of(&table, COLUMN, POINTS_PER_S)?.points(0.0).map(|bar| bar as f32).collect();
+        let choice = self.reading.choice();
+        let table = choice.table(file)?;
+        let reference = Reference::of(&table, COLUMN, choice, POINTS_PER_S)?;
+        reference.say_notes(file);
+        let points = reference.points(0.0).map(|bar| bar as f32).collect();
         Ok((points, format!("{}, SHA-256 {}", file.display(), table.sha256())))
     }
 }

@@ -11,6 +11,7 @@ use model_core::Mode;
 use super::board_model;
 use super::gains::Gains;
 use super::plant::{PlantArguments, positive};
+use super::reading::Reading;
 use crate::Error;
 use crate::output::Outputs;
 use board_client::bus::settings::settle;
@@ -42,6 +43,8 @@ pub struct Arguments {
     /// What to track: time_s, reference_mm
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     #[command(flatten)]
     plant: PlantArguments,
     /// Ticks a second
@@ -88,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let model = board_model::read(&arguments.model)?;
     let mut configuration = configuration(&arguments.model, &model, *rate_hz)?;
     settle(&mut configuration.tracking, None, &arguments.gains.asked())?;
-    let reference = Reference::read(&arguments.reference, *rate_hz)?;
+    let reference = Reference::read(&arguments.reference, arguments.reading.choice(), *rate_hz)?;
     let firmware = image::find(arguments.firmware.as_deref())?;
     let plant = arguments.plant.program();
     let stop = Stop::on_signals();

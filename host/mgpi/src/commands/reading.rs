@@ -1,4 +1,4 @@
-//! The options of every command that reads a recording: which column is which, in what unit.
+//! The options of every command that reads a recording or a reference: which column is which, in what unit.
 
 use clap::Args;
 
@@ -6,7 +6,7 @@ use recording::Choice;
 use recording::left_out::LeftOut;
 use recording::table::naming::{Naming, Renamed, UnitOf};
 
-/// What is said of a recording's columns.
+/// What is said of a file's columns.
 #[derive(Args, Debug)]
 pub struct Reading {
     /// Column of the times [default: time_s]

@@ -9,6 +9,7 @@ use model_core::{Mode, Surroundings};
 use super::board_model;
 use super::capture::{bar, in_words};
 use super::port::PortArguments;
+use super::reading::Reading;
 use super::show::{Show, show_rows};
 use crate::Error;
 use crate::output::Outputs;
@@ -31,6 +32,8 @@ pub struct Arguments {
     /// What to track: time_s, reference_mm
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// The model that the board has: says what it is worth, and that the board has it
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
@@ -86,9 +89,10 @@ impl ModeName {
 /// # Errors
 /// The reference is none, the board does not track, an output cannot be written, or the user interrupts.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { port, reference: file, model, mode, log, json, report, every, http, force } = arguments;
+    let Arguments { port, reference: file, reading, model, mode, log, json, report, every, http, force } =
+        arguments;
     let mut outputs = Outputs::claim(log.iter().chain(json).chain(report), &[file], *force)?;
-    let reference = Reference::read(file, POINTS_PER_S)?;
+    let reference = Reference::read(file, reading.choice(), POINTS_PER_S)?;
     let model = model.as_deref().map(board_model::read).transpose()?;
     let mut board = port.open()?;
     let installed = upload::fetch(&mut board)?;

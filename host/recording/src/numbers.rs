@@ -23,11 +23,12 @@ pub fn apart(value: f64, limit: f64, decimals: usize) -> String {
     texts.clone().find(|text| text.parse() != Ok(limit)).or(texts.next_back()).unwrap_or_default()
 }
 
-/// A number with so many decimals, and with as many more as show two digits of it: small units make small numbers.
+/// A number with so many decimals, and with as many more as show two digits of it: small units make small numbers. What is
+/// smaller than a nanometre in metres is the rounding of a 0, and gets no more decimals.
 pub fn legible(value: f64, decimals: usize) -> String {
-    const MOST: f64 = 12.0;
+    const MOST: f64 = 10.0;
     let needed = if value == 0.0 { 0.0 } else { 1.0 - value.abs().log10().floor() };
-    let decimals = decimals.max(needed.clamp(0.0, MOST) as usize);
+    let decimals = if needed > MOST { decimals } else { decimals.max(needed.max(0.0) as usize) };
     format!("{value:.decimals$}")
 }
 
@@ -99,6 +100,7 @@ mod tests {
         for (value, text) in texts {
             assert_eq!(legible(value, 3), text);
         }
+        assert_eq!(legible(3e-14, 4), "0.0000");
         assert_eq!((legible(0.0, 2), legible(f64::NAN, 2)), ("0.00".to_owned(), "NaN".to_owned()));
     }
 

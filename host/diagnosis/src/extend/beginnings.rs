@@ -36,14 +36,11 @@ pub fn plainer(task: &Task<'_>, plain: Extension, other: &Extension) -> Extensio
     from_other.filter(|from_other| errs_less(from_other).unwrap_or(false)).unwrap_or(plain)
 }
 
-/// An extended model that the rows before the split have taught, continued with all rows; from the plain model's operator too, where
-/// it is no better than that.
+/// An extended model that the rows before the split have taught, continued with all rows from there and from the plain model's
+/// operator: the better of the two.
 pub fn continued(whole: &Task<'_>, taught: Extension, plain: &Extension) -> Option<(Extension, Termination)> {
     let other = Extension { extensions: taught.extensions.clone(), ..plain.clone() };
     let model = whole.refined(taught)?;
-    if model.0.rmse(whole.columns) < plain.rmse(whole.columns) {
-        return Some(model);
-    }
     let other =
         whole.refined(other).filter(|other| other.0.rmse(whole.columns) < model.0.rmse(whole.columns));
     Some(other.unwrap_or(model))

@@ -88,23 +88,29 @@ fn at_rest(fit: &Fit) -> Option<Fit> {
 /// # Errors
 /// No operator can be identified.
 pub fn operator(seen: &Seen, scored: &[usize]) -> Result<Operator, IdentificationError> {
-    let rows = seen.input.len();
-    let mut kept: Vec<usize> = scored.iter().copied().step_by(2 * (scored.len() / ROWS).max(1)).collect();
-    // The lowest and the highest input of a block: operators remember extremes only.
-    let block = 2 * (rows / ROWS).max(1);
-    for first in (0..rows).step_by(block) {
-        let rows = first..(first + block).min(rows);
-        kept.extend(rows.clone().min_by(|&i, &j| seen.input[i].total_cmp(&seen.input[j])));
-        kept.extend(rows.max_by(|&i, &j| seen.input[i].total_cmp(&seen.input[j])));
-    }
-    kept.sort_unstable();
-    kept.dedup();
+    let kept = kept(&seen.input, scored);
     let of_kept = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&row| values[row]).collect() };
     let counts: Vec<bool> = kept.iter().map(|row| scored.binary_search(row).is_ok()).collect();
     let problem = Problem { input: &of_kept(&seen.input), output: &of_kept(&seen.output), scored: &counts };
     let search = |knots| Options { starts: STARTS, seed: SEED, tolerance: TOLERANCE, ..as_identify(knots) };
     let (operator, _) = best(&problem, &ENVELOPES.map(search))?;
     Ok(operator)
+}
+
+/// The rows that the search looks at, in order: some of the scored ones, and the lowest and the highest input of each block, for
+/// operators remember extremes only. Blocks are as short as the scored rows need them, however many rows follow.
+fn kept(input: &[f64], scored: &[usize]) -> Vec<usize> {
+    let mut kept: Vec<usize> = scored.iter().copied().step_by(2 * (scored.len() / ROWS).max(1)).collect();
+    let scored_end = scored.last().map_or(0, |last| last + 1);
+    let block = 2 * (scored_end / ROWS).max(1);
+    for first in (0..input.len()).step_by(block) {
+        let rows = first..(first + block).min(input.len());
+        kept.extend(rows.clone().min_by(|&i, &j| input[i].total_cmp(&input[j])));
+        kept.extend(rows.max_by(|&i, &j| input[i].total_cmp(&input[j])));
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept
 }
 
 /// The operator that `mgpi identify` finds in all scored samples, and how its search ended; of the envelopes that it has by
@@ -167,4 +173,19 @@ fn best(problem: &Problem<'_>, searches: &[Options]) -> Result<(Operator, Termin
         }
     }
     found.map(|(_, operator, termination)| (operator, termination)).ok_or(refusal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ROWS, kept};
+
+    #[test]
+    fn rows_behind_the_scored_ones_thin_these_no_further() {
+        let input: Vec<f64> = (0..4 * ROWS).map(|row| (0.7 * row as f64).sin()).collect();
+        let scored: Vec<usize> = (0..ROWS).collect();
+        let alone = kept(&input[..ROWS], &scored);
+        let mut followed = kept(&input, &scored);
+        followed.retain(|&row| row < ROWS);
+        assert_eq!(followed, alone);
+    }
 }

@@ -18,6 +18,7 @@ use firmware::{AcquisitionError, AdcCode, BlackBox, Board, Capture, Control, Dac
 use model_core::{Mode, ModelParameters, Surroundings, paper};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use rig::parameters::SUPPLY_BAR;
 use rig::plant::{Plant, Setup};
 use wire::{Fault, Protection, Request, Response};
 
@@ -29,10 +30,8 @@ const PUMP_TICKS: u32 = 10;
 const WATCHDOG_TICKS: u32 = 94;
 /// From 6 bar to [`EMPTY_BAR`] by the rig's time constant of 50 ms, 170, and the noise of its sensor. Unit: tick.
 const EMPTYING_TICKS: u32 = 190;
-/// Unit: bar.
+/// The pressure below which docs/safety.md calls the muscle empty. Unit: bar.
 pub const EMPTY_BAR: f64 = 0.2;
-/// Pressure before the valve; one that is open gives what of it the rig's can. Unit: bar.
-const SUPPLY_BAR: f64 = 8.0;
 /// How long after a failure that does not show the host stops, at the most. Unit: tick.
 const STOP_TICKS: u32 = 2000;
 

@@ -3,15 +3,30 @@
 use firmware::node::{Node, carry_out};
 use wire::{FRAME_BYTES, FrameError, Receiver, Refusal, Request, Response, State};
 
+use stm32f4::stm32f405::Interrupt;
+
 use crate::serial::{Buffers, Line, Port};
 
-/// Unit: bit/s. At 42 MHz and at 16 MHz the divider is within 0.9 % of it.
-pub const BAUD: u32 = 460_800;
+/// The link, which has a wire each way.
+pub struct LinkLine;
+
+impl Line for LinkLine {
+    /// At 42 MHz and at 16 MHz the divider is within 0.9 % of it.
+    const BAUD: u32 = 460_800;
+    const PORT: Interrupt = Interrupt::USART2;
+    const TASK: Interrupt = Interrupt::SPI2;
+    const HAS_ECHO: bool = false;
+    type Received = u8;
+
+    fn received(&self, byte: u8) -> u8 {
+        byte
+    }
+}
 
 /// Room for a frame each way: a request that comes while another port is served waits as a whole.
 pub type LinkBuffers = Buffers<u8, { FRAME_BYTES + 1 }, { FRAME_BYTES + 1 }>;
 
-/// The next request that has come as a whole, or a frame that is none.
+/// The next complete frame: the request in it, or why it holds none.
 pub fn next<L: Line<Received = u8>>(
     port: &mut Port<L>,
     receiver: &mut Receiver,

@@ -54,7 +54,7 @@ mod app {
     use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickReply, TickRequest, registers};
 
     use crate::bus_port::{BusBuffers, Stamped, serve};
-    use crate::link::{LinkBuffers, answer, log_change};
+    use crate::link::{LinkBuffers, LinkLine, answer, log_change};
     use crate::serial::{Line, Mover, Port};
     use crate::{ports, serial};
 
@@ -85,21 +85,6 @@ mod app {
 
         fn received(&self, byte: u8) -> Stamped {
             (byte, TICKS.load(Ordering::Relaxed))
-        }
-    }
-
-    /// The link.
-    pub struct LinkLine;
-
-    impl Line for LinkLine {
-        const BAUD: u32 = crate::link::BAUD;
-        const PORT: Interrupt = Interrupt::USART2;
-        const TASK: Interrupt = Interrupt::SPI2;
-        const HAS_ECHO: bool = false;
-        type Received = u8;
-
-        fn received(&self, byte: u8) -> u8 {
-            byte
         }
     }
 

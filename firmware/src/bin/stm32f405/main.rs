@@ -55,7 +55,7 @@ fn make_safe() {
     valve::vent();
 }
 
-/// Keeps what happened, starts anew.
+/// Records what happened, and resets the processor.
 fn end(fault: Fault, detail: u32) -> ! {
     memory::seal(fault, detail);
     cortex_m::peripheral::SCB::sys_reset()
@@ -91,7 +91,7 @@ mod app {
     use crate::drivers::tick::{TICKS_PER_SECOND, Tick, moment_us};
     use crate::drivers::watchdog::HardwareWatchdog;
     use crate::drivers::{SensorsAndValve, memory, output};
-    use crate::link::{LinkBuffers, answer, log_change};
+    use crate::link::{LinkBuffers, LinkLine, answer, log_change};
     use crate::serial::{Line, Mover, Port};
     use crate::{CHECK_INS, ports, serial};
 
@@ -120,21 +120,6 @@ mod app {
 
         fn drive(&mut self, drives: bool) {
             self.0.set(drives);
-        }
-    }
-
-    /// The link, which has a wire each way.
-    pub struct LinkLine;
-
-    impl Line for LinkLine {
-        const BAUD: u32 = crate::link::BAUD;
-        const PORT: Interrupt = Interrupt::USART2;
-        const TASK: Interrupt = Interrupt::SPI2;
-        const HAS_ECHO: bool = false;
-        type Received = u8;
-
-        fn received(&self, byte: u8) -> u8 {
-            byte
         }
     }
 

@@ -15,7 +15,7 @@ pub fn hold() {
     unsafe { basepri::write(LOWEST) };
 }
 
-/// Lets them come. For the idle task, which holds no lock and whose own mask is none.
+/// Lets them come. For the idle task, which holds no lock and masks nothing.
 pub fn release() {
     // SAFETY: the idle task has priority 0, for which RTIC's mask is 0.
     unsafe { basepri::write(0) };

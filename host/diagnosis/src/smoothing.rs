@@ -94,7 +94,8 @@ impl Sums {
     }
 
     /// The estimate of a quarter of the widest window whose interval has a value in common with those of all smaller ones, or of
-    /// the smallest window; the sample's own value where not even that agrees with it, as beside a jump, or fits in.
+    /// the smallest window; the sample's own value where even that window
+    /// disagrees with it, as beside a jump, or reaches beyond the recording.
     /// `reach`: half the width of the interval of one sample.
     fn quarter_of_widest(&self, at: usize, side: Side, own: f64, reach: f64) -> Estimate {
         let (mut low, mut high) = (own - reach, own + reach);

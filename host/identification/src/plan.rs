@@ -9,7 +9,8 @@ use crate::progress::Planned;
 
 /// Rows that count of the thinned recording: many for each of a few dozen parameters.
 pub const ROWS: usize = 4000;
-/// The next recording has so many times the rows, or all if that is at least a quarter of them.
+/// Each recording after the thinned one has so many times the rows of the one before; one that would have a quarter of all rows
+/// or more is left out, and all rows follow.
 const LEVEL: usize = 4;
 /// How many ends with exponential weights free ones go on from.
 pub const FREED: usize = 3;
@@ -23,8 +24,8 @@ const TO_THE_END: usize = 3;
 const ONWARDS: usize = 2;
 /// Rows of a thinned recording for each that counts: the turns of the input lie between.
 const WITH_TURNS: usize = 2;
-/// Ends that go on on all rows: no more are nearly as good as the best, mostly.
-const POLISHED: usize = 2;
+/// Ends that are searched from on all rows: mostly, no more are nearly as good as the best.
+const MOSTLY_POLISHED: usize = 2;
 /// Rounds of a robust fit.
 const ROUNDS: usize = 8;
 /// Passes over all rows that the standard errors take.
@@ -86,7 +87,7 @@ impl Plan {
         let starts = options.starts;
         let freed = if options.weights == Weights::Free { FREED } else { 0 };
         let searches = best(starts, rows) + 1;
-        let polished = POLISHED.min(searches);
+        let polished = MOSTLY_POLISHED.min(searches);
         // A robust fit goes on from one end of each kind, in rounds, and knows no levels.
         let (thinned_rounds, rounds, level) = match options.loss {
             Loss::Squares => (0, 1, WITH_TURNS * levels(rows).sum::<usize>()),

@@ -14,12 +14,14 @@ use super::starts::{Start, starts};
 use super::{CONVERGED, Loss, Options};
 use crate::progress::{Part, Work};
 
-/// How many ends go on to the next recording at most, to all rows and to one between, and by which
-/// share their sums of squares may be larger than the least: which of two that are nearly as good
-/// is better, few rows may not tell.
+/// Ends that are searched from on all rows, at most.
 const POLISHED: usize = 4;
+/// Ends that are searched from on a recording between the thinned one and all rows, at most.
 const FINALISTS: usize = 12;
+/// Sums of squares larger than the least by this share are not searched from: which of two that differ by less is better, few rows
+/// may not tell.
 const NEAR: f64 = 0.1;
+
 /// The searches of an identification.
 pub struct Searches<'a> {
     /// How they are made.

@@ -1,4 +1,4 @@
-//! Writes the valid inputs that the binary targets begin with into `tools/fuzz/corpus`, anew after a change of the messages:
+//! Writes the valid inputs that the binary targets begin with into `tools/fuzz/corpus`. Run it after each change of the messages:
 //! `cargo run --manifest-path tools/fuzz/Cargo.toml --example seeds`.
 
 use std::path::Path;

@@ -8,7 +8,8 @@ pub struct Task<'a> {
     pub columns: &'a Columns,
     /// In order.
     pub scored: &'a [usize],
-    /// What the search errs by with the same effects, root mean square: by that it is measured what unevenness costs. Output unit.
+    /// Root mean square error of the search with the same effects; the price of an uneven curve is in proportion to it. Output
+    /// unit.
     pub reached: f64,
     /// Whether a rest after a swing counts once ([`super::rests`]): for the model that is kept, not where models are compared by the errors of
     /// all rows.

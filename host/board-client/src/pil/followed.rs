@@ -64,7 +64,7 @@ pub fn complaint(run: &Run, limits: (f32, f32)) -> Option<String> {
     }
     if reasons.is_empty() {
         reasons.push(
-            "The model, or the gains, may not be those of this muscle: see --mode feedforward.".to_owned(),
+            "The model, or the gains, may not be those of this muscle: a run with feed-forward only tells which.".to_owned(),
         );
     }
     Some(format!(

@@ -34,6 +34,7 @@ fn columns(case: &Case) -> Columns {
         time_s: of(|row| row.time_s),
         input: of(|row| row.measured.pressure_bar),
         input_unit: Unit::BAR,
+        output_unit: Unit::MM,
         input_is_command: false,
         command: Some(of(|row| row.command_bar)),
         output: of(|row| row.measured.contraction_mm),

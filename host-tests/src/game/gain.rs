@@ -61,6 +61,7 @@ fn columns(rows: &[Row]) -> Columns {
         time_s: column(|row| row.time_s),
         input: column(|row| row.measured.pressure_bar),
         input_unit: Unit::BAR,
+        output_unit: Unit::MM,
         input_is_command: false,
         command: Some(column(|row| row.command_bar)),
         load_n: Some(column(|row| row.measured.load_n)),

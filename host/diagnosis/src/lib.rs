@@ -125,6 +125,8 @@ pub struct Columns {
     pub input: Vec<f64>,
     /// Unit of the input, and of the command beside it.
     pub input_unit: Unit,
+    /// Unit of the output, for what is said of its errors.
+    pub output_unit: Unit,
     /// Whether that is the command, the pressure unknown.
     pub input_is_command: bool,
     /// The command, where the input is the measured pressure.
@@ -324,7 +326,7 @@ pub fn diagnose_and_extend(
         diagnosis.take_back(Unexplained::Poor(poor));
     }
     if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
-        diagnosis.causes.push(Named::shape(given, &extended.model.parameters));
+        diagnosis.causes.push(Named::shape(given, &extended.model.parameters, columns.output_unit));
         if diagnosis.verdict == Verdict::Adequate {
             diagnosis.verdict = Verdict::Explained;
         }
@@ -344,7 +346,7 @@ fn conclude(
     examinable: Vec<Examinable>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let baseline = &search.baseline;
-    let causes = verdict::named(search, &best, sizes, valve.as_ref());
+    let causes = verdict::named(search, &best, sizes, valve.as_ref(), columns.output_unit);
     let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
     let signals = search.signals;
     let of_rows = |values: &[f64]| -> Vec<f64> { signals.rows.iter().map(|row| values[row.at]).collect() };

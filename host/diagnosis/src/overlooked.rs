@@ -48,9 +48,10 @@ pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extende
         set: fast[best].clone(),
         alternatives: others.into_iter().map(|other| fast[other].causes.clone()).collect(),
         evidence: format!(
-            "simulated, the operator model with it is off by {} instead of {} over all rows",
+            "simulated, the operator model with it is off by {} instead of {} {} over all rows",
             legible(errors[best], 3),
-            legible(without, 3)
+            legible(without, 3),
+            extender.output_unit()
         ),
     })
 }

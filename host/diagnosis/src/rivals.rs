@@ -18,6 +18,7 @@ use super::candidate::Candidate;
 use super::cause::Cause;
 use super::extend::Extender;
 use super::search::Search;
+use recording::numbers::legible;
 
 /// Sets whose costs differ by more than this are told apart by the search.
 const NEAR: f64 = 0.15;
@@ -109,11 +110,12 @@ fn running_free(
         set: set.clone(),
         alternatives: as_good.into_iter().map(|other| alike[other].causes.clone()).collect(),
         evidence: Some(format!(
-            "running free, the operator model with {} errs by {:.3} over all rows, with {} by {:.3}",
+            "simulated, the operator model with {} is off by {} over all rows, with {} by {} {}",
             names(set),
-            errors[place],
+            legible(errors[place], 3),
             names(sets[next]),
-            errors[next]
+            legible(errors[next], 3),
+            extender.output_unit()
         )),
     })
 }

@@ -12,6 +12,7 @@ use super::search::Search;
 use super::valve::ValveFit;
 use identification::HostParameters;
 use recording::numbers::legible;
+use recording::unit::Unit;
 
 /// What a diagnosis comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,14 +74,14 @@ impl Named {
         }
     }
 
-    /// That the form of a given operator model is too poor; the parameters are the sizes of the richer one.
-    pub fn shape(given: &Given, richer: &HostParameters) -> Self {
+    /// That the form of a given operator model is too poor; the parameters are the sizes of the richer one. `unit`: of the output.
+    pub fn shape(given: &Given, richer: &HostParameters, unit: Unit) -> Self {
         Self {
             cause: Cause::HysteresisShape,
             parameters: sizes(richer),
             share: given.share(),
             evidence: vec![format!(
-                "fitted to the recording, the form of the given model is off by {}, a richer one by {}",
+                "fitted to the recording, the form of the given model is off by {} {unit}, a richer one by {} {unit}",
                 legible(given.refitted_rmse, 3),
                 legible(given.richer_rmse, 3)
             )],
@@ -138,6 +139,7 @@ pub fn named(
     best: &Candidate,
     sizes: &[Vec<Candidate>],
     valve: Option<&ValveFit>,
+    unit: Unit,
 ) -> Vec<Named> {
     let square = |set: &Candidate| set.score.mean().powi(2);
     let before = square(&search.baseline).max(1e-300);
@@ -146,7 +148,7 @@ pub fn named(
         .map(|(cause, parameters)| {
             let without = search.without(best, cause, sizes);
             let share = without.as_ref().map_or(0.0, |set| (square(set).min(before) - square(best)) / before);
-            let evidence = without.as_ref().map_or_else(Vec::new, |set| evidence(set, best));
+            let evidence = without.as_ref().map_or_else(Vec::new, |set| evidence(set, best, unit));
             let without = without.map(|set| Tried::of(search, &set));
             Named { cause, parameters, share, evidence, without }
         })
@@ -211,11 +213,11 @@ fn damping(named: &[Named]) -> Option<Named> {
     })
 }
 
-/// What a set is better by than without one of its causes, in words.
-fn evidence(without: &Candidate, with: &Candidate) -> Vec<String> {
+/// What a set is better by than without one of its causes, in words. `unit`: of the output.
+fn evidence(without: &Candidate, with: &Candidate, unit: Unit) -> Vec<String> {
     let (gain, error) = (without.score.gain(&with.score), without.score.gain_error(&with.score));
     let mut words = vec![format!(
-        "held-out error {} instead of {} without it (gain {gain:.2} +- {error:.2})",
+        "held-out error {} instead of {} {unit} without it (logarithm of the ratio {gain:.2} +- {error:.2})",
         legible(with.score.mean(), 3),
         legible(without.score.mean(), 3)
     )];
@@ -224,7 +226,7 @@ fn evidence(without: &Candidate, with: &Candidate) -> Vec<String> {
     }
     if let (Some(before), Some(after)) = (without.pure_error, with.pure_error) {
         words.push(format!(
-            "visits to the same state differ by {} instead of {}",
+            "visits to the same state differ by {} instead of {} {unit}",
             legible(after, 3),
             legible(before, 3)
         ));

@@ -91,3 +91,23 @@ fn what_precedes_a_known_past_is_left_out_alike_by_identify_and_diagnose() {
     assert_eq!(not_scored(&bench.succeeds("diagnose within.csv")), said);
     assert!(json.pointer("/left_out/history_only_samples").and_then(Value::as_u64) > Some(0));
 }
+
+#[test]
+fn the_json_of_every_analysis_has_what_was_done_to_the_file_and_what_was_left_out() {
+    let bench = bench();
+    spoilt(&bench, 280..=299, 0.0);
+    let stutter = bench.read("spoilt.csv").replacen("\n5,", "\n5,0,0\n5,", 1);
+    bench.write("both.csv", stutter);
+    for command in [
+        "identify both.csv -o m.toml --starts 2 --no-holdout",
+        "diagnose both.csv",
+        "compare both.csv --models sgpi --sizes 3/3 --starts 2",
+    ] {
+        bench.succeeds(&format!("{command} --json j.json --force"));
+        let json: Value = serde_json::from_str(&bench.read("j.json")).expect("JSON");
+        let note = "1 row with a repeated time was averaged with those of the same time";
+        assert_eq!(json["notes"], serde_json::json!([note]), "{command}");
+        let samples = json.pointer("/left_out/drop_outs/0/samples").and_then(Value::as_u64);
+        assert_eq!(samples, Some(20), "{command}: {}", json["left_out"]);
+    }
+}

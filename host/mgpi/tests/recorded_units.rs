@@ -107,6 +107,9 @@ fn a_diagnosis_has_the_names_and_units_of_the_recording_and_finds_the_same() {
     for wanted in ["valve_deadband", "drift", "load"] {
         assert!(found.contains_key(wanted), "{wanted}: {}", board[0]);
     }
+    let evidence = |line: &&str| line.contains("held-out error") || line.contains("differ by");
+    let evidence: Vec<&str> = board[0].lines().filter(evidence).collect();
+    assert!(!evidence.is_empty() && evidence.iter().all(|line| line.contains(" mm")), "{evidence:?}");
     for (i, units) in OTHERS.iter().enumerate() {
         let texts = diagnosed(&bench, &format!("other-{i}"), units);
         for text in &texts {

@@ -67,6 +67,7 @@ pub use plain::Plain;
 use recording::figures::Figures;
 use recording::numbers::{range, root_mean_square};
 use recording::simulation::Rows;
+use recording::unit::Unit;
 use slow::Slow;
 use task::Task;
 pub use written::Written;
@@ -260,6 +261,11 @@ impl<'a> Extender<'a> {
         let scored = search.signals.scored();
         let without = Task::alone(columns, &scored).rms(&plain.whole).unwrap_or(f64::INFINITY);
         Self { columns, search, scored, plain, without, starts: Mutex::default() }
+    }
+
+    /// Unit of the output.
+    pub fn output_unit(&self) -> Unit {
+        self.columns.output_unit
     }
 
     /// The error of the model with the causes of a set over all scored rows; None where no such model runs through them. Output unit.

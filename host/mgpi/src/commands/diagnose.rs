@@ -165,6 +165,7 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
         time_s: drive.time_s.clone(),
         input: drive.input.values.clone(),
         input_unit: drive.input.channel.unit,
+        output_unit: output.channel.unit,
         input_is_command,
         output: output.values.clone(),
         scored: drive.scored.clone(),

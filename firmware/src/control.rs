@@ -17,15 +17,11 @@
 mod orders;
 mod second_path;
 
-pub use second_path::STOP_TICKS;
-
 use core::hint::black_box;
 
 use model_core::tracking::{Command, Prepared};
 use model_core::{Mode, TrackingState};
-use wire::{
-    CaptureSample, Fault, Flags, OnModelFault, PLAYS, Protection, Refusal, State, TickReply, TraceEntry,
-};
+use wire::{CaptureSample, Fault, OnModelFault, PLAYS, Protection, Refusal, State, TraceEntry};
 
 use crate::board::{AcquisitionError, Board, DacCode, Samples};
 use crate::bus::player::Player;
@@ -96,6 +92,36 @@ struct Running {
     prepared: Prepared<f32>,
 }
 
+/// What a tick has done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TickOutcome {
+    /// What was written to the valve.
+    pub code: DacCode,
+    /// The feed-forward part of the command. Unit: bar.
+    pub feedforward_bar: f32,
+    /// The feedback part of the command. Unit: bar.
+    pub feedback_bar: f32,
+    /// A limit or the slew rate changed the command.
+    pub is_limited: bool,
+    /// The controller drives the valve.
+    pub is_tracking: bool,
+    /// A fault is latched; the valve is vented.
+    pub is_at_fault: bool,
+    /// This tick found the one before unfinished.
+    pub is_overrun: bool,
+}
+
+/// The outcome of a tick that does not drive the valve.
+const VENTED: TickOutcome = TickOutcome {
+    code: VENT,
+    feedforward_bar: 0.0,
+    feedback_bar: 0.0,
+    is_limited: false,
+    is_tracking: false,
+    is_at_fault: false,
+    is_overrun: false,
+};
+
 impl Control {
     /// A control without a controller, vented; at fault, if the black box says that the board has started after one.
     pub fn new(
@@ -163,33 +189,30 @@ impl Control {
     }
 
     /// One tick: samples, computes, drives.
-    pub fn tick<B: Board>(&mut self, board: &mut B) -> TickReply {
+    pub fn tick<B: Board>(&mut self, board: &mut B) -> TickOutcome {
         self.ticks = self.ticks.wrapping_add(1);
         let before = self.output.code();
-        let mut reply = self.work(board.read()).unwrap_or_else(|fault| {
+        let mut outcome = self.work(board.read()).unwrap_or_else(|fault| {
             self.report(fault);
             VENTED
         });
-        let asked = DacCode(reply.dac_code);
-        let mut code =
+        let asked = outcome.code;
+        outcome.code =
             if self.state.is_driven() { self.output.drive(&self.limits, asked) } else { self.output.vent() };
-        board.drive(code);
-        reply.flags = reply.flags.with(Flags::LIMITED, code != asked);
+        board.drive(outcome.code);
+        outcome.is_limited |= outcome.code != asked;
         let reference_mm = self.reference_mm;
         // The valve has its code in time; what is looked at from here on can only take it back.
-        if let Err(fault) = self.watch(before, reply.feedback_bar).and_then(|()| self.prepare()) {
+        if let Err(fault) = self.watch(before, outcome.feedback_bar).and_then(|()| self.prepare()) {
             self.report(fault);
-            (reply, code) = (VENTED, self.output.vent());
-            board.drive(code);
+            outcome = TickOutcome { code: self.output.vent(), ..VENTED };
+            board.drive(outcome.code);
         }
-        reply.dac_code = code.0;
-        reply.flags = reply
-            .flags
-            .with(Flags::TRACKING, self.running.is_some())
-            .with(Flags::FAULT, self.faults.latched().is_some())
-            .with(Flags::OVERRUN, core::mem::take(&mut self.overrun));
-        self.record(&reply, reference_mm);
-        reply
+        outcome.is_tracking = self.running.is_some();
+        outcome.is_at_fault = self.faults.latched().is_some();
+        outcome.is_overrun = core::mem::take(&mut self.overrun);
+        self.record(&outcome, reference_mm);
+        outcome
     }
 
     /// Takes the next tick's set point from the player, if it plays.
@@ -299,7 +322,7 @@ impl Control {
     }
 
     /// What the samples of a tick lead to.
-    fn work(&mut self, samples: Result<Samples, AcquisitionError>) -> Result<TickReply, Fault> {
+    fn work(&mut self, samples: Result<Samples, AcquisitionError>) -> Result<TickOutcome, Fault> {
         if matches!(self.state, State::Off | State::Fault) {
             self.monitors.look(samples);
             return Ok(VENTED);
@@ -307,13 +330,13 @@ impl Control {
         let contraction_mm = self.monitors.take(samples)?;
         match self.state {
             State::Tracking | State::Holding => self.track(contraction_mm),
-            State::Service => Ok(TickReply { dac_code: self.service_code.0, ..VENTED }),
+            State::Service => Ok(TickOutcome { code: self.service_code, ..VENTED }),
             State::SelfTest => self.self_test().map(|()| VENTED),
             State::Off | State::Ready | State::Fault => Ok(VENTED),
         }
     }
 
-    fn track(&mut self, contraction_mm: f32) -> Result<TickReply, Fault> {
+    fn track(&mut self, contraction_mm: f32) -> Result<TickOutcome, Fault> {
         let (Some(Installation { tracking, .. }), Some(running)) = (&self.installed, &mut self.running)
         else {
             return Ok(VENTED);
@@ -328,11 +351,12 @@ impl Control {
         if !(feedforward + feedback + command).is_finite() {
             return Err(Fault::NotFinite);
         }
-        Ok(TickReply {
-            dac_code: COMMAND.code(command),
+        Ok(TickOutcome {
+            code: DacCode(COMMAND.code(command)),
             feedforward_bar: feedforward,
             feedback_bar: feedback,
-            flags: Flags::default().with(Flags::LIMITED, limited),
+            is_limited: limited,
+            ..VENTED
         })
     }
 
@@ -358,15 +382,15 @@ impl Control {
     }
 
     /// Leaves the tick in trace, capture and counters.
-    fn record(&mut self, reply: &TickReply, reference_mm: f32) {
+    fn record(&mut self, outcome: &TickOutcome, reference_mm: f32) {
         let Samples { pressure, contraction, supply, .. } = self.monitors.samples();
-        self.limited_ticks = self.limited_ticks.wrapping_add(reply.flags.contains(Flags::LIMITED).into());
+        self.limited_ticks = self.limited_ticks.wrapping_add(outcome.is_limited.into());
         self.faults.note(TraceEntry {
             tick: self.ticks,
             pressure_code: pressure.0,
             contraction_code: contraction.0,
             supply_code: supply.0,
-            dac_code: reply.dac_code,
+            dac_code: outcome.code.0,
             reference_64th_mm: (64.0 * reference_mm) as i16,
         });
         self.capture.take(
@@ -375,8 +399,8 @@ impl Control {
                 reference_mm,
                 pressure_code: pressure.0,
                 contraction_code: contraction.0,
-                dac_code: reply.dac_code,
-                feedback_4096th_bar: (4096.0 * reply.feedback_bar) as i16,
+                dac_code: outcome.code.0,
+                feedback_4096th_bar: (4096.0 * outcome.feedback_bar) as i16,
             },
         );
         if self.ticks == SETTLED_TICKS {
@@ -384,7 +408,3 @@ impl Control {
         }
     }
 }
-
-/// The reply of a tick that did not drive the valve.
-const VENTED: TickReply =
-    TickReply { dac_code: VENT.0, feedforward_bar: 0.0, feedback_bar: 0.0, flags: Flags(0) };

@@ -33,7 +33,6 @@ pub mod order;
 pub mod output;
 mod report;
 pub mod scaling;
-pub mod sized;
 pub mod state_machine;
 pub mod store;
 pub mod timing;

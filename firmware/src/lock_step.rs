@@ -3,10 +3,10 @@
 //! The emulated image uses it behind its serial port, and the host to repeat a run bit for bit.
 
 use model_core::Surroundings;
-use wire::{TickReply, TickRequest};
+use wire::{Flags, TickReply, TickRequest};
 
 use crate::board::{AcquisitionError, AdcCode, Board, DacCode, Samples};
-use crate::control::Control;
+use crate::control::{Control, TickOutcome};
 use crate::order::Order;
 use crate::scaling::VENT;
 
@@ -53,7 +53,22 @@ impl LockStepBoard {
     /// A whole tick: [`feed`](Self::feed), then [`Control::tick`].
     pub fn tick(&mut self, control: &mut Control, request: TickRequest) -> TickReply {
         self.feed(control, request);
-        control.tick(self)
+        reply(control.tick(self))
+    }
+}
+
+/// What the host is told of a tick.
+pub fn reply(outcome: TickOutcome) -> TickReply {
+    let TickOutcome { code, feedforward_bar, feedback_bar, .. } = outcome;
+    TickReply {
+        dac_code: code.0,
+        feedforward_bar,
+        feedback_bar,
+        flags: Flags::default()
+            .with(Flags::LIMITED, outcome.is_limited)
+            .with(Flags::TRACKING, outcome.is_tracking)
+            .with(Flags::FAULT, outcome.is_at_fault)
+            .with(Flags::OVERRUN, outcome.is_overrun),
     }
 }
 

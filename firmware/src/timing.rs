@@ -1,9 +1,8 @@
 //! How long ticks take, measured in every one of them.
 
-use crate::monitors::persistence::InARow;
+use wire::fault::times::LATE_IN_A_ROW;
 
-/// Ticks in a row that end too late, which are a fault.
-pub const LATE_IN_A_ROW: u16 = 3;
+use crate::monitors::persistence::InARow;
 
 /// The end of a tick, as its clock tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,6 +5,8 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
+use wire::fault::times::ALLOWANCE_TICKS;
+
 /// A task other than the tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
@@ -16,9 +18,6 @@ pub enum Task {
 
 /// Number of tasks.
 const TASKS: usize = 2;
-
-/// How long a task may be silent: the link may prepare a large model, or send a long answer, for so long. Unit: tick.
-pub const ALLOWANCE_TICKS: u16 = 250;
 
 /// Where tasks check in, from any priority.
 #[derive(Debug, Default)]

@@ -1,7 +1,7 @@
 //! A board with its bus on the host, and the frames of a Modbus client.
 
+use board_models::paper_parameters;
 use firmware::bus::Bus;
-use firmware::law::paper_parameters;
 use firmware::node::{Node, carry_out};
 use firmware::store::{Parameters, SaveError};
 use firmware::{BlackBox, Capture, Control, LockStepBoard};

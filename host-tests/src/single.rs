@@ -9,17 +9,17 @@
 //! by what it differs from the command, or by nothing before the host stops.
 
 use firmware::faults::black_box::Reset;
-use firmware::monitors::venting::WINDOW_TICKS;
 use firmware::order::prepare;
 use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE, VENT};
 use firmware::timing::TickEnd;
-use firmware::watchdog::{ALLOWANCE_TICKS, CheckIns, Task, Watchdog};
+use firmware::watchdog::{CheckIns, Task, Watchdog};
 use firmware::{AcquisitionError, AdcCode, BlackBox, Board, Capture, Control, DacCode, Samples, TickClock};
 use model_core::{Mode, ModelParameters, Surroundings, paper};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rig::parameters::SUPPLY_BAR;
 use rig::plant::{Plant, Setup};
+use wire::fault::times::{ALLOWANCE_TICKS, VENTING_TICKS};
 use wire::{Fault, Protection, Request, Response};
 
 use crate::{PERIOD_S, configuration};
@@ -79,7 +79,7 @@ impl Failure {
         let seen = match self {
             // By a pressure that does not fall.
             Self::ConverterStuck | Self::AmplifierHigh | Self::RegulatorOpen => {
-                u32::from(WINDOW_TICKS) + PUMP_TICKS
+                u32::from(VENTING_TICKS) + PUMP_TICKS
             }
             Self::SensorStuck => 0,
             Self::BrownOut | Self::CrystalLost => 1,

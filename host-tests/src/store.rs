@@ -1,6 +1,6 @@
 //! Sets of parameters to keep.
 
-use firmware::law::paper_parameters;
+use board_models::paper_parameters;
 use firmware::store::Parameters;
 use model_core::cascade::CascadeParameters;
 use model_core::dead_zone::DeadZoneParameters;

@@ -8,13 +8,14 @@ use firmware::board::Valve;
 use firmware::board::pwm_valve::PwmValve;
 use firmware::board::spi_dac::SpiDac;
 use firmware::faults::black_box::{BlackBox, Reset};
-use firmware::faults::table::TABLE;
 use firmware::led::is_lit;
 use firmware::scaling::{COMMAND, VENT};
-use firmware::watchdog::{ALLOWANCE_TICKS, CheckIns, Task, Watchdog};
+use firmware::watchdog::{CheckIns, Task, Watchdog};
 use host_tests::bench::Bench;
 use host_tests::configuration;
 use model_core::{Mode, ModelParameters, paper};
+use wire::fault::table::TABLE;
+use wire::fault::times::ALLOWANCE_TICKS;
 use wire::{
     CaptureOrder, Captured, Configuration, Fault, FaultRecord, Protection, Request, Response, State, TRACE,
     Telemetry, TraceEntry,

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use firmware::law::extended_parameters;
+use board_models::extended_parameters;
 use host_tests::bus::{BusBoard, frame, random_frames, refused};
 use wire::registers::{
     Access, Command, Exception, GROUPS, Id, Kind, MOST_READ, MOST_WRITTEN, Register, TABLE, UNIT, Value,

@@ -11,7 +11,7 @@ use board_client::child::Stop;
 use board_client::emulator::line::Line;
 use board_client::emulator::{Emulator, image, real_time};
 use board_client::pil::lock_step::protect;
-use firmware::law::{extended_parameters, paper_parameters};
+use board_models::{extended_parameters, paper_parameters};
 use host_tests::rig;
 use libtest_mimic::{Arguments, Failed, Trial};
 use wire::registers::UPLOAD_BYTES;

@@ -1,6 +1,6 @@
 //! The windows of the bus: a configuration in blocks, a stream of set points, the recorded loop.
 
-use firmware::law::{extended_parameters, paper_parameters, piecewise_parameters};
+use board_models::{extended_parameters, paper_parameters, piecewise_parameters};
 use host_tests::bus::{BusBoard, refused};
 use wire::registers::{
     CAPTURE_HEAD, CAPTURE_SAMPLES, Command, Exception, Id, QUEUE_POINTS, SAMPLE_REGISTERS, STREAM_POINTS,

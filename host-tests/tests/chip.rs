@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use board_client::emulator::image;
-use firmware::law::extended_parameters;
+use board_models::extended_parameters;
 use firmware::store::ParameterStore;
 use host_tests::flash::MockFlash;
 use host_tests::store::{numbered, paper_set};

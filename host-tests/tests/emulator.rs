@@ -9,7 +9,7 @@ use board_client::emulator::{Emulator, image};
 use board_client::pil::PilError;
 use board_client::pil::lock_step::{Measurement, Plant, protect};
 use board_client::pil::results::log;
-use firmware::law::extended_parameters;
+use board_models::extended_parameters;
 use host_tests::{HostBoard, configuration, identified, raised_cosines, rig, run};
 use identification::{CONVERGED, Loss, Options, Weights};
 use libtest_mimic::{Arguments, Failed, Trial};

@@ -22,7 +22,7 @@
     deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)
 )]
 
-mod fault;
+pub mod fault;
 mod frame;
 mod message;
 mod protection;
@@ -32,8 +32,8 @@ mod status;
 pub use fault::{FAULTS, Fault};
 pub use frame::{FRAME_BYTES, FrameError, Receiver, encode};
 pub use message::{
-    Configuration, DEAD_ZONES, Flags, Hello, PLAYS, Refusal, Request, Response, Scaling, State, TickReply,
-    TickRequest, VERSION,
+    BoardParameters, BoardTracking, Configuration, DEAD_ZONES, Flags, Hello, PLAYS, Refusal, Request,
+    Response, Scaling, State, TickReply, TickRequest, VERSION, text,
 };
 pub use protection::{NEVER, OnModelFault, Protection};
 pub use status::{

@@ -1,6 +1,8 @@
 //! The messages.
 
-use model_core::{Mode, TrackingParameters};
+use core::fmt::{self, Write as _};
+
+use model_core::{Mode, ParameterError, Tracking, TrackingParameters};
 use serde::{Deserialize, Serialize};
 
 use crate::{CaptureOrder, Captured, Fault, FaultRecord, Protection, Telemetry};
@@ -11,6 +13,11 @@ pub const VERSION: u16 = 7;
 pub const PLAYS: usize = 32;
 /// The largest number of dead zones that a board takes.
 pub const DEAD_ZONES: usize = 32;
+
+/// The raw parameters of the board's controller, in its number type and capacity.
+pub type BoardParameters = TrackingParameters<f32, PLAYS, DEAD_ZONES>;
+/// The controller in the board's number type and capacity.
+pub type BoardTracking = Tracking<f32, PLAYS, DEAD_ZONES>;
 
 /// From the host to the board. Every request is answered by one response.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -161,7 +168,7 @@ pub struct Configuration {
     /// Version of the messages, [`VERSION`].
     pub version: u16,
     /// The controller's raw parameters; the board validates them.
-    pub tracking: TrackingParameters<f32, PLAYS, DEAD_ZONES>,
+    pub tracking: BoardParameters,
 }
 
 /// Why a request was refused.
@@ -179,6 +186,27 @@ pub enum Refusal {
     NotHere,
     /// It is carried out, but lost when power is: the flash has not kept it.
     NotStored,
+}
+
+impl Refusal {
+    /// Of a parameter that is not valid, by a message that names parameter, value and limit.
+    pub fn parameter(message: fmt::Arguments<'_>) -> Self {
+        Self::Parameter(text(message))
+    }
+}
+
+impl From<ParameterError> for Refusal {
+    fn from(error: ParameterError) -> Self {
+        Self::parameter(format_args!("{error}"))
+    }
+}
+
+/// A message, as far as it fits.
+pub fn text(message: fmt::Arguments<'_>) -> heapless::String<100> {
+    let mut text = heapless::String::new();
+    // A text that does not fit ends at its last whole part.
+    let _ = text.write_fmt(message);
+    text
 }
 
 /// The samples of one tick: what the board's ADC would have read.

@@ -4,6 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::Refusal;
+
 /// A number of ticks that does not pass.
 pub const NEVER: u32 = u32::MAX;
 
@@ -101,6 +103,38 @@ impl Protection {
         temperature_max_c: f32::INFINITY,
         on_model_fault: OnModelFault::FeedbackOnly,
     };
+
+    /// These limits, if all can be compared with: none is NaN or negative, and what has to be above 0 is.
+    ///
+    /// # Errors
+    /// The first that is not, by name and value.
+    pub fn checked(self) -> Result<Self, Refusal> {
+        let at_least_0 = [
+            ("vented_bar", self.vented_bar),
+            ("overpressure_hard_bar", self.overpressure_hard_bar),
+            ("overpressure_soft_bar", self.overpressure_soft_bar),
+            ("supply_min_bar", self.supply_min_bar),
+            ("pressure_jump_bar", self.pressure_jump_bar),
+            ("contraction_jump_mm", self.contraction_jump_mm),
+            ("stuck_command_bar", self.stuck_command_bar),
+            ("implausible_share", self.implausible_share),
+            ("following_band_bar", self.following_band_bar),
+            ("following_limit_bar_s", self.following_limit_bar_s),
+            ("authority_bar", self.authority_bar),
+            ("temperature_max_c", self.temperature_max_c),
+        ];
+        let above_0 =
+            [("soft_start_bar_per_s", self.soft_start_bar_per_s), ("slew_bar_per_s", self.slew_bar_per_s)];
+        if let Some((name, value)) = at_least_0.iter().find(|(_, value)| value.is_nan() || *value < 0.0) {
+            return Err(Refusal::parameter(format_args!("{name} is {value}, must be at least 0")));
+        }
+        match above_0.iter().find(|(_, value)| !value.is_finite() || *value <= 0.0) {
+            Some((name, value)) => {
+                Err(Refusal::parameter(format_args!("{name} is {value}, must be above 0 and finite")))
+            }
+            None => Ok(self),
+        }
+    }
 
     /// The same limits for ticks that are `period_s` apart: what may change from one tick to the next grows with the time
     /// between them. Limits are those of the board's tick where ticks are closer.

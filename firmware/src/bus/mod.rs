@@ -5,6 +5,7 @@
 //! bytes ─▶ receiver ─▶ frame ─▶ server ─┬─▶ read  ◀── view of the control
 //!                                       └─▶ write ──▶ orders to the control, upload, player
 //! ```
+//! What requests leave for later ones is the session's; server, read and write work on it.
 //! The player belongs to the control, since it is the tick that plays; all else runs below the tick and holds the control's
 //! lock only to copy from it or to carry out an order.
 //!
@@ -17,11 +18,11 @@
 //! Whoever sends while the board answers is not heard. Where moments are numbers of ticks, as in an emulator, a broken-off
 //! frame waits for them.
 
-pub mod fields;
 pub mod player;
 mod read;
 mod receiver;
 mod server;
+mod session;
 mod upload;
 mod write;
 
@@ -30,13 +31,13 @@ use wire::registers::FRAME_BYTES;
 
 use crate::node::Node;
 use receiver::Receiver;
-use server::Server;
+use session::Session;
 
 /// The bus of a board.
 #[derive(Debug)]
 pub struct Bus {
     receiver: Receiver,
-    server: Server,
+    session: Session,
     response: Vec<u8, FRAME_BYTES>,
 }
 
@@ -44,7 +45,7 @@ impl Bus {
     /// A bus on which a frame may begin after a pause, and does after a silence: times from the end of a byte to the end of the
     /// next. Unit: that of the moments which [`Bus::take`] is told.
     pub const fn new(pause: u32, silence: u32) -> Self {
-        Self { receiver: Receiver::new(pause, silence), server: Server::new(), response: Vec::new() }
+        Self { receiver: Receiver::new(pause, silence), session: Session::new(), response: Vec::new() }
     }
 
     /// Takes a byte, or the news that there is none, at a moment of a clock that wraps; to be called at least every few
@@ -52,9 +53,9 @@ impl Bus {
     pub fn take(&mut self, byte: Option<u8>, moment: u32, node: &mut impl Node) -> &[u8] {
         self.response.clear();
         if let Some(frame) = self.receiver.take(byte, moment) {
-            self.server.answer(frame, node, &mut self.response);
+            server::answer(&mut self.session, frame, node, &mut self.response);
         }
-        self.server.damaged = self.receiver.damaged();
+        self.session.damaged = self.receiver.damaged();
         &self.response
     }
 }

@@ -10,14 +10,15 @@ use wire::registers::{
 };
 use wire::{Captured, FaultRecord, Protection, Telemetry};
 
-use super::fields::{BoardParameters, CONTROLLER, of_controller, of_protection};
 use super::player::PlayerStatus;
-use super::server::Server;
+use super::session::Session;
 use crate::control::Control;
 use crate::node::Node;
 use crate::report::{FIRMWARE_VERSION, Outputs};
 use crate::scaling::{COMMAND, CONTRACTION, PRESSURE};
 use crate::store::LAYOUT;
+use wire::BoardParameters;
+use wire::registers::fields::{CONTROLLER, of_controller, of_protection};
 
 /// What a reading is answered from.
 // Lives for one request, on the stack; boxing it needs a heap, which the board does not have.
@@ -49,13 +50,18 @@ enum View {
 /// One of the addresses has no register.
 // Not inlined: what a reading needs of the stack is not needed by a write.
 #[inline(never)]
-pub fn read(server: &Server, address: u16, words: &mut [u8], node: &mut impl Node) -> Result<(), Exception> {
-    let view = view(server, address, node);
+pub fn read(
+    session: &Session,
+    address: u16,
+    words: &mut [u8],
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    let view = view(session, address, node);
     for (offset, word) in words.chunks_exact_mut(2).enumerate() {
         let address = address.checked_add(offset as u16).ok_or(Exception::IllegalAddress)?;
         let register = Register::at(address).ok_or(Exception::IllegalAddress)?;
         let (offset, width) = (address - register.address, register.kind.words());
-        let value = value(server, &view, register.id, offset / width);
+        let value = value(session, &view, register.id, offset / width);
         word.copy_from_slice(&value.word(offset % width).to_be_bytes());
     }
     Ok(())
@@ -63,7 +69,7 @@ pub fn read(server: &Server, address: u16, words: &mut [u8], node: &mut impl Nod
 
 /// Gathers what the group of an address needs. Between groups there are free addresses: no reading takes in two.
 #[inline(never)]
-fn view(server: &Server, address: u16, node: &mut impl Node) -> View {
+fn view(session: &Session, address: u16, node: &mut impl Node) -> View {
     match address >> 8 {
         0 => View::Identification { period_s: node.control(|control| control.period_s()) },
         1 => View::Control(node.control(|control| control.outputs())),
@@ -75,7 +81,7 @@ fn view(server: &Server, address: u16, node: &mut impl Node) -> View {
             let waiting = control.player.waiting().take(STREAM_POINTS.into());
             View::Stream(control.player.status(), waiting.collect())
         }),
-        7 => node.control(|control| capture(control, server.capture_from)),
+        7 => node.control(|control| capture(control, session.capture_from)),
         _ => View::Upload,
     }
 }
@@ -99,16 +105,16 @@ fn capture(control: &Control, from: u32) -> View {
 }
 
 /// The value of this number in a register's run.
-fn value(server: &Server, view: &View, id: Id, index: u16) -> Value {
+fn value(session: &Session, view: &View, id: Id, index: u16) -> Value {
     match view {
         View::Identification { period_s } => identification(id, index, *period_s),
         View::Control(outputs) => match id {
-            Id::Command => Value::U16(server.command.number()),
-            Id::Mode => Value::U16(mode_number(server.mode)),
+            Id::Command => Value::U16(session.command.number()),
+            Id::Mode => Value::U16(mode_number(session.mode)),
             Id::SetpointMm => Value::F32(outputs.next_reference_mm),
             _ => Value::F32(outputs.service_bar),
         },
-        View::Status(telemetry, outputs) => status(server, telemetry, outputs, id),
+        View::Status(telemetry, outputs) => status(session, telemetry, outputs, id),
         View::Controller(values) => {
             let place = CONTROLLER.iter().position(|register| *register == id);
             place.and_then(|place| values.get(place).copied()).unwrap_or(Value::F32(0.0))
@@ -122,7 +128,7 @@ fn value(server: &Server, view: &View, id: Id, index: u16) -> Value {
             Id::CaptureEvery => Value::U16(*every),
             Id::CaptureKept => Value::U16(*kept),
             Id::CaptureTaken => Value::U32(*taken),
-            Id::CaptureFrom => Value::U32(server.capture_from),
+            Id::CaptureFrom => Value::U32(session.capture_from),
             Id::CaptureFirst => Value::U32(*first),
             Id::CaptureFirstTick => Value::U32(window.first_tick),
             Id::CaptureCount => Value::U16((window.samples.len() as u16).min(CAPTURE_SAMPLES)),
@@ -130,7 +136,7 @@ fn value(server: &Server, view: &View, id: Id, index: u16) -> Value {
                 pack_sample(sample)
             }),
         },
-        View::Upload => upload(server, id, index),
+        View::Upload => upload(session, id, index),
     }
 }
 
@@ -150,7 +156,7 @@ fn identification(id: Id, index: u16, period_s: f32) -> Value {
     }
 }
 
-fn status(server: &Server, telemetry: &Telemetry, outputs: &Outputs, id: Id) -> Value {
+fn status(session: &Session, telemetry: &Telemetry, outputs: &Outputs, id: Id) -> Value {
     match id {
         Id::State => Value::U16(state_number(telemetry.state)),
         Id::Fault => Value::U16(telemetry.fault.map_or(0, |fault| fault.code().into())),
@@ -170,9 +176,9 @@ fn status(server: &Server, telemetry: &Telemetry, outputs: &Outputs, id: Id) -> 
             Id::LimitedTicks => telemetry.limited_ticks,
             Id::BridgedSamples => telemetry.bridged_samples,
             Id::Resets => telemetry.resets,
-            Id::BusFrames => server.frames,
-            Id::BusDamaged => server.damaged,
-            _ => server.refused,
+            Id::BusFrames => session.frames,
+            Id::BusDamaged => session.damaged,
+            _ => session.refused,
         }),
     }
 }
@@ -207,15 +213,15 @@ fn stream(status: &PlayerStatus, waiting: &[f32], id: Id, index: u16) -> Value {
     }
 }
 
-fn upload(server: &Server, id: Id, index: u16) -> Value {
+fn upload(session: &Session, id: Id, index: u16) -> Value {
     match id {
-        Id::UploadResult => Value::U16(server.result.number()),
+        Id::UploadResult => Value::U16(session.result.number()),
         Id::UploadCapacity => Value::U16(UPLOAD_BYTES as u16),
-        Id::UploadLength => Value::U16(server.upload.length),
-        Id::UploadChecksum => Value::U32(server.upload.checksum),
-        Id::UploadOffset => Value::U16(server.upload.offset),
-        Id::UploadWindow => Value::U16(server.upload.word(index)),
-        Id::Message => Value::U16(pack_bytes(server.message.as_bytes()).nth(index.into()).unwrap_or(0)),
+        Id::UploadLength => Value::U16(session.upload.length),
+        Id::UploadChecksum => Value::U32(session.upload.checksum),
+        Id::UploadOffset => Value::U16(session.upload.offset),
+        Id::UploadWindow => Value::U16(session.upload.word(index)),
+        Id::Message => Value::U16(pack_bytes(session.message.as_bytes()).nth(index.into()).unwrap_or(0)),
         _ => Value::U16(0),
     }
 }

@@ -4,9 +4,7 @@
 
 use serde::Deserialize;
 use wire::registers::{Exception, UPLOAD_BYTES, UPLOAD_REGISTERS, UploadResult, checksum};
-use wire::{Configuration, VERSION};
-
-use super::fields::BoardParameters;
+use wire::{BoardParameters, Configuration, VERSION};
 
 /// The buffer.
 #[derive(Clone, Debug)]

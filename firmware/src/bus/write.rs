@@ -7,14 +7,13 @@ use heapless::Vec;
 use model_core::Mode;
 use wire::registers::{
     Access, Command, Exception, Id, MOST_WRITTEN, Register, STREAM_POINTS, StreamOrder, UploadOrder,
-    UploadResult, Value, mode,
+    UploadResult, Value, fields, mode,
 };
-use wire::{CaptureOrder, Configuration, Refusal, Request, Response, State, VERSION};
+use wire::{BoardParameters, CaptureOrder, Configuration, Refusal, Request, Response, State, VERSION, text};
 
-use super::fields::{self, BoardParameters};
-use super::server::Server;
+use super::session::Session;
 use crate::node::{Node, carry_out};
-use crate::order::{Order, text};
+use crate::order::Order;
 use crate::scaling::{COMMAND, VENT};
 
 /// What is written: words from an address on.
@@ -77,24 +76,24 @@ impl Words {
 ///
 /// # Errors
 /// It is refused; nothing has changed. But a device failure: it is carried out, and lost when power is.
-pub fn write(server: &mut Server, words: &Words, node: &mut impl Node) -> Result<(), Exception> {
+pub fn write(session: &mut Session, words: &Words, node: &mut impl Node) -> Result<(), Exception> {
     if let Some(error) = words.assignments().find_map(Result::err) {
         return Err(error);
     }
     let values = words.assignments().filter_map(Result::ok);
     match words.address >> 8 {
-        1 => control(server, values, node),
-        3 => gains(server, values, node),
-        4 => protection(server, values, node),
+        1 => control(session, values, node),
+        3 => gains(session, values, node),
+        4 => protection(session, values, node),
         6 => stream(values, node),
-        7 => capture(server, values, node),
-        8 => upload(server, values, node),
+        7 => capture(session, values, node),
+        8 => upload(session, values, node),
         _ => Err(Exception::IllegalAddress),
     }
 }
 
 fn control(
-    server: &mut Server,
+    session: &mut Session,
     values: impl Iterator<Item = Assignment>,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
@@ -112,7 +111,7 @@ fn control(
         // Whatever else is written with it cannot keep the valve from being vented.
         (mm, bar) = (None, None);
     }
-    let new_mode = wanted.unwrap_or(server.mode);
+    let new_mode = wanted.unwrap_or(session.mode);
     let done = node.control(|control| {
         let state = control.state();
         let is_set = mm.is_some() || bar.is_some();
@@ -140,10 +139,10 @@ fn control(
         }
         done
     });
-    done.map_err(|refusal| server.refuse(refusal))?;
-    server.mode = new_mode;
+    done.map_err(|refusal| session.refuse(refusal))?;
+    session.mode = new_mode;
     if command != Command::None {
-        server.command = command;
+        session.command = command;
     }
     Ok(())
 }
@@ -155,7 +154,7 @@ fn accepted(response: Response) -> Result<(), Refusal> {
 // Not inlined, like others below: what they need of the stack is then not needed at once.
 #[inline(never)]
 fn gains(
-    server: &mut Server,
+    session: &mut Session,
     values: impl Iterator<Item = Assignment>,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
@@ -163,17 +162,17 @@ fn gains(
     for Assignment { id, value, .. } in values {
         fields::of_controller(&mut tracking, id).into_iter().for_each(|field| field.set(value));
     }
-    install(server, tracking, node)
+    install(session, tracking, node)
 }
 
 /// Installs a configuration and keeps it.
 #[inline(never)]
 fn install(
-    server: &mut Server,
+    session: &mut Session,
     mut tracking: BoardParameters,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
-    server.message.clear();
+    session.message.clear();
     let state = node.control(|control| control.state());
     let done = if state.is_driven() {
         // Before the long work is done for nothing.
@@ -189,18 +188,18 @@ fn install(
     } else {
         accepted(carry_out(node, &Request::Configure(Configuration { version: VERSION, tracking })))
     };
-    server.result = match &done {
+    session.result = match &done {
         Ok(()) => UploadResult::Installed,
         Err(Refusal::WrongState(_)) => UploadResult::WrongState,
         Err(Refusal::Version(_)) => UploadResult::Version,
         Err(Refusal::NotStored) => UploadResult::NotStored,
         Err(_) => UploadResult::Parameter,
     };
-    done.map_err(|refusal| server.refuse(refusal))
+    done.map_err(|refusal| session.refuse(refusal))
 }
 
 fn protection(
-    server: &mut Server,
+    session: &mut Session,
     values: impl Iterator<Item = Assignment>,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
@@ -208,7 +207,7 @@ fn protection(
     for Assignment { id, value, .. } in values {
         fields::of_protection(&mut protection, id).into_iter().for_each(|field| field.set(value));
     }
-    accepted(carry_out(node, &Request::Protect(protection))).map_err(|refusal| server.refuse(refusal))
+    accepted(carry_out(node, &Request::Protect(protection))).map_err(|refusal| session.refuse(refusal))
 }
 
 #[inline(never)]
@@ -244,7 +243,7 @@ fn stream(values: impl Iterator<Item = Assignment>, node: &mut impl Node) -> Res
 }
 
 fn capture(
-    server: &mut Server,
+    session: &mut Session,
     values: impl Iterator<Item = Assignment>,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
@@ -254,7 +253,7 @@ fn capture(
                 let order = if every == 0 { CaptureOrder::Stop } else { CaptureOrder::Start(every) };
                 node.control(|control| drop(control.apply(Order::Capture(order))));
             }
-            (_, Value::U32(from)) => server.capture_from = from,
+            (_, Value::U32(from)) => session.capture_from = from,
             _ => {}
         }
     }
@@ -263,44 +262,44 @@ fn capture(
 
 #[inline(never)]
 fn upload(
-    server: &mut Server,
+    session: &mut Session,
     values: impl Iterator<Item = Assignment>,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
-    let (mut order, mut offset, mut first) = (UploadOrder::None, server.upload.offset, None);
+    let (mut order, mut offset, mut first) = (UploadOrder::None, session.upload.offset, None);
     let mut words = Vec::<u16, { MOST_WRITTEN as usize }>::new();
     for Assignment { id, index, value } in values {
         match (id, value) {
             (Id::UploadOrder, Value::U16(number)) => order = UploadOrder::of_number(number).unwrap_or(order),
-            (Id::UploadLength, Value::U16(length)) => server.upload.length = length,
+            (Id::UploadLength, Value::U16(length)) => session.upload.length = length,
             (Id::UploadOffset, Value::U16(value)) => offset = value,
             (Id::UploadWindow, Value::U16(word)) => {
                 first.get_or_insert(index);
                 // A write has no more.
                 let _ = words.push(word);
             }
-            (_, Value::U32(checksum)) => server.upload.checksum = checksum,
+            (_, Value::U32(checksum)) => session.upload.checksum = checksum,
             _ => {}
         }
     }
-    server.upload.write(offset, first.unwrap_or(0), &words)?;
+    session.upload.write(offset, first.unwrap_or(0), &words)?;
     match order {
         UploadOrder::None => Ok(()),
-        UploadOrder::Commit => commit(server, node),
+        UploadOrder::Commit => commit(session, node),
         UploadOrder::Fetch => {
             let tracking = node.parameters().tracking.as_ref().ok_or(Exception::DeviceBusy)?;
-            server.upload.fill(tracking)
+            session.upload.fill(tracking)
         }
     }
 }
 
 #[inline(never)]
-fn commit(server: &mut Server, node: &mut impl Node) -> Result<(), Exception> {
-    match server.upload.content() {
-        Ok(tracking) => install(server, tracking, node),
+fn commit(session: &mut Session, node: &mut impl Node) -> Result<(), Exception> {
+    match session.upload.content() {
+        Ok(tracking) => install(session, tracking, node),
         Err(result) => {
-            server.result = result;
-            server.message.clear();
+            session.result = result;
+            session.message.clear();
             Err(Exception::IllegalValue)
         }
     }

@@ -7,7 +7,7 @@ use super::{Control, Running, TickClock};
 use crate::board::DacCode;
 use crate::law::controller_prepare;
 use crate::monitors::Monitors;
-use crate::order::{Installation, Order, text};
+use crate::order::{Installation, Order};
 use crate::output;
 use crate::state_machine::{Event, Next, next};
 
@@ -60,9 +60,7 @@ impl Control {
             && (installation.period_s - period_s).abs() > 1e-3 * period_s
         {
             let found = installation.period_s;
-            return Err(Refusal::Parameter(text(format_args!(
-                "period_s is {found} s, must be {period_s} s"
-            ))));
+            return Err(Refusal::parameter(format_args!("period_s is {found} s, must be {period_s} s")));
         }
         self.demand(Event::Install)?;
         self.installed = Some(installation);
@@ -94,7 +92,7 @@ impl Control {
         controller_prepare(&installed.tracking, &mut state, reference_mm, surroundings)
             .map(|prepared| Running { mode, state, prepared })
             .map_err(|_| {
-                Refusal::Parameter(text(format_args!("the reference is {reference_mm} mm, must be finite")))
+                Refusal::parameter(format_args!("the reference is {reference_mm} mm, must be finite"))
             })
     }
 
@@ -112,7 +110,7 @@ impl Control {
         match mode {
             Mode::Both if !is_good => Ok(Mode::FeedbackOnly),
             Mode::FeedforwardOnly if !is_good => {
-                Err(Refusal::Parameter(text(format_args!("the model has not stood its test: feedback only"))))
+                Err(Refusal::parameter(format_args!("the model has not stood its test: feedback only")))
             }
             mode => Ok(mode),
         }

@@ -1,11 +1,9 @@
 //! The path that vents beside the regulator: emergency stop and dump valve.
 
+use wire::fault::times::STOP_TICKS;
 use wire::{Fault, State};
 
 use super::Control;
-
-/// Ticks in a row with an open emergency stop that are a fault.
-pub const STOP_TICKS: u16 = 3;
 
 impl Control {
     /// Takes what the emergency stop reads back: whether its contacts are open. One sample may be a spark.

@@ -8,14 +8,13 @@
 //!
 //! [`seal`]: BlackBox::seal
 
+use wire::fault::times::LOOP_RESETS;
 use wire::{Fault, FaultRecord, TRACE, TraceEntry};
 
 /// What the memory begins with. Another layout needs another number.
 const LAYOUT: u32 = 0x4D47_5049;
 /// `crc`'s parameters of the everyday CRC-32.
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
-/// Resets without power-on, in a row, that are a loop.
-pub const LOOP_RESETS: u32 = 3;
 
 /// Why the board has started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,9 @@
 //! Which fault is latched, and how often each has occurred.
 
+use wire::fault::times::LOOP_RESETS;
 use wire::{FAULTS, Fault, FaultRecord, TraceEntry};
 
-use super::black_box::{BlackBox, LOOP_RESETS};
+use super::black_box::BlackBox;
 
 /// Faults since the start, and the record of the first.
 #[derive(Debug)]

@@ -1,4 +1,4 @@
-//! Faults: [`table`] says what each is, [`log`] latches and counts them, [`black_box`] keeps the first.
+//! Faults: [`wire::fault::table`] says what each is, [`log`] latches and counts them, [`black_box`] keeps the first.
 //!
 //! | reaction | what happens | until |
 //! |---|---|---|
@@ -8,4 +8,3 @@
 
 pub mod black_box;
 pub mod log;
-pub mod table;

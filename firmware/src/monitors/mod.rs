@@ -24,6 +24,7 @@ pub mod stuck;
 pub mod survey;
 pub mod venting;
 
+use wire::fault::times::{AUTHORITY_TICKS, IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
 use wire::{Fault, Protection, Scaling};
 
 use crate::board::{AcquisitionError, DacCode, Samples};
@@ -35,13 +36,6 @@ use slow::Slow;
 use stuck::Stuck;
 use survey::Loop;
 use venting::Venting;
-
-/// Ticks in a row without new samples that are a fault.
-pub const MISSING_IN_A_ROW: u16 = 3;
-/// Ticks in a row with a contraction that does not go with the pressure that are a fault.
-pub const IMPLAUSIBLE_TICKS: u16 = 200;
-/// Ticks in a row with more feedback than it has authority for that are a fault.
-pub const AUTHORITY_TICKS: u16 = 1000;
 
 /// The protection's limits in the units of the monitors, and what is watched beyond them.
 #[derive(Clone, Debug)]

@@ -4,18 +4,16 @@
 //! the last good code stands for it. Bridging ends in a fault: after [`BAD_IN_A_ROW`] implausible codes in a row, or when
 //! jumps come too close together.
 
+use wire::fault::times::{BAD_IN_A_ROW, JUMPS_IN_A_ROW};
 use wire::{Fault, Scaling};
 
 use super::persistence::InARow;
 
-/// Implausible codes in a row that are a fault.
-pub const BAD_IN_A_ROW: u16 = 3;
 /// What a jump puts into a bucket that loses 1 in every tick without one.
 const JUMP_WEIGHT: u16 = 16;
 /// More than this in the bucket is a fault: five jumps in a row, or one in fewer than 16 ticks for long.
-const JUMP_LIMIT: u16 = 64;
-/// Jumps in a row that are a fault.
-pub const JUMPS_IN_A_ROW: u16 = JUMP_LIMIT / JUMP_WEIGHT + 1;
+const JUMP_LIMIT: u16 = (JUMPS_IN_A_ROW - 1) * JUMP_WEIGHT;
+
 /// What tells a good code from a bad one.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {

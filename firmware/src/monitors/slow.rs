@@ -1,9 +1,9 @@
 //! A quantity that changes slowly, the supply or a temperature: its average against limits.
 
+use wire::fault::times::BAD_IN_A_ROW;
 use wire::{Fault, Scaling};
 
 use super::persistence::{Average, InARow};
-use super::sensor::BAD_IN_A_ROW;
 
 /// What is good.
 #[derive(Clone, Copy, Debug)]

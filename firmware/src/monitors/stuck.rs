@@ -1,9 +1,8 @@
 //! A sensor whose code stays where it is while the command moves.
 
 use wire::Fault;
+use wire::fault::times::STUCK_TICKS;
 
-/// How long a sensor has to stay where it is to be stuck. Unit: tick.
-pub const STUCK_TICKS: u16 = 200;
 /// How far codes of a sensor that stays where it is may be apart: noise of the converter.
 const STILL_CODES: u16 = 2;
 

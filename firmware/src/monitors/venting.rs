@@ -1,13 +1,11 @@
 //! Does the pressure fall once the valve is vented?
 //!
 //! A converter, an amplifier or a regulator that is stuck is not vented by a code. So the measured pressure is looked at: in
-//! each [`WINDOW_TICKS`] it has to reach what counts as vented, or to lose a fifth of what it was. A muscle that empties with a
+//! each [`VENTING_TICKS`] it has to reach what counts as vented, or to lose a fifth of what it was. A muscle that empties with a
 //! time constant of up to 1.3 s does.
 
 use wire::Fault;
-
-/// Unit: tick.
-pub const WINDOW_TICKS: u16 = 300;
+use wire::fault::times::VENTING_TICKS;
 
 /// What the codes are compared with. Unit: ADC code.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +41,7 @@ impl Venting {
         }
         self.lowest = self.lowest.min(code);
         self.ticks += 1;
-        if self.ticks < WINDOW_TICKS {
+        if self.ticks < VENTING_TICKS {
             return Ok(());
         }
         self.ticks = 0;

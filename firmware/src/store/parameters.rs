@@ -1,8 +1,7 @@
 //! What a board keeps.
 
-use model_core::TrackingParameters;
 use serde::{Deserialize, Serialize};
-use wire::{Configuration, DEAD_ZONES, PLAYS, Protection, Request, VERSION};
+use wire::{BoardParameters, Configuration, Protection, Request, VERSION};
 
 /// A set of parameters, saved and loaded as a whole. Raw: validated each time that it is taken.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -10,7 +9,7 @@ pub struct Parameters {
     /// Limits of the plant.
     pub protection: Protection,
     /// Model, gains and limits, as a host has configured them; none before that.
-    pub tracking: Option<TrackingParameters<f32, PLAYS, DEAD_ZONES>>,
+    pub tracking: Option<BoardParameters>,
 }
 
 impl Parameters {

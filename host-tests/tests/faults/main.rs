@@ -6,13 +6,13 @@ mod inject;
 
 use std::thread;
 
-use firmware::faults::table::{Latch, Reaction, Row, TABLE};
 use firmware::scaling::VENT;
 use host_tests::bench::Bench;
 use inject::{Injection, configuration_for, mode_for};
 use model_core::Mode;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use wire::fault::table::{Latch, Reaction, Row, TABLE};
 use wire::{Fault, Protection, Refusal, Request, Response, State};
 
 /// Longest time that a run waits for what is detected to begin. Unit: tick.

@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 
-use firmware::law::extended_parameters;
+use board_models::extended_parameters;
 use host_tests::bus::{frame, random_frames};
 use libtest_mimic::Failed;
 use wire::registers::{

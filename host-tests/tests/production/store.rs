@@ -2,10 +2,10 @@
 //! by the same store on the host, with the board's sectors.
 
 use firmware::store::{ParameterStore, Parameters};
-use firmware::watchdog::ALLOWANCE_TICKS;
 use host_tests::flash::MockFlash;
 use host_tests::store::{numbered, paper_set};
 use libtest_mimic::Failed;
+use wire::fault::times::ALLOWANCE_TICKS;
 use wire::{Configuration, Fault, Request, State, Telemetry, VERSION};
 
 use super::bench::Bench;

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use board_client::pil::lock_step::Board;
-use firmware::law::{paper_parameters, piecewise_parameters};
+use board_models::{paper_parameters, piecewise_parameters};
 use firmware::store::{ParameterStore, Parameters};
 use host_tests::HostBoard;
 use host_tests::flash::MockFlash;

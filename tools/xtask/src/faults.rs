@@ -1,17 +1,17 @@
-//! `docs/faults.md`, made of the tables of the firmware.
+//! `docs/faults.md`, made of the table of faults and that of states.
 
 use std::fmt::Write as _;
 use std::fs;
 
 use anyhow::{Context, Result, ensure};
-use firmware::faults::table::{Latch, Reaction, Row, TABLE};
 use firmware::state_machine::{Event, Next, next};
 use wire::State;
+use wire::fault::table::{Latch, Reaction, Row, TABLE};
 
 use crate::run;
 
 const HEADER: &str = "\
-<!-- Made by `cargo xtask faults` from firmware/src/faults/table.rs and firmware/src/state_machine.rs. -->
+<!-- Made by `cargo xtask faults` from wire/src/fault/table.rs and firmware/src/state_machine.rs. -->
 
 # States and faults
 

@@ -17,6 +17,7 @@
 //! [`VERSION`] is that of the map, apart from those of the messages, the storage and the release. It is raised when a
 //! register that exists comes to mean something else; new registers leave it.
 
+pub mod fields;
 mod names;
 mod table;
 mod value;

@@ -45,13 +45,15 @@ mod app {
     use core::sync::atomic::{AtomicU32, Ordering};
 
     use firmware::bus::Bus;
+    use firmware::control::TickOutcome;
+    use firmware::lock_step::reply;
     use firmware::node::Node;
     use firmware::store::{Parameters, SaveError};
     use firmware::{BlackBox, Capture, Control, LockStepBoard, Order};
     use rtic::Mutex;
     use stm32f4::stm32f405::Interrupt;
     use stm32f4::stm32f405::{USART1, USART2};
-    use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickReply, TickRequest, registers};
+    use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickRequest, registers};
 
     use crate::bus_port::{BusBuffers, Stamped, serve};
     use crate::link::{LinkBuffers, LinkLine, answer, log_change};
@@ -67,7 +69,7 @@ mod app {
     pub struct LockStep {
         control: Control,
         board: LockStepBoard,
-        reply: Option<TickReply>,
+        outcome: Option<TickOutcome>,
     }
 
     /// Ticks that have run, by which the bus's bytes are timed.
@@ -144,7 +146,7 @@ mod app {
         crate::link::send(&mut link_port, &mut frame, &control.apply(Order::Identify));
         defmt::info!("emulated board, messages version {=u16}", wire::VERSION);
         let logged = control.state();
-        let lock_step = LockStep { control, board: LockStepBoard::new(), reply: None };
+        let lock_step = LockStep { control, board: LockStepBoard::new(), outcome: None };
         let receiver = Receiver::new();
         let local = Local { link_mover, link_port, receiver, frame, bus_mover, bus_port, logged };
         (Shared { lock_step, parameters }, local)
@@ -161,7 +163,7 @@ mod app {
 
     #[task(binds = TIM2, priority = 2, shared = [lock_step])]
     fn tick(mut cx: tick::Context) {
-        cx.shared.lock_step.lock(|LockStep { control, board, reply }| *reply = Some(control.tick(board)));
+        cx.shared.lock_step.lock(|LockStep { control, board, outcome }| *outcome = Some(control.tick(board)));
     }
 
     #[task(binds = USART2, priority = 3, local = [link_mover])]
@@ -212,10 +214,10 @@ mod app {
         // Without the barriers a pended interrupt may come some instructions later.
         cortex_m::asm::dsb();
         cortex_m::asm::isb();
-        let (reply, ticks) = lock_step.lock(|shared| (shared.reply.take(), shared.control.ticks()));
+        let (outcome, ticks) = lock_step.lock(|shared| (shared.outcome.take(), shared.control.ticks()));
         // The bus's silence is counted in ticks.
         TICKS.store(ticks, Ordering::Relaxed);
         rtic::pend(BusLine::TASK);
-        Response::Tick(reply.expect("the tick's task has the higher priority"))
+        Response::Tick(reply(outcome.expect("the tick's task has the higher priority")))
     }
 }

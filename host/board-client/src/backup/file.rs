@@ -18,14 +18,13 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use firmware::bus::fields::excess;
-use firmware::order::prepare;
 use model_core::TrackingParameters;
 use model_core::pid::PidParameters;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 use toml::{Table, Value};
-use wire::{Configuration, Refusal, Request, Scaling, VERSION};
+use wire::registers::fields::excess;
+use wire::{BoardTracking, Configuration, Refusal, Scaling, VERSION};
 
 use super::section::{self, shortest};
 use super::{Backup, Origin};
@@ -154,13 +153,11 @@ fn content(mut top: Section) -> Result<BackupFile, Problem> {
         Some(controller) => Some(configuration(controller, top.section("model")?)?),
     };
     top.finish()?;
-    let requests =
-        configuration.iter().cloned().map(Request::Configure).chain([Request::Protect(protection)]);
-    for request in requests {
-        if let Err(refusal) = prepare(&request) {
-            return Err(Problem::Invalid(in_words(refusal)));
-        }
+    let invalid = |refusal| Problem::Invalid(in_words(refusal));
+    if let Some(configuration) = &configuration {
+        BoardTracking::try_new(&configuration.tracking).map_err(|error| invalid(error.into()))?;
     }
+    let protection = protection.checked().map_err(invalid)?;
     Ok(BackupFile { origin, backup: Backup { configuration, protection } })
 }
 

@@ -1,9 +1,9 @@
 //! Registers of a board as tables of a backup: each by its name, which has its unit.
 
-use firmware::bus::fields::{self, BoardParameters, CONTROLLER};
 use toml::{Table, Value as Toml};
-use wire::Protection;
+use wire::registers::fields::{self, CONTROLLER};
 use wire::registers::{Id, Kind, Register, TABLE, Value};
+use wire::{BoardParameters, Protection};
 
 use recording::model_file::section::{KeyError, Section};
 

@@ -4,9 +4,8 @@
 //! The configuration is staged first: it stands in the board's buffer, read back, and does nothing. Then the limits of the plant are
 //! written, at once, and the configuration is committed. A board that does not take it gets its former limits back.
 
-use firmware::bus::fields;
 use wire::Protection;
-use wire::registers::{Access, Id, Register};
+use wire::registers::{Access, Id, Register, fields};
 
 use super::Backup;
 use super::section::{protection_registers, protection_value};

@@ -3,8 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
-use firmware::faults::table::{Row, TABLE};
 use thiserror::Error;
+use wire::fault::table::{Row, TABLE};
 use wire::registers::{UploadResult, VERSION};
 use wire::{Fault, State};
 

@@ -4,7 +4,8 @@
 //! A limit of the command that is an end of the model's range was not set by anybody: it follows
 //! the new model. One that the new model does not allow is brought to the end of its range.
 
-use firmware::bus::fields::{BoardParameters, CONTROLLER, of_controller};
+use wire::BoardParameters;
+use wire::registers::fields::{CONTROLLER, of_controller};
 use wire::registers::{Access, Id, Value};
 
 use super::error::BoardError;

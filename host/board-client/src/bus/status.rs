@@ -1,8 +1,8 @@
 //! All that a board says of itself: state, faults, measurements, what its ticks take.
 
-use firmware::faults::table::{Row, TABLE};
 use model_core::Mode;
 use serde_json::{Value, json};
+use wire::fault::table::{Row, TABLE};
 use wire::registers::{Id, mode};
 use wire::{FAULTS, Fault, State};
 

@@ -3,10 +3,9 @@
 
 use std::path::Path;
 
-use firmware::bus::fields::BoardParameters;
 use model_core::TrackingParameters;
 use serde_json::Value;
-use wire::Configuration;
+use wire::{BoardParameters, Configuration};
 
 use crate::Error;
 use board_client::pil::configuration;

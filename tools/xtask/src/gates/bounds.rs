@@ -24,7 +24,7 @@ pub struct Figure {
     /// What it is of, with its unit.
     pub name: String,
     /// Its value.
-    pub value: f64,
+    pub value: u64,
     /// Where it comes from; nothing where that is plain.
     pub remark: String,
 }
@@ -66,10 +66,11 @@ impl Bounds {
     /// Bounds around measured figures, with this file's tolerance and goals.
     pub fn blessed(&self, compiler: &str, figures: &[Figure]) -> Self {
         let around = |figure: &Figure| {
-            let slack = figure.value * self.tolerance_percent / 100.0;
+            let value = figure.value as f64;
+            let slack = value * self.tolerance_percent / 100.0;
             Bound {
-                lower: (figure.value - slack).floor() as u64,
-                upper: (figure.value + slack).ceil() as u64,
+                lower: (value - slack).floor() as u64,
+                upper: (value + slack).ceil() as u64,
                 goal: self.figures.get(&figure.name).and_then(|bound| bound.goal),
             }
         };
@@ -106,7 +107,7 @@ impl Bounds {
     pub fn missed(&self, figures: &[Figure]) -> Vec<String> {
         let missed = |Figure { name, value, .. }: &Figure| {
             let goal = self.figures.get(name)?.goal?;
-            (*value > goal as f64).then(|| format!("{name}: {value:.1}, at most {goal}"))
+            (*value > goal).then(|| format!("{name}: {value}, at most {goal}"))
         };
         figures.iter().filter_map(missed).collect()
     }
@@ -116,10 +117,10 @@ impl Bounds {
         let outside = figures.iter().filter_map(|figure| {
             let Figure { name, value, .. } = figure;
             let Some(Bound { lower, upper, .. }) = self.figures.get(name) else {
-                return Some(format!("{name}: {value:.1} has no bounds"));
+                return Some(format!("{name}: {value} has no bounds"));
             };
-            let is_inside = (*lower as f64..=*upper as f64).contains(value);
-            (!is_inside).then(|| format!("{name}: {value:.1} is not within {lower} to {upper}"))
+            let is_inside = (lower..=upper).contains(&value);
+            (!is_inside).then(|| format!("{name}: {value} is not within {lower} to {upper}"))
         });
         let unmeasured =
             self.figures.keys().filter(|name| figures.iter().all(|figure| figure.name != **name));
@@ -131,7 +132,7 @@ impl Bounds {
 mod tests {
     use super::{Bound, Bounds, Figure};
 
-    fn figure(name: &str, value: f64) -> Figure {
+    fn figure(name: &str, value: u64) -> Figure {
         Figure { name: name.to_owned(), value, remark: String::new() }
     }
 
@@ -146,35 +147,35 @@ mod tests {
     #[test]
     fn a_figure_outside_either_bound_is_named_with_both() {
         let bounds = bounds(1.0, &[("a", Bound { lower: 90, upper: 100, goal: None })]);
-        assert!(bounds.violations(&[figure("a", 90.0)]).is_empty());
-        assert!(bounds.violations(&[figure("a", 100.0)]).is_empty());
-        assert_eq!(bounds.violations(&[figure("a", 89.9)]), ["a: 89.9 is not within 90 to 100"]);
-        assert_eq!(bounds.violations(&[figure("a", 101.0)]), ["a: 101.0 is not within 90 to 100"]);
+        assert!(bounds.violations(&[figure("a", 90)]).is_empty());
+        assert!(bounds.violations(&[figure("a", 100)]).is_empty());
+        assert_eq!(bounds.violations(&[figure("a", 89)]), ["a: 89 is not within 90 to 100"]);
+        assert_eq!(bounds.violations(&[figure("a", 101)]), ["a: 101 is not within 90 to 100"]);
     }
 
     #[test]
     fn a_missed_goal_is_said_whatever_is_blessed() {
         let old = bounds(1.0, &[("a", Bound { lower: 90, upper: 100, goal: Some(100) })]);
-        let figures = [figure("a", 120.0)];
+        let figures = [figure("a", 120)];
         let blessed = old.blessed("another rustc", &figures);
         assert_eq!(blessed.figures["a"], Bound { lower: 118, upper: 122, goal: Some(100) });
         assert!(blessed.violations(&figures).is_empty());
-        assert_eq!(blessed.missed(&figures), ["a: 120.0, at most 100"]);
-        assert!(blessed.missed(&[figure("a", 100.0)]).is_empty());
+        assert_eq!(blessed.missed(&figures), ["a: 120, at most 100"]);
+        assert!(blessed.missed(&[figure("a", 100)]).is_empty());
     }
 
     #[test]
     fn figures_and_bounds_without_the_other_are_violations() {
         let bounds = bounds(1.0, &[("a", Bound { lower: 0, upper: 1, goal: None })]);
-        let violations = bounds.violations(&[figure("b", 1.0)]);
-        assert_eq!(violations, ["b: 1.0 has no bounds", "a: has bounds but is not measured"]);
+        let violations = bounds.violations(&[figure("b", 1)]);
+        assert_eq!(violations, ["b: 1 has no bounds", "a: has bounds but is not measured"]);
     }
 
     #[test]
     fn what_is_written_is_read_again() {
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("gates.toml");
-        let figures = [figure("b, \"quoted\"", 12.5), figure("a", 200.0)];
+        let figures = [figure("b, \"quoted\"", 12), figure("a", 200)];
         let blessed =
             bounds(2.0, &[("a", Bound { lower: 0, upper: 1, goal: Some(250) })]).blessed("rustc 1", &figures);
         blessed.write(&path, &figures).expect("written");

@@ -22,15 +22,11 @@ const ANSWER_LIMIT: Duration = Duration::from_secs(60);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
     /// Number of calls.
-    pub calls: usize,
-    /// Of the cheapest call.
-    pub min: f64,
-    /// Over all calls.
-    pub mean: f64,
+    pub calls: u64,
     /// Of the dearest call.
-    pub max: f64,
+    pub most: u64,
     /// The first call as dear as that, counted from 0.
-    pub max_call: usize,
+    pub dearest: usize,
 }
 
 /// Runs an image while `drive` talks to it, and counts the instructions of some of its functions, in their order.
@@ -110,7 +106,6 @@ pub fn read_costs(text: &str, names: &[&str]) -> Result<Vec<Cost>> {
 fn read_cost(line: &str, name: &str) -> Option<Cost> {
     let numbers: Vec<u64> =
         line.strip_prefix(name)?.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
-    let [calls, min, max, sum, max_call] = numbers[..] else { return None };
-    let (min, max, mean) = (min as f64, max as f64, sum as f64 / calls as f64);
-    Some(Cost { calls: calls as usize, min, mean, max, max_call: max_call as usize })
+    let [calls, _, most, _, dearest] = numbers[..] else { return None };
+    Some(Cost { calls, most, dearest: dearest as usize })
 }

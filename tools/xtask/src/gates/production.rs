@@ -1,8 +1,9 @@
 //! The tick of the unmodified production image, with everything it checks: from its interrupt's first instruction to the
-//! return of the function that writes the valve, and to its last; and the most stack that the image has used meanwhile, beside the
-//! most that it can ([`super::deepest`]).
+//! return of the function that writes the valve, and to its last; and the most stack that the image can take
+//! ([`super::deepest`]), which is no less than what it has taken meanwhile.
 //!
-//! The references come over the image's link, one after the other as it acknowledges them, several ticks each: the memory of
+//! Each run leads to the sample that asks the most of the controller, and through some before it, which build its memory: told
+//! by the image `emulated`, which is quicker to drive ([`super::costs`]). The references come over the image's link, one after the other as it acknowledges them, several ticks each: the memory of
 //! the plays takes the same course as with one a tick. The samples are put in by the debug stub ([`probe`]).
 //!
 //! # Limits
@@ -13,18 +14,18 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use firmware::law::{extended_parameters, paper_parameters};
+use board_models::{extended_parameters, paper_parameters};
 use firmware::{AdcCode, Samples, scaling};
 use model_core::{Mode, Surroundings};
 use probe::Production;
-use wire::{Configuration, Protection, Refusal, Request, Response, VERSION};
+use wire::{BoardParameters, Configuration, Protection, Refusal, Request, Response, VERSION};
 
 use super::bounds::Figure;
+use super::costs;
 use super::counted::{Cost, plugin_option, read_costs};
 use super::deepest::Depths;
-use super::drive::Parameters;
 use super::elf::Image;
-use super::inputs::{self, Sample};
+use super::inputs::Sample;
 
 /// Where the image starts.
 const MAIN: &str = "main";
@@ -44,6 +45,8 @@ const SCAN: &str = "adc_scan";
 const WRITE: &str = "dac_write";
 /// The counter's name of the way from one to the other.
 const WAY: &str = "to_dac_write";
+/// Samples before the dearest: two nests of reversals.
+const LEADING: usize = 130;
 /// A period of the tick. Unit: cycle of the core.
 const PERIOD_CYCLES: f64 = 168_000.0;
 
@@ -51,42 +54,43 @@ const PERIOD_CYCLES: f64 = 168_000.0;
 ///
 /// # Errors
 /// The image does not start, track or answer.
-pub fn figures(image: &Image, plugin: &Path, samples: &[Sample]) -> Result<Vec<Figure>> {
+pub fn figures(image: &Image, emulated: &Image, plugin: &Path, samples: &[Sample]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     let (mut stack, mut room) = (0, 0);
     for (title, parameters) in [
         ("image stm32f405", paper_parameters()?),
         ("image stm32f405, every extension", extended_parameters()?),
     ] {
-        let (costs, [used, of]) = run(image, plugin, parameters, samples)?;
+        let [Cost { dearest, .. }, _] = costs::of_halves(plugin, emulated, &parameters, samples)?[..] else {
+            bail!("the controller has two halves");
+        };
+        let leading = &samples[dearest.saturating_sub(LEADING)..=dearest];
+        let (costs, [used, of]) = run(image, plugin, parameters, leading)?;
         (stack, room) = (stack.max(used), of);
-        for (way, Cost { calls, max, .. }) in
+        for (way, Cost { calls, most, .. }) in
             ["whole tick", "tick from interrupt to valve"].into_iter().zip(costs)
         {
-            let most = max + image.function(SCAN)?.instructions as f64;
+            let most = most + image.function(SCAN)?.instructions as u64;
             figures.push(Figure {
                 name: format!("{way} of the {title}, most instructions"),
                 value: most,
                 remark: format!(
                     "in {calls} ticks; {:.2} % of 1 ms at 168 MHz, were each a cycle",
-                    100.0 * most / PERIOD_CYCLES
+                    100.0 * most as f64 / PERIOD_CYCLES
                 ),
             });
         }
     }
-    figures.push(Figure {
-        name: "image stm32f405, most bytes of stack".to_owned(),
-        value: stack.into(),
-        remark: "in these runs".to_owned(),
-    });
-    figures.push(deepest_stack(image, room)?);
+    let deepest = deepest_stack(image, stack, room)?;
+    ensure!(u64::from(stack) <= deepest.value, "the runs took {stack} bytes of stack, {}", deepest.remark);
+    figures.push(deepest);
     Ok(figures)
 }
 
 /// The most stack over all calls: while the image starts, where ticks and bytes come but no message; or by a message,
 /// with a tick, a byte and low voltage on top.
-/// `room`: what there is. Unit: byte.
-fn deepest_stack(image: &Image, room: u32) -> Result<Figure> {
+/// `used`: what the runs have taken; `room`: what there is. Unit: byte.
+fn deepest_stack(image: &Image, used: u32, room: u32) -> Result<Figure> {
     let mut depths = Depths::of(image)?;
     let mut deepest = |names: &[&str]| -> Result<u64> {
         names.iter().try_fold(0, |most, name| Ok(most.max(depths.interrupt(image.function(name)?)?)))
@@ -97,8 +101,10 @@ fn deepest_stack(image: &Image, room: u32) -> Result<Figure> {
     let running = depths.deepest(image.function(SUPERVISOR)?)? + message + above;
     Ok(Figure {
         name: "image stm32f405, most bytes of stack over all calls".to_owned(),
-        value: start.max(running) as f64,
-        remark: format!("{start} at the start, {running} later; beyond {room} is no memory"),
+        value: start.max(running),
+        remark: format!(
+            "{start} at the start, {running} later; {used} in these runs; beyond {room} is no memory"
+        ),
     })
 }
 
@@ -106,7 +112,7 @@ fn deepest_stack(image: &Image, room: u32) -> Result<Figure> {
 fn run(
     image: &Image,
     plugin: &Path,
-    parameters: Parameters,
+    parameters: BoardParameters,
     samples: &[Sample],
 ) -> Result<([Cost; 2], [u32; 2])> {
     let results = image.path.with_extension("counts");
@@ -120,7 +126,7 @@ fn run(
     let configuration = Configuration { version: VERSION, tracking: parameters };
     demand(&mut board, &Request::Configure(configuration), UNSTORED)?;
     demand(&mut board, &Request::Start(Mode::Both), Response::Accepted)?;
-    for sample in inputs::dearest(samples) {
+    for sample in samples {
         board.tick(Some(converted(sample.contraction_mm)))?;
         demand(&mut board, &Request::Reference(sample.reference_mm), Response::Accepted)?;
     }

@@ -1,9 +1,5 @@
-//! The models whose tick is counted: each of the family, made of the paper's parameters, in the sizes that comparisons of
-//! models have, and the paper's with every extension. What their tick costs depends on kind and sizes, hardly on the
-//! parameters.
+//! A model of each kind, made of the paper's parameters, in the sizes that comparisons of models have. What a controller costs the board depends on kind and sizes, hardly on the parameters.
 
-use anyhow::Result;
-use firmware::law::{extended_parameters, paper_parameters, piecewise_parameters};
 use model_core::agpi::AgpiParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::egpi::EgpiParameters;
@@ -11,9 +7,9 @@ use model_core::envelope::{EnvelopeParameters, TanhParameters};
 use model_core::memoryless::MemorylessParameters;
 use model_core::play::PlayParameters;
 use model_core::{Kind, ModelParameters, ParameterError, cpi, mgpi::MgpiParameters, mpi, paper, sgpi};
-use wire::{DEAD_ZONES, PLAYS};
+use wire::{BoardParameters, DEAD_ZONES, PLAYS};
 
-use super::drive::Parameters;
+use crate::{paper_parameters, piecewise_parameters};
 
 /// The paper's number of plays and of dead zones.
 const SIZE: usize = paper::SIZE;
@@ -24,9 +20,9 @@ type Model = ModelParameters<f32, PLAYS, DEAD_ZONES>;
 ///
 /// # Errors
 /// None in practice: the parameters are valid.
-pub fn models() -> Result<Vec<(String, Parameters)>> {
+pub fn models() -> Result<Vec<(String, BoardParameters)>, ParameterError> {
     let paper = paper_parameters()?;
-    let of = |model| Parameters { model, ..paper.clone() };
+    let of = |model| BoardParameters { model, ..paper.clone() };
     let mut models = Vec::new();
     for kind in Kind::ALL {
         let zones = matches!(kind, Kind::Mpi | Kind::Mgpi).then_some(SIZE);
@@ -38,7 +34,6 @@ pub fn models() -> Result<Vec<(String, Parameters)>> {
         models.push((format!("{} {plays}/{zones}", Kind::Mgpi), of(model(Kind::Mgpi, plays, zones)?)));
     }
     models.push(("mgpi-pl 10/10".to_owned(), piecewise_parameters()?));
-    models.push(("every extension on".to_owned(), extended_parameters()?));
     Ok(models)
 }
 

@@ -1,5 +1,8 @@
-//! What can go wrong on a board, by stable numbers. What each means, and what cures it, is told by the firmware's fault
-//! table, from which `docs/faults.md` is made.
+//! What can go wrong on a board, by stable numbers. [`table`] says what each means and what cures it, [`times`] how long
+//! each lasts before the board reacts.
+
+pub mod table;
+pub mod times;
 
 use serde::{Deserialize, Serialize};
 

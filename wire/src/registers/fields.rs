@@ -1,11 +1,9 @@
 //! Gains and limits as registers: which field stands behind which.
 
 use model_core::TrackingParameters;
-use wire::registers::{Id, Value};
-use wire::{DEAD_ZONES, OnModelFault, PLAYS, Protection};
 
-/// The raw parameters of the board's controller.
-pub type BoardParameters = TrackingParameters<f32, PLAYS, DEAD_ZONES>;
+use super::{Id, Value};
+use crate::{BoardParameters, OnModelFault, Protection};
 
 /// A field that a register reads and writes.
 #[derive(Debug)]

@@ -1,18 +1,13 @@
 //! All faults: detection, reaction, time, cause and cure. `docs/faults.md` is made of this table (`cargo xtask faults`),
-//! and every row has a test that injects its fault.
+//! and every row has a test that injects its fault. A host shows cause and cure to its user.
 //!
-//! Times count from the tick in which what is detected begins, with [`wire::Protection::STANDARD`].
+//! Times count from the tick in which what is detected begins, with [`crate::Protection::STANDARD`].
 
-use wire::Fault;
-
-use crate::control::STOP_TICKS;
-use crate::faults::black_box::LOOP_RESETS;
-use crate::monitors::sensor::{BAD_IN_A_ROW, JUMPS_IN_A_ROW};
-use crate::monitors::stuck::STUCK_TICKS;
-use crate::monitors::venting::WINDOW_TICKS;
-use crate::monitors::{AUTHORITY_TICKS, IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
-use crate::timing::LATE_IN_A_ROW;
-use crate::watchdog::ALLOWANCE_TICKS;
+use super::Fault;
+use super::times::{
+    ALLOWANCE_TICKS, AUTHORITY_TICKS, BAD_IN_A_ROW, IMPLAUSIBLE_TICKS, JUMPS_IN_A_ROW, LATE_IN_A_ROW,
+    LOOP_RESETS, MISSING_IN_A_ROW, STOP_TICKS, STUCK_TICKS, VENTING_TICKS,
+};
 
 /// What a fault leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -335,7 +330,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         "venting without effect",
         "the valve is vented, and in 300 ticks the pressure neither reaches 0.5 bar nor loses a fifth; the dump valve is opened. In \
          the state `Fault`, where it is open already, it is counted each 300 ticks as long as that lasts",
-        WINDOW_TICKS as u32,
+        VENTING_TICKS as u32,
         "the regulator, its amplifier or the converter is stuck; the pressure sensor is; or the outlet is closed",
         "keep away, close the supply by hand; then measure the set point's voltage, and compare the sensor with a gauge",
     ),

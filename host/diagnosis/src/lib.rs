@@ -96,7 +96,7 @@ use anatomy::excitation::Excitation;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
 use cause::Cause;
-use extend::{Extended, Extender, Operator, Plain};
+use extend::{Extended, Extender, Operator, Plain, likely};
 use identification::IdentificationError;
 use measured::measure;
 pub use noisy_input::Smoothing;
@@ -143,6 +143,8 @@ pub struct Columns {
     pub past_unknown_until_s: Option<f64>,
     /// How the input was smoothed, see [`Self::with_smooth_input`]; None where it is as measured.
     pub smoothing: Option<Smoothing>,
+    /// The input as it was measured, where it was smoothed. Input unit.
+    pub measured_input: Option<Vec<f64>>,
     /// What the sensors did not measure; it is not scored, and straight lines are in its place.
     pub drop_outs: Vec<DropOut>,
 }
@@ -223,13 +225,6 @@ pub struct Diagnosis {
     pub smoothing: Option<Smoothing>,
 }
 
-impl Diagnosis {
-    /// Takes back that the named causes explain the recording.
-    fn take_back(&mut self, why: Unexplained) {
-        (self.verdict, self.unexplained) = (Verdict::Unexplained, Some(why));
-    }
-}
-
 /// Diagnoses a recording. `progress` is called with a share of the work and what is being done.
 ///
 /// # Errors
@@ -298,17 +293,23 @@ pub fn diagnose_and_extend(
     // Where nothing is named, nothing of the muscle extends the model.
     let named = if unexplained.is_some() { &search.baseline } else { &best };
     let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
-    let Proven { extended, refuted, is_needless } =
+    let Proven { mut extended, refuted, is_needless } =
         proven(&extender, (named, valve.as_ref()), given, &simulating)?;
     let unexplained = unexplained.or(refuted);
     let is_third_order = !is_needless && named.is_third_order();
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
     let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();
+    let does_better = unexplained.is_none() && !unexamined.is_empty();
+    let unexplained = unexplained.or_else(|| poor(&search, columns, &extended).map(Unexplained::Poor));
+    if unexplained.is_some() {
+        let sets = likely((&best, &sizes), &extended.causes);
+        extended.others = extender.extend_each(&sets, valve.as_ref(), given);
+    }
     let (best, mut alternatives, evidence, valve) = match is_needless {
         true => (search.baseline.clone(), Vec::new(), None, None),
         false => (best, alternatives, evidence, valve),
     };
-    if unexplained.is_none() && !unexamined.is_empty() {
+    if does_better {
         alternatives.push(unexamined.clone());
     }
     let inseparable = inseparable(&examinable, &excitation);
@@ -320,11 +321,6 @@ pub fn diagnose_and_extend(
     diagnosis.inseparable = inseparable;
     diagnosis.unexamined = unexamined;
     measure(&mut diagnosis, &extended, is_third_order, noise::steps(&columns.time_s).0);
-    if diagnosis.verdict != Verdict::Unexplained
-        && let Some(poor) = poor(&search, columns, &extended)
-    {
-        diagnosis.take_back(Unexplained::Poor(poor));
-    }
     if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
         diagnosis.causes.push(Named::shape(given, &extended.model.parameters, columns.output_unit));
         if diagnosis.verdict == Verdict::Adequate {

@@ -2,7 +2,9 @@
 //!
 //! Plays rectify it: the longer the input rests, the farther its noise has pushed them, which looks like creep; and what it pushes
 //! through looks like a viscous lag that is missing. So where it is the larger part of what a perfect model would be off by, the
-//! operators are driven by the input smoothed.
+//! operators are driven by the input smoothed. What is written is judged on the input as measured: that is what will drive it.
+
+use std::borrow::Cow;
 
 use super::Columns;
 use crate::smoothing::{Smoothed, smoothed};
@@ -35,10 +37,23 @@ impl Columns {
         let passed_on = floor.deviation * ends(&self.output) / ends(&self.input).max(f64::MIN_POSITIVE);
         if floor.deviation > floor.quantum && passed_on > TIMES * self.noise_floor().deviation {
             let Smoothed { values, error } = smoothed(&self.input, floor.deviation);
-            self.input = values;
+            self.measured_input = Some(std::mem::replace(&mut self.input, values));
             self.smoothing = Some(Smoothing { noise: floor.deviation, left: error });
         }
         self
+    }
+
+    /// The columns with the input as it was measured.
+    pub fn as_measured(&self) -> Cow<'_, Self> {
+        match &self.measured_input {
+            None => Cow::Borrowed(self),
+            Some(input) => Cow::Owned(Self {
+                input: input.clone(),
+                measured_input: None,
+                smoothing: None,
+                ..self.clone()
+            }),
+        }
     }
 
     /// The noise of the input. Input unit.

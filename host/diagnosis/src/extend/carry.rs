@@ -28,6 +28,8 @@ const FILTER_S: f64 = 0.01;
 const PRESSURE_FILTER_S: f64 = 0.02;
 /// The least slope of the loop that an output is divided by, as a share of the mean one.
 pub(super) const LEAST_SLOPE: f64 = 0.1;
+/// The largest sum of the shares of a creep that a refinement begins with; the model's bound is 1.
+const MOST_LATE: f64 = 0.9;
 /// The least half width of a loop, as a share of the input's span.
 const LEAST_WIDTH: f64 = 0.01;
 /// Where the knots of a profile lie between the ends of the contraction.
@@ -290,10 +292,13 @@ impl Carrier<'_> {
         let elements = elements.zip(&self.signals.creep_s);
         let (time_constants_s, fractions): (Vec<f64>, Vec<f64>) =
             elements.map(|((fraction, later), tau_s)| (tau_s * later, fraction.max(0.0))).unzip();
+        // A search that has no such bound may find more than the whole: the refinement begins below it.
+        let sum: f64 = fractions.iter().sum();
+        let within = if sum > MOST_LATE { MOST_LATE / sum } else { 1.0 };
         // The search has no more elements than the model has room for.
         all.creep = Some(CreepParameters {
             time_constants_s: time_constants_s.into_iter().collect(),
-            fractions: fractions.into_iter().collect(),
+            fractions: fractions.into_iter().map(|fraction| within * fraction).collect(),
         });
     }
 }

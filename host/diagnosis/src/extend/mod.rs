@@ -52,6 +52,7 @@ use std::borrow::Cow;
 use std::sync::{Mutex, PoisonError};
 
 use model_core::ExtensionParameters;
+use rayon::prelude::*;
 
 use super::Columns;
 use super::candidate::Candidate;
@@ -134,6 +135,10 @@ pub struct Extended {
     pub given: Option<Given>,
     /// Whether one of the causes is the valve's: the gain is then counted from the command.
     pub valve_is_named: bool,
+    /// The causes of the set that extends it.
+    pub(super) causes: Vec<Cause>,
+    /// Models with other sets, which are written in its place where they predict better.
+    pub(super) others: Vec<Extended>,
     counted: Counted,
 }
 
@@ -242,6 +247,24 @@ fn rows(columns: &Columns) -> Rows<'_> {
     }
 }
 
+/// Sets of each size whose models are tried where the search's own choice explains nothing.
+const LIKELY: usize = 2;
+
+/// The set that the search is for and the best of each size, without those of the given causes: where nothing may be named, one of
+/// them may predict all the same.
+pub fn likely<'a>((best, sizes): (&'a Candidate, &'a [Vec<Candidate>]), but: &[Cause]) -> Vec<&'a Candidate> {
+    let mut likely: Vec<&Candidate> = Vec::new();
+    for set in [best].into_iter().chain(sizes.iter().flat_map(|size| size.iter().take(LIKELY))) {
+        let is_known = |causes: &[Cause]| {
+            causes.len() == set.causes.len() && set.causes.iter().all(|cause| causes.contains(cause))
+        };
+        if !set.causes.is_empty() && !is_known(but) && !likely.iter().any(|other| is_known(&other.causes)) {
+            likely.push(set);
+        }
+    }
+    likely
+}
+
 /// Where the operator model of a recording is extended by sets of causes.
 pub struct Extender<'a> {
     columns: &'a Columns,
@@ -323,6 +346,16 @@ impl<'a> Extender<'a> {
         Some(operator)
     }
 
+    /// Extends the operator model by each of a few sets; those are left out with which no model runs through the recording.
+    pub fn extend_each(
+        &self,
+        sets: &[&Candidate],
+        valve: Option<&ValveFit>,
+        given: Option<&Operator>,
+    ) -> Vec<Extended> {
+        sets.par_iter().filter_map(|set| self.extend(set, valve, given, &|_| ())).collect()
+    }
+
     /// Extends the operator model by the causes of a set and those of the valve, to be compared with the plain one; None where no
     /// model runs through the recording. The operator goes on from a given one, unless there is none or its form is too poor.
     /// `progress` is called with the share of the work that is done.
@@ -398,6 +431,8 @@ impl<'a> Extender<'a> {
             terminations: (ended, plain_ended),
             given,
             valve_is_named,
+            causes: set.causes.clone(),
+            others: Vec::new(),
             counted,
         })
     }

@@ -19,7 +19,8 @@ pub struct Plain {
 }
 
 impl Plain {
-    /// Of a recording.
+    /// Of a recording: with all scored rows the better of what `mgpi identify` finds and of what the rows before the split have
+    /// taught, continued.
     ///
     /// # Errors
     /// No operator can be identified.
@@ -27,13 +28,15 @@ impl Plain {
         let (first, _) = split(scored);
         let plainly = |operator: &Operator| operator.with(ExtensionParameters::default());
         let operator = start::operator(&start::Seen::plain(columns), first)?;
-        let (identified, mut termination) = start::identified(columns, &operator)?;
+        // What is kept is what simulates best what was measured, its noise too.
+        let measured = &*columns.as_measured();
+        let (identified, mut termination) = start::identified(measured)?;
         let (task, mut whole) = (Task::alone(columns, first), plainly(&identified));
         let taught = plainly(&operator);
         let taught = task.refined(taught.clone()).map_or(taught, |(refined, _)| refined);
         let taught = plainer(&task, taught, &whole);
         if let Some((refined, ended)) = Task::alone(columns, scored).refined(taught.clone())
-            && refined.rmse(columns) < whole.rmse(columns)
+            && refined.rmse(measured) < whole.rmse(measured)
         {
             (whole, termination) = (refined, ended);
         }

@@ -18,8 +18,7 @@ use crate::output;
 use crate::search::Search;
 use identification::comparison::choice::penalised;
 use identification::{
-    self, CONVERGED, HostParameters, IdentificationError, Loss, Options, Problem, Termination, Weights,
-    identify,
+    self, CONVERGED, IdentificationError, Loss, Options, Problem, Termination, Weights, identify,
 };
 use recording::figures::Figures;
 
@@ -113,22 +112,13 @@ fn kept(input: &[f64], scored: &[usize]) -> Vec<usize> {
     kept
 }
 
-/// The operator that `mgpi identify` finds in all scored samples, and how its search ended; of the envelopes that it has by
-/// default and that of another operator the better one.
+/// The operator that `mgpi identify` finds by default in all scored samples, and how its search ended.
 ///
 /// # Errors
 /// No operator can be identified.
-pub fn identified(
-    columns: &Columns,
-    like: &Operator,
-) -> Result<(Operator, Termination), IdentificationError> {
+pub fn identified(columns: &Columns) -> Result<(Operator, Termination), IdentificationError> {
     let Columns { input, output, scored, .. } = columns;
-    let knots = match &like.parameters {
-        HostParameters::Cascade(cascade) => knots(&cascade.envelope),
-        HostParameters::Agpi(_) | HostParameters::Egpi(_) => None,
-    };
-    let all: Vec<Options> = [None].into_iter().chain(knots.map(Some)).map(as_identify).collect();
-    best(&Problem { input, output, scored }, &all)
+    best(&Problem { input, output, scored }, &[as_identify(None)])
 }
 
 /// Number of knots of an envelope; None of one that has none.

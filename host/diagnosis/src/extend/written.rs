@@ -89,9 +89,20 @@ impl Extended {
         self.extended_rmse < self.baseline_rmse && gain.is_sure()
     }
 
-    /// The model that is written, by what the extensions gain on samples that took no part in the fit: those of another recording, or
-    /// the last third of this one; None where no model runs through them.
+    /// The model that is written, by what its extensions gain on samples that took no part in the fit: those of another recording, or
+    /// the last third of this one; None where no model runs through them. Of several sets of causes it is the one that predicts
+    /// best, whether it is named or not. The input of the columns is the one that the models are judged by.
     pub fn written(&self, columns: &Columns, other: Option<&Columns>) -> Option<Written> {
+        let rivals = self.others.iter().filter_map(|one| one.alone(columns, other));
+        let rivals = rivals.filter(Written::is_extended);
+        let own = self.alone(columns, other)?;
+        Some(
+            rivals.fold(own, |best, one| if one.gain.after.rmse < best.gain.after.rmse { one } else { best }),
+        )
+    }
+
+    /// The better of the model with its own set and of that without.
+    fn alone(&self, columns: &Columns, other: Option<&Columns>) -> Option<Written> {
         let plain = Pair { whole: self.plain.clone(), taught: self.counted.plain.clone() };
         let extended = Pair { whole: self.model.clone(), taught: self.counted.extended.clone() };
         let gains = match other {

@@ -72,7 +72,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let seconds = begin.elapsed().as_secs_f64();
     let others = other.as_ref().map(|(columns, _)| columns);
     let gain = others.map_or(Some(extended.heldout), |columns| on_another(columns, &extended));
-    let written = extended.written(&columns, others);
+    let measured = others.map(Columns::as_measured);
+    let written = extended.written(&columns.as_measured(), measured.as_deref());
     let (gain, written) = gain
         .zip(written)
         .ok_or_else(|| Error::NotSimulated(validate.clone().unwrap_or_else(|| file.clone())))?;
@@ -172,6 +173,7 @@ pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error>
         past_unknown_until_s: left_out.past_unknown_until_s(),
         drop_outs: left_out.drop_outs.clone(),
         smoothing: None,
+        measured_input: None,
     }
     .with_smooth_input();
     recording.drive.input.values.clone_from(&columns.input);

@@ -13,7 +13,7 @@ use super::search::Search;
 use super::signals::Signals;
 use super::valve::examine;
 use super::verdict::Named;
-use super::{Columns, Diagnosis, DiagnosisError, Smoothing, Verdict, diagnose};
+use super::{Columns, Diagnosis, DiagnosisError, Smoothing, Verdict, diagnose, diagnose_and_extend};
 
 mod excitation;
 mod sensors;

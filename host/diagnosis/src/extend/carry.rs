@@ -292,13 +292,30 @@ impl Carrier<'_> {
         let elements = elements.zip(&self.signals.creep_s);
         let (time_constants_s, fractions): (Vec<f64>, Vec<f64>) =
             elements.map(|((fraction, later), tau_s)| (tau_s * later, fraction.max(0.0))).unzip();
-        // A search that has no such bound may find more than the whole: the refinement begins below it.
-        let sum: f64 = fractions.iter().sum();
-        let within = if sum > MOST_LATE { MOST_LATE / sum } else { 1.0 };
+        let within = below_the_whole(&fractions);
         // The search has no more elements than the model has room for.
         all.creep = Some(CreepParameters {
             time_constants_s: time_constants_s.into_iter().collect(),
             fractions: fractions.into_iter().map(|fraction| within * fraction).collect(),
         });
+    }
+}
+
+/// What shares of a creep are multiplied with to be less than the whole: the search has no such bound, and the model does.
+fn below_the_whole(fractions: &[f64]) -> f64 {
+    let sum: f64 = fractions.iter().sum();
+    if sum > MOST_LATE { MOST_LATE / sum } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_LATE, below_the_whole};
+
+    #[test]
+    fn a_creep_of_more_than_the_whole_is_begun_below_it() {
+        assert_eq!(below_the_whole(&[0.2, 0.3]), 1.0);
+        let fractions = [0.6, 0.5];
+        let within = below_the_whole(&fractions);
+        assert!((fractions.iter().map(|fraction| within * fraction).sum::<f64>() - MOST_LATE).abs() < 1e-12);
     }
 }

@@ -69,6 +69,30 @@ fn a_reading_that_hangs_now_and_then_is_unexplained_and_said() {
 }
 
 #[test]
+fn where_nothing_may_be_named_the_model_that_predicts_best_is_written() {
+    let plant = Plant::new();
+    let samples = 15;
+    let late: Vec<f64> = (0..ROWS).map(|row| plant.pressure[row.saturating_sub(samples)]).collect();
+    let hanging = read_where(plant.recorded(&hysteresis(&late)), |t| t.rem_euclid(7.3) > 0.6);
+    let (diagnosis, extended) = diagnose_and_extend(&hanging, None, &|_, _| ()).expect("a diagnosis");
+    assert!(matches!(diagnosis.unexplained, Some(Unexplained::Stuck(_))));
+    assert!(diagnosis.causes.is_empty());
+    let written = extended.written(&hanging, None).expect("a model");
+    assert!(written.model.extensions.transport_delay.is_some(), "{:?}", written.extensions());
+    assert!(written.gain.is_sure() && written.rmse < 0.8 * written.plain_rmse, "{}", written.rmse);
+}
+
+#[test]
+fn the_input_as_measured_comes_back() {
+    let plant = Plant::new();
+    let noisy = noisier(plant.recorded(&hysteresis(&plant.pressure)), 0.1);
+    let smoothed = noisy.clone().with_smooth_input();
+    assert!(smoothed.smoothing.is_some() && smoothed.input != noisy.input);
+    assert_eq!(smoothed.as_measured().input, noisy.input);
+    assert_eq!(noisy.as_measured().input, noisy.input);
+}
+
+#[test]
 fn what_a_coarse_sensor_reads_does_not_hang() {
     let plant = Plant::new();
     let mut recorded = plant.recorded(&hysteresis(&plant.pressure));

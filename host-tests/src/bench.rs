@@ -161,7 +161,7 @@ impl Bench {
         self.control().close_tick(TickEnd { elapsed_cycles, is_overrun: false });
     }
 
-    /// Ends the program, and starts it anew after a reset: `crash` is what has sealed the record before, if anything.
+    /// Ends the program, and restarts it after a reset: `crash` is what has sealed the record before, if anything.
     ///
     /// # Panics
     /// Never.

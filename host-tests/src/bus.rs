@@ -64,8 +64,8 @@ impl BusBoard {
         board
     }
 
-    /// The same board as it was when it was new.
-    pub fn anew(self) -> Self {
+    /// The same board, reset to its state when it was new.
+    pub fn reset(self) -> Self {
         let (black_box, capture) = self.node.control.into_memory();
         *black_box = BlackBox::default();
         *capture = Capture::default();

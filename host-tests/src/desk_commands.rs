@@ -92,7 +92,7 @@ impl DeskBench {
     /// Reads a file of the directory.
     ///
     /// # Panics
-    /// There is none.
+    /// There is no such file.
     pub fn read(&self, file: &str) -> String {
         std::fs::read_to_string(self.path(file)).expect(file)
     }

@@ -105,14 +105,14 @@ fn an_interrupted_capture_vents_and_goes_on_from_its_last_rest() {
     assert_eq!(capture.wait().expect("ended").code(), Some(130));
     assert_eq!(bench.status()["state"], "Off");
 
-    assert!(bench.refuses("capture --excitation exc.csv -o rec.csv").contains("--resume goes on with it"));
+    assert!(bench.refuses("capture --excitation exc.csv -o rec.csv").contains("--resume continues it"));
     bench.write("other.csv", "time_s,command_bar\n0,0\n4,2\n");
     assert!(
         bench.refuses("capture --excitation other.csv -o rec.csv --resume").contains("another excitation")
     );
     bench.succeeds("capture --excitation exc.csv -o rec.csv --every 10 --resume");
     let recording = bench.read("rec.csv");
-    assert!(recording.contains("# interrupted, and gone on at 9 s"), "{}", &recording[..400]);
+    assert!(recording.contains("# interrupted, resumed at 9 s"), "{}", &recording[..400]);
     let (times, commands) = (column(&recording, "time_s"), column(&recording, "command_bar"));
     assert!(times.windows(2).all(|pair| (pair[1] - pair[0] - 0.01).abs() < 0.0101), "no gap, no repetition");
     assert!(times[times.len() - 1] > 20.0 - 0.01, "to the last tick");

@@ -1,7 +1,8 @@
-//! Takes the firmware for the emulator into the program, where `cargo xtask firmware` has built it: an installed `mgpi` then needs
-//! nothing beside it.
+//! Takes the firmware for the emulator into the program, where `cargo xtask firmware` has built it:
+//! an installed `mgpi` then needs nothing beside it.
 //!
-//! That this file has changed is how `cargo xtask firmware` says that there is an image where there was none.
+//! That this file has changed is how `cargo xtask firmware` says that there is an image where there
+//! was none.
 
 use std::path::PathBuf;
 use std::{env, fs};

@@ -1,8 +1,9 @@
-//! The bank of plays beside the paper's sums: time per sample over a smooth reference, n = 10, 100, 1000.
+//! The bank of plays beside the paper's sums: time per sample over a smooth reference, n = 10,
+//! 100, 1000.
 //!
-//! More than ten plays are kept by turning points, up to ten by their outputs, which is faster for those. The claim behind the
-//! turning points: their time hardly grows with n. So ten plays are measured kept by either. Run with
-//! `cargo bench -p model-core`.
+//! More than ten plays are kept by turning points, up to ten by their outputs, which is faster for
+//! those. The claim behind the turning points: their time hardly grows with n. So ten plays are
+//! measured kept by either. Run with `cargo bench -p model-core`.
 
 #[path = "../tests/reference/mod.rs"]
 mod reference;
@@ -26,7 +27,8 @@ fn parameters<const N: usize>(plays: usize) -> PlayParameters<f64, N> {
     PlayParameters::exponential(plays, 0.3, 1.4 / plays as f64, 2.0, alpha).expect("they fit")
 }
 
-/// `PLAYS` of them, in banks with room for one more: only with room for more than ten are plays kept by turning points.
+/// `PLAYS` of them, in banks with room for one more: only with room for more than ten are plays
+/// kept by turning points.
 fn banks<const PLAYS: usize, const N: usize>(criterion: &mut Criterion) {
     let reference = reference();
     let mut group = criterion.benchmark_group("bank");

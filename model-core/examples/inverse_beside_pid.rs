@@ -1,4 +1,5 @@
-//! A muscle that follows a reference: the inverse model as feed-forward, the PID beside it, and each of them alone.
+//! A muscle that follows a reference: the inverse model as feed-forward, the PID beside it, and
+//! each of them alone.
 //!
 //! `cargo run -p model-core --example inverse_beside_pid`
 

@@ -5,20 +5,22 @@
 //! inverse   y ── gain⁻¹ ──▶ u ── plays⁻¹ ──▶ v ── γ_r⁻¹ rising, γ_l⁻¹ falling ──▶ x, limited to the range
 //! ```
 //!
-//! Equations (2), (6) to (8). The input drives the plays along γ_r while it rises and along γ_l ≥ γ_r while it
-//! falls; an input that rests keeps its branch, so that the direction is part of the state.
+//! Equations (2), (6) to (8). The input drives the plays along γ_r while it rises and along γ_l ≥
+//! γ_r while it falls; an input that rests keeps its branch, so that the direction is part of the
+//! state.
 //!
 //! # What holds, and what does not
-//! The direct term q γ jumps from one envelope to the other at each reversal (the paper is silent about it):
-//! when the input starts to fall, the output first rises by gain q (γ_l - γ_r). So the output is monotone in
-//! the input over each run in one direction, not over a reversal, and near a reversal two inputs have the same
-//! output. The inverse answers each output with an input that truly has it: forward of inverse is exact from every
-//! state, inverse of forward is exact where the output does not jump back. An output that only a jump in the
-//! wrong direction could come near is answered by the last input.
+//! The direct term q γ jumps from one envelope to the other at each reversal (the paper is silent
+//! about it): when the input starts to fall, the output first rises by gain q (γ_l - γ_r). So the
+//! output is monotone in the input over each run in one direction, not over a reversal, and near a
+//! reversal two inputs have the same output. The inverse answers each output with an input that
+//! truly has it: forward of inverse is exact from every state, inverse of forward is exact where
+//! the output does not jump back. An output that only a jump in the wrong direction could come near
+//! is answered by the last input.
 //!
 //! # Validity
-//! γ_l ≥ γ_r over the input range, held at 65 inputs of it; between them the inverse still never moves its input
-//! against the output.
+//! γ_l ≥ γ_r over the input range, held at 65 inputs of it; between them the inverse still never
+//! moves its input against the output.
 
 use crate::convert;
 use crate::envelope::{AnyEnvelope, Envelope, EnvelopeParameters};
@@ -53,8 +55,9 @@ pub struct AgpiParameters<T, const N: usize> {
     pub input_min: T,
     /// Upper end of the inputs that the model is valid for. Input unit.
     pub input_max: T,
-    /// Whether the muscle has been through its whole range before, as most have: it is then at rest as after a
-    /// rise to the upper end of the inputs and a return to the lower one. Else it comes from rest at 0.
+    /// Whether the muscle has been through its whole range before, as most have: it is then at rest
+    /// as after a rise to the upper end of the inputs and a return to the lower one. Else it comes
+    /// from rest at 0.
     pub preconditioned: bool,
 }
 
@@ -152,7 +155,8 @@ impl<T: Real, const N: usize> Agpi<T, N> {
         self.gain
     }
 
-    /// Least slope of the output over the input within a run in one direction. Unit: output unit/input unit.
+    /// Least slope of the output over the input within a run in one direction. Unit: output
+    /// unit/input unit.
     pub(crate) fn least_slope(&self) -> T {
         let (rising, falling) =
             (self.rising.least_slope(&self.input_range), self.falling.least_slope(&self.input_range));
@@ -174,7 +178,8 @@ impl<T: Real, const N: usize> Hysteresis<T, N> for Agpi<T, N> {
         &self.input_range
     }
 
-    /// Equation (1) with w = 0, on the rising branch; or on the falling one, if the muscle has been up.
+    /// Equation (1) with w = 0, on the rising branch; or on the falling one, if the muscle has been
+    /// up.
     fn rest_state(&self) -> HysteresisState<T, N> {
         let x = self.input_range.min();
         let mut plays = self.plays.rest_state(T::ZERO);
@@ -223,7 +228,8 @@ pub struct InverseAgpi<T, const N: usize> {
     forward: Agpi<T, N>,
     /// The inverse of the forward model's plays.
     plays: PlayBank<T, N>,
-    /// From the falling envelope at the lower end of the input range to the rising one at the upper end.
+    /// From the falling envelope at the lower end of the input range to the rising one at the upper
+    /// end.
     inner_range: Range<T>,
     /// A way of u that leads past each end of the range from everywhere.
     reach: T,
@@ -281,7 +287,7 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseAgpi<T, N> {
         state.last.y
     }
 
-    /// Apart, lest it costs the cascade registers where the model is chosen at run time.
+    /// Not inlined, to avoid register spills of the cascade where the model is chosen at run time.
     #[inline(never)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         let y = finite_input(y)?;
@@ -297,13 +303,14 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseAgpi<T, N> {
     }
 }
 
-/// Whether two values differ by a few roundings only: an output that rests must not be taken for a reversal.
+/// Whether two values differ by a few roundings only: an output that rests must not be taken for a
+/// reversal.
 pub(crate) fn is_rounding<T: Real>(one: T, other: T) -> bool {
     (one - other).abs() <= T::from_f64(8.0) * T::EPSILON * (one.abs() + other.abs())
 }
 
-/// Whether the way to an end of the range leads on from the last output, and not, by the jump at the reversal,
-/// back from it.
+/// Whether the way to an end of the range leads on from the last output, and not, by the jump at
+/// the reversal, back from it.
 pub(crate) fn leads_on<T: Real>(last: &Sample<T>, (x, y): (T, T)) -> bool {
     if x > last.x { y > last.y } else { y < last.y }
 }

@@ -1,16 +1,19 @@
 //! Inverse hyperbolic tangent of a ratio in single precision, for the tick.
 //!
-//! atanh((a - b)/(a + b)) = ½ ln(a/b). A power of two brings a within a factor of 2/3 to 3/2 of b, taken from the
-//! difference of their bits: a step of 2²³ there is a factor of two. Then (a - b)/(a + b) lies within ±1/5, where an odd
-//! polynomial of degree 5 (minimax, 5.1e-8) gives the inverse hyperbolic tangent; the power adds its multiple of
-//! ½ ln 2. One division, no table, no branch; `libm`'s takes four times the instructions.
+//! atanh((a - b)/(a + b)) = ½ ln(a/b). A power of two brings a within a factor of 2/3 to 3/2 of b,
+//! taken from the difference of their bits: a step of 2²³ there is a factor of two. Then (a -
+//! b)/(a + b) lies within ±1/5, where an odd polynomial of degree 5 (minimax, 5.1e-8) gives the
+//! inverse hyperbolic tangent; the power adds its multiple of ½ ln 2. One division, no table, no
+//! branch; `libm`'s takes four times the instructions.
 //!
 //! # Accuracy
-//! Of atanh(t), which is that of a = 1 + t and b = 1 - t: absolute error at most [`ERROR`] for every `f32` from -1 to 1,
-//! both excluded, and [`ERROR_INSIDE`] from -0.98 to 0.98; a test goes through all floats from 2⁻²⁰ on. The relative
-//! error near 0 is not bounded, nor needed: the result is added to a constant.
+//! Of atanh(t), which is that of a = 1 + t and b = 1 - t: absolute error at most [`ERROR`] for
+//! every `f32` from -1 to 1, both excluded, and [`ERROR_INSIDE`] from -0.98 to 0.98; a test goes
+//! through all floats from 2⁻²⁰ on. The relative error near 0 is not bounded, nor needed: the
+//! result is added to a constant.
 
-/// Largest absolute error from -1 to 1, both excluded: near the ends half a unit in the last place of the result.
+/// Largest absolute error from -1 to 1, both excluded: near the ends half a unit in the last place
+/// of the result.
 pub const ERROR: f32 = 5.6e-7;
 /// Largest absolute error from -0.98 to 0.98.
 pub const ERROR_INSIDE: f32 = 2e-7;

@@ -13,15 +13,16 @@
 //! | yes | several, from 0 | modified generalized (MGPI) | [`crate::mgpi`] |
 //!
 //! # The state of the inverse
-//! The inverse remembers the history that it has commanded. An output that no input of the range reaches
-//! is answered with the end of the range, and the inverse then remembers that end, not the impossible
-//! demand: the next reachable output is inverted as exactly as if nothing had happened.
+//! The inverse remembers the history that it has commanded. An output that no input of the range
+//! reaches is answered with the end of the range, and the inverse then remembers that end, not the
+//! impossible demand: the next reachable output is inverted as exactly as if nothing had happened.
 //!
 //! # Where v and u count from
-//! Plays do not mind where their input counts from, as long as their outputs count from there too. But the smaller the numbers
-//! the smaller their roundings, and near an end of its values the envelope is so flat that a rounding of v there is many of x. So
-//! the inverse counts v, and u with it, from near its flatter end, and the envelope and the dead zones give and take them so.
-//! That is for single precision, whose error it lessens to a third.
+//! Plays do not mind where their input counts from, as long as their outputs count from there too.
+//! But the smaller the numbers the smaller their roundings, and near an end of its values the
+//! envelope is so flat that a rounding of v there is many of x. So the inverse counts v, and u with
+//! it, from near its flatter end, and the envelope and the dead zones give and take them so. That
+//! is for single precision, whose error it lessens to a third.
 
 use crate::convert;
 use crate::dead_zone::{DeadZoneParameters, DeadZones};
@@ -61,8 +62,9 @@ pub struct CascadeParameters<T, const N: usize, const M: usize> {
     pub input_min: T,
     /// Upper end of the inputs that the model is valid for. Input unit.
     pub input_max: T,
-    /// Whether the muscle has been through its whole range before, as most have: it is then at rest as after a
-    /// rise to the upper end of the inputs and a return to the lower one. Else it comes from rest at 0.
+    /// Whether the muscle has been through its whole range before, as most have: it is then at rest
+    /// as after a rise to the upper end of the inputs and a return to the lower one. Else it comes
+    /// from rest at 0.
     pub preconditioned: bool,
 }
 
@@ -106,13 +108,14 @@ pub struct Cascade<T, E, const N: usize, const M: usize> {
     dead_zones: DeadZones<T, M>,
     plays: PlayBank<T, N>,
     preconditioned: bool,
-    /// The v and the u that v and u count from, in the envelope, the dead zones and every state; 0 but inside an inverse.
+    /// The v and the u that v and u count from, in the envelope, the dead zones and every state; 0
+    /// but inside an inverse.
     origin: (f64, f64),
 }
 
 impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M> {
-    /// With an envelope of a kind that is known at compile time, in the place of the parameters' own: its inverse takes fewer
-    /// instructions, the fewer the smaller the capacities.
+    /// With an envelope of a kind that is known at compile time, in the place of the parameters'
+    /// own: its inverse takes fewer instructions, the fewer the smaller the capacities.
     ///
     /// # Errors
     /// The first parameter that no invertible model can be made of.
@@ -151,7 +154,8 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> Cascade<T, E, N, M
         self.envelope.value(self.input_range.extrapolated(x))
     }
 
-    /// A step to an [enveloped](Self::enveloped) input with thresholds `times` as wide at this sample; of plays that can widen.
+    /// A step to an [enveloped](Self::enveloped) input with thresholds `times` as wide at this
+    /// sample; of plays that can widen.
     #[inline(always)]
     pub(crate) fn step_wider(&self, state: &mut HysteresisState<T, N>, v: T, times: T) -> T {
         self.dead_zones.value(self.plays.advance_wider(&mut state.plays, v, times))
@@ -199,7 +203,8 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
         let v = |x| forward.envelope.value(x);
         let (low, high) = (v(self.input_range.min()), v(self.input_range.max()));
         let range = |low, high| Range::try_new(low, high, "envelope range", "");
-        // Roundings of the plays must not lead out of the envelope's values, near the ends of which its own loses as much.
+        // Roundings of the plays must not lead out of the envelope's values, near the ends of which
+        // its own loses as much.
         let (least, most) = forward.envelope.values();
         let rounding = plays.rounding(&range(low, high)?);
         let inner_range = range(low.at_least(least + rounding), high.at_most(most - rounding))?;
@@ -208,8 +213,8 @@ impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Invertible
 }
 
 impl<T: Real, E: Envelope<T> + Clone, const N: usize, const M: usize> Cascade<T, E, N, M> {
-    /// The same model, but v counts from between the ends of its range, the nearer to an end the flatter the envelope is there.
-    /// `slope`: of v over u where all plays are driven.
+    /// The same model, but v counts from between the ends of its range, the nearer to an end the
+    /// flatter the envelope is there. `slope`: of v over u where all plays are driven.
     fn counting_from_flat(&self, slope: T) -> Self {
         let (low, high) =
             (self.envelope.value(self.input_range.min()), self.envelope.value(self.input_range.max()));
@@ -260,13 +265,14 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
         &self.forward.input_range
     }
 
-    /// The model that this is the inverse of. Its states are its own, for its v and u count from elsewhere.
+    /// The model that this is the inverse of. Its states are its own, for its v and u count from
+    /// elsewhere.
     pub(crate) fn forward(&self) -> &Cascade<T, E, N, M> {
         &self.forward
     }
 
-    /// The inverse of [`Cascade::step_wider`], on a state of the model: moves it to the input that brings the output to `y`, or
-    /// as near as the range allows. Answers the input and the output.
+    /// The inverse of [`Cascade::step_wider`], on a state of the model: moves it to the input that
+    /// brings the output to `y`, or as near as the range allows. Answers the input and the output.
     #[inline(never)]
     pub(crate) fn reach_wider(&self, state: &mut HysteresisState<T, N>, y: T, times: T) -> (T, T) {
         let Cascade { envelope, plays, dead_zones, input_range, .. } = &self.forward;
@@ -292,7 +298,7 @@ impl<T: Real, E: Envelope<T>, const N: usize, const M: usize> InverseCascade<T, 
         self.plays.advance_inside(&mut state.plays, u, &self.inner_range, inside, at_end, many)
     }
 
-    /// The answer of many plays. Apart, lest it costs few plays registers.
+    /// The answer of many plays. Not inlined, to avoid register spills in the path of few plays.
     #[inline(never)]
     fn answer_of_many(&self, plays: &mut TurningPoints<T, N>, u: T) -> T {
         match self.plays.advance_many_inside(plays, u, &self.inner_range) {

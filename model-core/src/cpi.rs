@@ -1,8 +1,9 @@
 //! The classical Prandtl-Ishlinskii model (CPI): linear plays and a gain.
 //!
-//! y = offset + gain (q x + Σ pᵢ zᵢ), the plays driven by the input itself. Its loops are convex and
-//! symmetric about their centre; that of a muscle is neither, which is what the rest of the family is for.
-//! Forward and inverse are those of the [`crate::cascade`], without an envelope and with a single dead zone.
+//! y = offset + gain (q x + Σ pᵢ zᵢ), the plays driven by the input itself. Its loops are convex
+//! and symmetric about their centre; that of a muscle is neither, which is what the rest of the
+//! family is for. Forward and inverse are those of the [`crate::cascade`], without an envelope and
+//! with a single dead zone.
 
 use crate::cascade::CascadeParameters;
 use crate::dead_zone::DeadZoneParameters;
@@ -11,8 +12,9 @@ use crate::error::ParameterError;
 use crate::play::PlayParameters;
 use crate::real::Real;
 
-/// The parameters of a CPI model. Thresholds of the plays: input unit; gain: output unit per input unit;
-/// offset: output unit; input: lower and upper end of the valid inputs, input unit. The muscle comes from rest.
+/// The parameters of a CPI model. Thresholds of the plays: input unit; gain: output unit per input
+/// unit; offset: output unit; input: lower and upper end of the valid inputs, input unit. The
+/// muscle comes from rest.
 ///
 /// # Errors
 /// The capacity `M` is 0.

@@ -1,13 +1,15 @@
-//! A strictly increasing piecewise-linear curve, evaluated in both directions by a search for the segment.
+//! A strictly increasing piecewise-linear curve, evaluated in both directions by a search for the
+//! segment.
 //!
-//! The common form of the dead-zone stage and the piecewise-linear envelope. The loading curve of the plays is another one
-//! (`loading_curve`), of the same segments.
+//! The common form of the dead-zone stage and the piecewise-linear envelope. The loading curve of
+//! the plays is another one (`loading_curve`), of the same segments.
 //!
 //! # The search
-//! Unused places of the array hold segments that never start, so that its length is a constant. Up to 16 segments, which
-//! is more than ten operators need, it is halved in four steps, or in fewer where the array is shorter: forward without a branch,
-//! in the inverse, which the control law takes, by branches, so that what is loaded stands at an address that the compiler knows.
-//! More segments cost a loop.
+//! Unused places of the array hold segments that never start, so that its length is a constant. Up
+//! to 16 segments, which is more than ten operators need, it is halved in four steps, or in fewer
+//! where the array is shorter: forward without a branch, in the inverse, which the control law
+//! takes, by branches, so that what is loaded stands at an address that the compiler knows. More
+//! segments cost a loop.
 
 use crate::convert::counted_from;
 use crate::error::{Check, ParameterError, Requirement};
@@ -28,8 +30,9 @@ pub(crate) struct Segment<T> {
     pub(crate) place: usize,
 }
 
-/// x at y on those of `count` segments from a place on, by halves that overlap where the number is odd: on the last that has started,
-/// or the first where none has. Unrolled: the number is known where it is inlined.
+/// x at y on those of `count` segments from a place on, by halves that overlap where the number is
+/// odd: on the last that has started, or the first where none has. Unrolled: the number is known
+/// where it is inlined.
 macro_rules! halved {
     ($name:ident, $of_half:ident) => {
         #[inline(always)]
@@ -59,7 +62,8 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
     /// A straight line through a point.
     ///
     /// # Errors
-    /// The slope, which `check` names, or its reciprocal is not above 0 and finite; or there is no room for it.
+    /// The slope, which `check` names, or its reciprocal is not above 0 and finite; or there is no
+    /// room for it.
     pub(crate) fn line(point: (T, T), slope: T, check: Check) -> Result<Self, ParameterError> {
         let mut curve = Self { segments: [Segment::never(); K], len: 0 };
         curve.bend(point, slope, check)?;
@@ -130,7 +134,7 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
         self.segments.get(place).map_or(y, |segment| segment.inverse(y))
     }
 
-    /// Apart, lest it costs few segments registers.
+    /// Not inlined, to avoid register spills in the path of few segments.
     #[inline(never)]
     fn inverse_of_many(&self, y: T) -> T {
         self.search_many(|segment| segment.y <= y).map_or(y, |segment| segment.inverse(y))
@@ -143,8 +147,8 @@ impl<T: Real, const K: usize> MonotoneCurve<T, K> {
     }
 }
 
-/// The last of these that has started; the first where none has. Halved without a branch, the halves overlapping where
-/// the number is odd.
+/// The last of these that has started; the first where none has. Halved without a branch, the
+/// halves overlapping where the number is odd.
 #[inline(always)]
 fn halve<S>(mut open: &[S], started: impl Fn(&S) -> bool) -> Option<&S> {
     while open.len() > 1 {

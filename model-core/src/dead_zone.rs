@@ -1,17 +1,18 @@
 //! Weighted dead zones, y = Σ wⱼ S(u, dⱼ) + offset, and their inverse.
 //!
-//! S(u, 0) = u, S(u, d) = max(u - d, 0) for d > 0 and min(u - d, 0) for d < 0, equations (12) to (14). The sum is
-//! a piecewise-linear curve through the knots dⱼ whose slope beyond a knot, seen from 0, is the partial sum
-//! of the weights up to it, each side by itself. Both directions are evaluated in that form, which costs
-//! one multiplication instead of one per dead zone and rounds less (at n = 10 in f32 by an order of
-//! magnitude). The weights of equation (20) are those of the inverse curve in the sum form; tests hold the
-//! two against each other.
+//! S(u, 0) = u, S(u, d) = max(u - d, 0) for d > 0 and min(u - d, 0) for d < 0, equations (12) to
+//! (14). The sum is a piecewise-linear curve through the knots dⱼ whose slope beyond a knot, seen
+//! from 0, is the partial sum of the weights up to it, each side by itself. Both directions are
+//! evaluated in that form, which costs one multiplication instead of one per dead zone and rounds
+//! less (at n = 10 in f32 by an order of magnitude). The weights of equation (20) are those of the
+//! inverse curve in the sum form; tests hold the two against each other.
 //!
-//! The MGPI model has thresholds of 0 and above, Kuhnen's modified model has them on both sides of 0.
+//! The MGPI model has thresholds of 0 and above, Kuhnen's modified model has them on both sides
+//! of 0.
 //!
 //! # Beyond the paper
-//! `offset` is where the curve starts: a recording whose contraction is not zero at rest needs it. The
-//! paper's model has 0.
+//! `offset` is where the curve starts: a recording whose contraction is not zero at rest needs it.
+//! The paper's model has 0.
 //!
 //! # Validity
 //! Thresholds strictly increasing, one of them exactly 0, and the partial sums of each side, from 0
@@ -100,8 +101,8 @@ const SUMS: &str = "partial sums of dead-zone weights";
 
 impl<T: Real, const M: usize> DeadZones<T, M> {
     /// # Errors
-    /// No dead zone; lists of different length; no threshold of 0; thresholds that do not increase; a
-    /// partial sum of the weights that is not above 0; anything not finite.
+    /// No dead zone; lists of different length; no threshold of 0; thresholds that do not increase;
+    /// a partial sum of the weights that is not above 0; anything not finite.
     pub fn try_new(parameters: &DeadZoneParameters<T, M>) -> Result<Self, ParameterError> {
         let DeadZoneParameters { thresholds, weights, offset } = parameters;
         if weights.len() != thresholds.len() {

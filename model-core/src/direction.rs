@@ -1,4 +1,5 @@
-//! A move of a bank of plays in one direction, rising or falling: how far it is to go, what it passes and what it has reached.
+//! A move of a bank of plays in one direction, rising or falling: how far it is to go, what it
+//! passes and what it has reached.
 
 use crate::real::Real;
 

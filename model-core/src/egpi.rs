@@ -1,22 +1,26 @@
-//! The extended generalized Prandtl-Ishlinskii model (EGPI): the asymmetric one and a memoryless function.
+//! The extended generalized Prandtl-Ishlinskii model (EGPI): the asymmetric one and a memoryless
+//! function.
 //!
 //! y = A\[x\] + g(x) with A the [`crate::agpi`] and g the cubic of [`crate::memoryless`].
 //!
 //! # The inverse, and its proof
-//! There is no closed form. With s = A\[x\] the wanted s is the fixed point of s = y - g(A⁻¹\[s\]), the iteration of
-//! the literature. Within one direction A⁻¹ is non-decreasing with slopes of at most 1/μ, μ the least slope of A over
-//! the range, so that h = g ∘ A⁻¹ has slopes between a = min(0, min g')/μ and b = max(0, max g')/μ. If 1 + a > 0, the
-//! residual y - s - h(s), which is the error of forward of inverse, falls everywhere with slopes between -(1 + a) and
-//! -(1 + b): there is one fixed point, and every residual says on which side of it s lies.
+//! There is no closed form. With s = A\[x\] the wanted s is the fixed point of s = y - g(A⁻¹\[s\]),
+//! the iteration of the literature. Within one direction A⁻¹ is non-decreasing with slopes of at
+//! most 1/μ, μ the least slope of A over the range, so that h = g ∘ A⁻¹ has slopes between a =
+//! min(0, min g')/μ and b = max(0, max g')/μ. If 1 + a > 0, the residual y - s - h(s), which is the
+//! error of forward of inverse, falls everywhere with slopes between -(1 + a) and -(1 + b): there
+//! is one fixed point, and every residual says on which side of it s lies.
 //!
-//! The relaxed iteration s ← s + ω (y - s - h(s)) with ω = 2/(2 + a + b) contracts by ρ = (b - a)/(2 + a + b). Where ρ is
-//! at most 1/2, that is the step; where it is not, the step goes to the middle of the bracket of the residuals so far,
-//! which is at most max g - min g wide at first. Either way the distance of the bound is halved in each step, so that
-//! log₂((max g - min g)(1 + b)/tolerance) + 1 steps reach the tolerance. A model that needs more than [`STEPS`], or has
-//! 1 + a ≤ 0, is refused when the inverse is made.
+//! The relaxed iteration s ← s + ω (y - s - h(s)) with ω = 2/(2 + a + b) contracts by ρ = (b -
+//! a)/(2 + a + b). Where ρ is at most 1/2, that is the step; where it is not, the step goes to the
+//! middle of the bracket of the residuals so far, which is at most max g - min g wide at first.
+//! Either way the distance of the bound is halved in each step, so that log₂((max g - min g)(1 +
+//! b)/tolerance) + 1 steps reach the tolerance. A model that needs more than [`STEPS`], or has 1 +
+//! a ≤ 0, is refused when the inverse is made.
 //!
 //! # Accuracy
-//! Forward of inverse within [`InverseEgpi::tolerance`]. What [`crate::agpi`] says of reversals holds here.
+//! Forward of inverse within [`InverseEgpi::tolerance`]. What [`crate::agpi`] says of reversals
+//! holds here.
 
 use crate::agpi::{Agpi, AgpiParameters, InverseAgpi, is_rounding, leads_on};
 use crate::error::{Check, InputError, ParameterError, finite_input};
@@ -125,7 +129,8 @@ impl<T: Real, const N: usize> Invertible<T, N> for Egpi<T, N> {
     }
 }
 
-/// How many halving steps bring the residual down by a ratio, and one more; more than [`STEPS`] are not counted.
+/// How many halving steps bring the residual down by a ratio, and one more; more than [`STEPS`] are
+/// not counted.
 fn steps(ratio: f64) -> f64 {
     let (mut left, mut steps) = (ratio, 1.0);
     for _ in 0..STEPS {
@@ -180,7 +185,7 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseEgpi<T, N> {
         state.last.y
     }
 
-    /// Apart, lest it costs the cascade registers where the model is chosen at run time.
+    /// Not inlined, to avoid register spills of the cascade where the model is chosen at run time.
     #[inline(never)]
     fn step(&self, state: &mut HysteresisState<T, N>, y: T) -> Result<T, InputError> {
         let y = finite_input(y)?;
@@ -216,7 +221,8 @@ impl<T: Real, const N: usize> InverseHysteresis<T, N> for InverseEgpi<T, N> {
         }
         let u = self.agpi.inner(s);
         let x = self.agpi.drive(&mut state.plays, last.x, u, rising);
-        // Beyond an end of the range the end is remembered, not the demand, as everywhere in the family.
+        // Beyond an end of the range the end is remembered, not the demand, as everywhere in the
+        // family.
         let is_reached = state.plays.input() == u;
         let y = if is_reached { y } else { self.agpi.reached(&state.plays) + self.memoryless.value(x) };
         state.last = Sample { x, y, rising };

@@ -1,23 +1,26 @@
 //! A bank of up to ten plays, each kept by its output.
 //!
 //! # Design
-//! A move in one direction drives some of the plays, those of the smallest thresholds, and leaves the others: zᵢ = v - rᵢ for
-//! the first k of a rising move, v + rᵢ of a falling one. Which it drives is found by halving, three or four comparisons.
-//! What the driven ones give is one straight line, u = (q + p₁ + … + pₖ) v ∓ (p₁ r₁ + … + pₖ rₖ), to which the sum
-//! of those left is added. So every play costs a store or a product, whichever k is, and no comparison of its own.
+//! A move in one direction drives some of the plays, those of the smallest thresholds, and leaves
+//! the others: zᵢ = v - rᵢ for the first k of a rising move, v + rᵢ of a falling one. Which it
+//! drives is found by halving, three or four comparisons. What the driven ones give is one straight
+//! line, u = (q + p₁ + … + pₖ) v ∓ (p₁ r₁ + … + pₖ rₖ), to which the sum of those left is added. So
+//! every play costs a store or a product, whichever k is, and no comparison of its own.
 //!
 //! There are always ten: those beyond the parameters' repeat the last one without weight.
 //! For more plays the turning points are cheaper ([`crate::turning_points`]).
 //!
 //! # Ends of the range
-//! A move may be told not to go farther than u stays within a range. Whether it would is known with u, before anything has moved. How
-//! many plays are then driven is found by halving again, among those that the whole move would drive: what u is where a play
-//! begins to be driven follows from its output and from what those beyond it give. So an end costs about what a move inside and the
+//! A move may be told not to go farther than u stays within a range. Whether it would is known with
+//! u, before anything has moved. How many plays are then driven is found by halving again, among
+//! those that the whole move would drive: what u is where a play begins to be driven follows from
+//! its output and from what those beyond it give. So an end costs about what a move inside and the
 //! envelope behind it do, whatever the muscle has been through.
 //!
 //! # Leaves
-//! Both searches are trees of branches whose leaves are compiled for their number of plays: all that a leaf loads stands where
-//! the compiler knows. At the ends there is a tree for each number of plays that the whole move would drive, which costs flash.
+//! Both searches are trees of branches whose leaves are compiled for their number of plays: all
+//! that a leaf loads stands where the compiler knows. At the ends there is a tree for each number
+//! of plays that the whole move would drive, which costs flash.
 
 use core::array;
 
@@ -32,7 +35,8 @@ mod wider;
 /// So many plays at most.
 pub(crate) const FEW_PLAYS: usize = 10;
 
-/// Finds by halving how many plays are driven, where `drives` says it of each, and goes on with the number: a literal.
+/// Finds by halving how many plays are driven, where `drives` says it of each, and goes on with the
+/// number: a literal.
 macro_rules! by_driven {
     ($drives:ident, $go_on:ident) => {
         if $drives(4) {
@@ -53,8 +57,8 @@ macro_rules! by_driven {
     };
 }
 
-/// As `by_driven`, where it takes a sum over the plays beyond to say it of a play: sums that are not needed afterwards cost as much as a
-/// question, so that large thresholds are asked first.
+/// As `by_driven`, where it takes a sum over the plays beyond to say it of a play: sums that are
+/// not needed afterwards cost as much as a question, so that large thresholds are asked first.
 macro_rules! by_driven_of_sums {
     ($drives:ident, $go_on:ident) => {
         if $drives(6) {
@@ -99,7 +103,8 @@ struct Line<T> {
 pub(crate) struct FewPlays<T> {
     thresholds: [T; FEW_PLAYS],
     weights: [T; FEW_PLAYS],
-    /// Where this play begins to be driven, u is its slope times its output ± this, if those beyond give nothing.
+    /// Where this play begins to be driven, u is its slope times its output ± this, if those beyond
+    /// give nothing.
     begins: [T; FEW_PLAYS],
     /// Where no play is driven.
     direct: Line<T>,
@@ -156,8 +161,8 @@ impl<T: Real> FewPlays<T> {
 
     /// More than roundings of its sums can move u, where that stays within `range`.
     ///
-    /// Over all states of a bank at v, u lies beyond what it is where all plays are driven by at most
-    /// 2 Σ max(pᵢ + … + pₙ, 0) (rᵢ - rᵢ₋₁).
+    /// Over all states of a bank at v, u lies beyond what it is where all plays are driven by at
+    /// most 2 Σ max(pᵢ + … + pₙ, 0) (rᵢ - rᵢ₋₁).
     pub(crate) fn rounding(&self, range: &Range<T>) -> T {
         let [.., all] = self.driven;
         let (mut excess, mut scale, mut last) = (T::ZERO, self.direct.slope, (T::ZERO, self.direct.slope));
@@ -186,7 +191,8 @@ impl<T: Real> FewPlays<T> {
         by_driven!(drives, drive_first)
     }
 
-    /// As [`drive`](Self::drive), but goes no farther than u stays within a range. Hands u to `inside`, or asks `at_end`.
+    /// As [`drive`](Self::drive), but goes no farther than u stays within a range. Hands u to
+    /// `inside`, or asks `at_end`.
     #[inline(always)]
     pub(crate) fn drive_within<const RISING: bool, A>(
         &self,
@@ -253,8 +259,8 @@ impl<T: Real> FewPlays<T> {
         }
     }
 
-    /// A move that ends where the first `K` plays, all that it could drive, give `u` together. Apart, lest it costs the other moves
-    /// registers.
+    /// A move that ends where the first `K` plays, all that it could drive, give `u` together. Not
+    /// inlined, to avoid register spills in the other moves registers.
     #[cold]
     #[inline(never)]
     fn drive_until<const K: usize, const RISING: bool>(&self, state: &mut Outputs<T>, u: T) {

@@ -1,6 +1,7 @@
 //! What every model of the family can do: [`Hysteresis`] forward, [`InverseHysteresis`] backward.
 //!
-//! All models keep the same kind of [`HysteresisState`]: it can be handed on without knowing the model.
+//! All models keep the same kind of [`HysteresisState`]: it can be handed on without knowing the
+//! model.
 
 use crate::error::{InputError, ParameterError};
 use crate::play::PlayState;
@@ -60,7 +61,8 @@ impl<T: Real, const N: usize> HysteresisState<T, N> {
     }
 }
 
-/// A validated hysteresis model with at most `N` plays: from input (pressure) to output (contraction).
+/// A validated hysteresis model with at most `N` plays: from input (pressure) to output
+/// (contraction).
 pub trait Hysteresis<T: Real, const N: usize> {
     /// The inputs that the model is valid for. Input unit.
     fn input_range(&self) -> &Range<T>;
@@ -68,8 +70,8 @@ pub trait Hysteresis<T: Real, const N: usize> {
     /// The state of a muscle that came from rest to the lower end of the input range.
     fn rest_state(&self) -> HysteresisState<T, N>;
 
-    /// One sample: the output for the input `x`. Input: input unit; result: output unit. Inputs outside the
-    /// input range are extrapolated, by at most its span on either side.
+    /// One sample: the output for the input `x`. Input: input unit; result: output unit. Inputs
+    /// outside the input range are extrapolated, by at most its span on either side.
     ///
     /// # Errors
     /// `x` is not finite; the state is then as it was.
@@ -92,7 +94,8 @@ pub trait Invertible<T: Real, const N: usize>: Hysteresis<T, N> {
     /// Makes the inverse.
     ///
     /// # Errors
-    /// A parameter of the inverse leaves the number type, or the model has no inverse that can be proven.
+    /// A parameter of the inverse leaves the number type, or the model has no inverse that can be
+    /// proven.
     fn inverse(&self) -> Result<Self::Inverse, ParameterError>;
 }
 
@@ -107,8 +110,8 @@ pub trait InverseHysteresis<T: Real, const N: usize> {
     /// The output that the inverse remembers to have reached. Output unit.
     fn last_output(&self, state: &HysteresisState<T, N>) -> T;
 
-    /// One sample: the input, within the model's input range, that brings the output to `y`, or as near as
-    /// the range allows. Input: output unit; result: input unit.
+    /// One sample: the input, within the model's input range, that brings the output to `y`, or as
+    /// near as the range allows. Input: output unit; result: input unit.
     ///
     /// # Errors
     /// `y` is not finite; the state is then as it was.

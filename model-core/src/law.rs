@@ -1,14 +1,16 @@
-//! The control law of Fig. 10 alone: inverse model as feed-forward, PID as feedback, slew and limits.
+//! The control law of Fig. 10 alone: inverse model as feed-forward, PID as feedback, slew and
+//! limits.
 //!
-//! For a firmware that knows its model, and its size, when it is compiled, such as [`crate::cascade::InverseCascade`] with
-//! one kind of envelope. [`crate::tracking`] is for what is chosen at run time; beside the same law it has modes,
-//! extensions, the preview of a delay and a limit to what the feedback sees of a wild sample, which together cost half as
-//! much again.
+//! For a firmware that knows its model, and its size, when it is compiled, such as
+//! [`crate::cascade::InverseCascade`] with one kind of envelope. [`crate::tracking`] is for what is
+//! chosen at run time; beside the same law it has modes, extensions, the preview of a delay and a
+//! limit to what the feedback sees of a wild sample, which together cost half as much again.
 //!
 //! # Contract
-//! One [`Law::step`] a period. Without extensions, in the mode of feed-forward and feedback, with reference and contraction in the
-//! model's output range, the command is that of the tracking controller, bit for bit. Beyond that range nothing
-//! but the anti-windup holds the integral back: the caller rejects wild samples.
+//! One [`Law::step`] a period. Without extensions, in the mode of feed-forward and feedback, with
+//! reference and contraction in the model's output range, the command is that of the tracking
+//! controller, bit for bit. Beyond that range nothing but the anti-windup holds the integral back:
+//! the caller rejects wild samples.
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
 use crate::hysteresis::{HysteresisState, InverseHysteresis};

@@ -1,10 +1,11 @@
-//! Hysteresis models of pneumatic artificial muscles, their inverses, and the controller built on them.
+//! Hysteresis models of pneumatic artificial muscles, their inverses, and the controller built on
+//! them.
 //!
 //! # Design
-//! One operator a file, forward and inverse side by side. Raw parameters (`…Parameters`, plain public
-//! fields) are checked once by a `try_new` and become an immutable operator; what changes from sample to
-//! sample is a small state of its own. Only operators that passed the check can be put into a
-//! [`tracking::Tracking`] controller.
+//! One operator a file, forward and inverse side by side. Raw parameters (`…Parameters`, plain
+//! public fields) are checked once by a `try_new` and become an immutable operator; what changes
+//! from sample to sample is a small state of its own. Only operators that passed the check can be
+//! put into a [`tracking::Tracking`] controller.
 //!
 //! | module | what it is | source |
 //! |---|---|---|
@@ -26,13 +27,13 @@
 //!
 //! # Contract
 //! * `no_std`, no heap, no `unsafe`; every loop is bounded by a const capacity.
-//! * Generic over `f32` (board) and `f64` (host). Elementary functions come from `libm` on both, so that
-//!   the same inputs give the same bits on the board, in the emulator and on the host.
+//! * Generic over `f32` (board) and `f64` (host). Elementary functions come from `libm` on both, so
+//!   that the same inputs give the same bits on the board, in the emulator and on the host.
 //! * A non-finite input is refused by a typed error and leaves the state as it was.
 //!
 //! # Capacity
-//! `N` is the largest number of plays, `M` of dead zones, that a type can hold; the numbers in use are
-//! those of the parameters.
+//! `N` is the largest number of plays, `M` of dead zones, that a type can hold; the numbers in use
+//! are those of the parameters.
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

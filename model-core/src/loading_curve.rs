@@ -1,7 +1,8 @@
-//! The loading curve of a bank of plays, u = C(Δ): how far u moves when v moves by Δ from a turning point.
+//! The loading curve of a bank of plays, u = C(Δ): how far u moves when v moves by Δ from a turning
+//! point.
 //!
-//! It bends where one more play is driven, so that a bank of `N` plays has `N` + 1 segments: those before the last in an array, and the
-//! last, on which all plays are driven.
+//! It bends where one more play is driven, so that a bank of `N` plays has `N` + 1 segments: those
+//! before the last in an array, and the last, on which all plays are driven.
 
 use crate::curve::Segment;
 use crate::error::{Check, ParameterError, Requirement};

@@ -1,9 +1,9 @@
 //! A memoryless cubic curve g(x) over the input range, which the extended generalized model adds.
 //!
-//! In Bernstein form, g = Σ δₖ Sₖ(t), k = 1 … 3, with t = 0 … 1 over the range and Sₖ = Σ_{j≥k} C(3, j) tʲ (1 - t)³⁻ʲ,
-//! which rises from 0 to 1: so g is 0 at the lower end, the slope lies between 3 min δ and 3 max δ per range,
-//! and δ ≥ 0 makes it non-decreasing. Any cubic with g = 0 at the lower end has this form. Outside the
-//! range it keeps its end values.
+//! In Bernstein form, g = Σ δₖ Sₖ(t), k = 1 … 3, with t = 0 … 1 over the range and Sₖ = Σ_{j≥k}
+//! C(3, j) tʲ (1 - t)³⁻ʲ, which rises from 0 to 1: so g is 0 at the lower end, the slope lies
+//! between 3 min δ and 3 max δ per range, and δ ≥ 0 makes it non-decreasing. Any cubic with g = 0
+//! at the lower end has this form. Outside the range it keeps its end values.
 
 use crate::convert;
 use crate::error::{Check, ParameterError};
@@ -79,7 +79,8 @@ impl<T: Real> Memoryless<T> {
         [last + middle + three * t * rest * rest, last + middle, last]
     }
 
-    /// Bounds of the values over the range: the curve lies between its partial sums of rises. Unit: output unit.
+    /// Bounds of the values over the range: the curve lies between its partial sums of rises. Unit:
+    /// output unit.
     pub fn values(&self) -> (T, T) {
         let (mut sum, mut low, mut high) = (T::ZERO, T::ZERO, T::ZERO);
         for rise in self.rises {

@@ -192,7 +192,8 @@ impl<T: Real, const N: usize, const M: usize> Model<T, N, M> {
         }
     }
 
-    /// The smallest slope of the output over the plays, the distance from being non-invertible. Unit: output unit.
+    /// The smallest slope of the output over the plays, the distance from being non-invertible.
+    /// Unit: output unit.
     pub fn smallest_output_slope(&self) -> T {
         match self {
             Self::Cascade(cascade) => cascade.dead_zones().smallest_slope(),
@@ -240,7 +241,8 @@ impl<T: Real, const N: usize, const M: usize> Invertible<T, N> for Model<T, N, M
     }
 }
 
-/// Does this in a function of its own, so that what it needs of the stack, which on a board is small, is needed by nothing else.
+/// Does this in a function of its own, so that what it needs of the stack, which on a board is
+/// small, is needed by nothing else.
 #[inline(never)]
 fn apart<R>(work: impl FnOnce() -> R) -> R {
     work()
@@ -292,7 +294,8 @@ impl<T: Real, const N: usize, const M: usize> InverseHysteresis<T, N> for Invers
     }
 }
 
-/// A step of the cascade: in one function with the rest of a controller there are too few registers.
+/// A step of the cascade: in one function with the rest of a controller there are too few
+/// registers.
 #[inline(never)]
 fn step_apart<T: Real, const N: usize, const M: usize>(
     cascade: &InverseCascade<T, AnyEnvelope<T>, N, M>,

@@ -1,17 +1,19 @@
-//! Kuhnen's modified Prandtl-Ishlinskii model (MPI): linear plays, then dead zones on both sides of 0.
+//! Kuhnen's modified Prandtl-Ishlinskii model (MPI): linear plays, then dead zones on both sides
+//! of 0.
 //!
-//! y = offset + Σ wⱼ S(u, dⱼ) with u = q x + Σ pᵢ zᵢ: the memoryless stage bends the classical loop, so that it need
-//! not be symmetric. The thresholds d may have either sign; each side of 0 is a chain of its own, and the weights of
-//! the inverse, equation (20), hold per side. Forward and inverse are those of the [`crate::cascade`], without an
-//! envelope.
+//! y = offset + Σ wⱼ S(u, dⱼ) with u = q x + Σ pᵢ zᵢ: the memoryless stage bends the classical
+//! loop, so that it need not be symmetric. The thresholds d may have either sign; each side of 0 is
+//! a chain of its own, and the weights of the inverse, equation (20), hold per side. Forward and
+//! inverse are those of the [`crate::cascade`], without an envelope.
 
 use crate::cascade::CascadeParameters;
 use crate::dead_zone::DeadZoneParameters;
 use crate::envelope::EnvelopeParameters;
 use crate::play::PlayParameters;
 
-/// The parameters of an MPI model. Thresholds of plays and dead zones: input unit; weights of the dead zones:
-/// output unit per input unit; input: lower and upper end of the valid inputs, input unit. The muscle comes from rest.
+/// The parameters of an MPI model. Thresholds of plays and dead zones: input unit; weights of the
+/// dead zones: output unit per input unit; input: lower and upper end of the valid inputs, input
+/// unit. The muscle comes from rest.
 ///
 /// ```
 /// use model_core::envelope::EnvelopeParameters;

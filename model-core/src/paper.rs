@@ -1,8 +1,9 @@
 //! The model that the paper identified: Tables 1 and 2.
 //!
-//! The input is in bar, the output in mm (the paper's contraction ratio times the 500 mm of its muscle).
-//! Table 2 numbers its weights 1 to 10; they are j = 0 … 9 of equation (14), with dⱼ = j/10 max(u): as j = 1 … 10
-//! the weight w₀ of equation (20) would be 0. max(u) is taken over 0 to 6 bar, the range of Fig. 8.
+//! The input is in bar, the output in mm (the paper's contraction ratio times the 500 mm of its
+//! muscle). Table 2 numbers its weights 1 to 10; they are j = 0 … 9 of equation (14), with dⱼ =
+//! j/10 max(u): as j = 1 … 10 the weight w₀ of equation (20) would be 0. max(u) is taken over 0 to
+//! 6 bar, the range of Fig. 8.
 
 use heapless::Vec;
 

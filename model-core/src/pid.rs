@@ -1,17 +1,17 @@
 //! The feedback controller of equation (24): PID with what the paper leaves out.
 //!
-//! * The derivative acts on the measurement, through a first-order filter: a step of the reference makes no
-//!   kick, and sensor noise is bounded.
-//! * Anti-windup by back-calculation: what the limits cut off the command flows back into the integral
-//!   with the time constant `tracking_time_s`. Without integral gain there is nothing to wind up, and
-//!   the integral stays 0.
-//! * Gains are absolute: kp in bar/mm, ki in bar/(mm s), kd in bar s/mm. The paper gives none of the units;
-//!   these are plausible for its values and stable. Its second "Kp = 0" is Kd.
+//! * The derivative acts on the measurement, through a first-order filter: a step of the reference
+//!   makes no kick, and sensor noise is bounded.
+//! * Anti-windup by back-calculation: what the limits cut off the command flows back into the
+//!   integral with the time constant `tracking_time_s`. Without integral gain there is nothing to
+//!   wind up, and the integral stays 0.
+//! * Gains are absolute: kp in bar/mm, ki in bar/(mm s), kd in bar s/mm. The paper gives none of
+//!   the units; these are plausible for its values and stable. Its second "Kp = 0" is Kd.
 //!
 //! # Contract
-//! One [`Pid::output`] and one [`Pid::settle`] each period, in that order: between the two the caller applies
-//! its limits. The integral uses the error of the previous periods (forward Euler), so that the output
-//! needs nothing from the future.
+//! One [`Pid::output`] and one [`Pid::settle`] each period, in that order: between the two the
+//! caller applies its limits. The integral uses the error of the previous periods (forward Euler),
+//! so that the output needs nothing from the future.
 
 use crate::error::{Check, ParameterError};
 use crate::real::Real;
@@ -70,7 +70,8 @@ pub struct Pid<T> {
     kp: T,
     /// ki times the period.
     ki_period: T,
-    /// kd over the sum of filter time constant and period: the filter by backward Euler, stable for every time constant.
+    /// kd over the sum of filter time constant and period: the filter by backward Euler, stable for
+    /// every time constant.
     kd_rate: T,
     /// The share of the way to the measurement that the filter goes in one period.
     filter_share: T,
@@ -96,8 +97,8 @@ impl<T: Real> PidState<T> {
 
 impl<T: Real> Pid<T> {
     /// # Errors
-    /// A negative gain or time constant, a back-calculation time constant or period of 0, anything not
-    /// finite.
+    /// A negative gain or time constant, a back-calculation time constant or period of 0, anything
+    /// not finite.
     pub fn try_new(parameters: &PidParameters<T>, period_s: T) -> Result<Self, ParameterError> {
         let period = Check::new("period_s", "s").above(period_s, T::ZERO)?;
         let filter =
@@ -114,7 +115,8 @@ impl<T: Real> Pid<T> {
         })
     }
 
-    /// The output for this period, from the error (reference minus measurement) and the measurement. Both: mm; result: bar.
+    /// The output for this period, from the error (reference minus measurement) and the
+    /// measurement. Both: mm; result: bar.
     #[inline(always)]
     pub fn output(&self, state: &mut PidState<T>, error: T, measurement: T) -> T {
         let ahead = measurement - state.filtered;
@@ -122,8 +124,8 @@ impl<T: Real> Pid<T> {
         self.kp * error + state.integral - self.kd_rate * ahead
     }
 
-    /// Closes the period: integrates the error (mm), and takes back `excess` (bar), what the limits cut off
-    /// the output (applied minus asked).
+    /// Closes the period: integrates the error (mm), and takes back `excess` (bar), what the limits
+    /// cut off the output (applied minus asked).
     #[inline(always)]
     pub fn settle(&self, state: &mut PidState<T>, error: T, excess: T) {
         state.integral += self.ki_period * error + self.back_calculation * excess;

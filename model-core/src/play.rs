@@ -4,25 +4,26 @@
 //! zᵢ ← max(v - rᵢ, min(v + rᵢ, zᵢ)), equation (7) with one envelope; the sum is equation (6).
 //!
 //! # Design
-//! Up to ten plays are kept by their outputs (`few_plays`). Of more, none is kept by itself: from a turning point (v₀, u₀)
-//! on, play i is driven once v is more than 2 rᵢ away from v₀, so that u moves along one curve, whatever went before:
+//! Up to ten plays are kept by their outputs (`few_plays`). Of more, none is kept by itself: from a
+//! turning point (v₀, u₀) on, play i is driven once v is more than 2 rᵢ away from v₀, so that u
+//! moves along one curve, whatever went before:
 //!
 //! u = u₀ ± C(|v - v₀|), C(Δ) = q Δ + Σ pᵢ max(Δ - 2 rᵢ, 0),
 //!
-//! up to the turning point before, where the two are wiped out and the move goes on from the one before that. So a sample
-//! costs one search among the turning points (`turning_points`) and one on the curve (`loading_curve`), and its
-//! cost hardly grows with the number of plays. A move that has wiped out all turning points drives all plays:
-//! u = (q + Σ pᵢ) v ∓ Σ pᵢ rᵢ.
+//! up to the turning point before, where the two are wiped out and the move goes on from the one
+//! before that. So a sample costs one search among the turning points (`turning_points`) and one on
+//! the curve (`loading_curve`), and its cost hardly grows with the number of plays. A move that has
+//! wiped out all turning points drives all plays: u = (q + Σ pᵢ) v ∓ Σ pᵢ rᵢ.
 //!
 //! # The inverse
-//! v and u change places: the inverse curve, and the same turning points with both coordinates exchanged; of few plays
-//! the outputs q zᵢ + p₁ zᵢ + … + pᵢ zᵢ + pᵢ₊₁ zᵢ₊₁ + … + pₙ zₙ. It is a bank again, that of equations (18), (19)
-//! and (21). The paper is silent about the state of the inverse; a zero in its place costs up to 0.7 bar until it is wiped
-//! out.
+//! v and u change places: the inverse curve, and the same turning points with both coordinates
+//! exchanged; of few plays the outputs q zᵢ + p₁ zᵢ + … + pᵢ zᵢ + pᵢ₊₁ zᵢ₊₁ + … + pₙ zₙ. It is a
+//! bank again, that of equations (18), (19) and (21). The paper is silent about the state of the
+//! inverse; a zero in its place costs up to 0.7 bar until it is wiped out.
 //!
 //! # Validity
-//! q and every partial sum q + p₁ + … + pᵢ positive: then u is strictly increasing in v from every state,
-//! and the inverse is exact. Single weights may be negative (those of an inverse are).
+//! q and every partial sum q + p₁ + … + pᵢ positive: then u is strictly increasing in v from every
+//! state, and the inverse is exact. Single weights may be negative (those of an inverse are).
 
 use heapless::Vec;
 
@@ -62,10 +63,11 @@ pub use crate::play_state::PlayState;
 pub struct PlayBank<T, const N: usize> {
     /// The same bank, where it has at most [`FEW_PLAYS`].
     few: FewPlays<T>,
-    /// C: how far u moves when v moves from a turning point. Its i-th bend is at twice the i-th threshold.
+    /// C: how far u moves when v moves from a turning point. Its i-th bend is at twice the i-th
+    /// threshold.
     pub(crate) curve: LoadingCurve<T, N>,
-    /// Where a falling move that drives all plays can be thought to come from: the last segment's line goes through it.
-    /// A rising one comes from the same point on the other side of 0.
+    /// Where a falling move that drives all plays can be thought to come from: the last segment's
+    /// line goes through it. A rising one comes from the same point on the other side of 0.
     pub(crate) origin_of_all: Turn<T>,
 }
 
@@ -185,8 +187,9 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         state
     }
 
-    /// The same memory, kept by turning points whatever the number of plays. The bank then moves by those: slower while the plays are
-    /// few, at a cost that hardly grows with their number. A bank without room for more than ten leaves it as it is.
+    /// The same memory, kept by turning points whatever the number of plays. The bank then moves by
+    /// those: slower while the plays are few, at a cost that hardly grows with their number. A bank
+    /// without room for more than ten leaves it as it is.
     pub fn by_turning_points(&self, state: &PlayState<T, N>) -> PlayState<T, N> {
         match state.memory() {
             Memory::Few(few) if N > FEW_PLAYS => {
@@ -236,8 +239,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// Refuses a bank whose thresholds cannot change from sample to sample: one of many plays, or with a weight below 0, of which
-    /// a wider bank may move farther than a narrow one.
+    /// Refuses a bank whose thresholds cannot change from sample to sample: one of many plays, or
+    /// with a weight below 0, of which a wider bank may move farther than a narrow one.
     pub(crate) fn check_widening(&self) -> Result<(), ParameterError> {
         if self.len() > FEW_PLAYS {
             let check = Check::new("number of plays whose thresholds change", "");
@@ -250,7 +253,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         Ok(())
     }
 
-    /// As [`advance`](Self::advance), with thresholds `times` as wide at this sample; of a bank that can widen.
+    /// As [`advance`](Self::advance), with thresholds `times` as wide at this sample; of a bank
+    /// that can widen.
     #[inline(always)]
     pub(crate) fn advance_wider(&self, state: &mut PlayState<T, N>, v: T, times: T) -> T {
         match state.memory_mut() {
@@ -259,7 +263,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// What the plays of a bank that can widen hold back, from -1 (all follow a fall) to 1 (all follow a rise).
+    /// What the plays of a bank that can widen hold back, from -1 (all follow a fall) to 1 (all
+    /// follow a rise).
     pub(crate) fn held_back(&self, state: &PlayState<T, N>) -> T {
         match state.memory() {
             Memory::Few(few) => self.few.held_back(few),
@@ -276,8 +281,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps, against the
-    /// direction, at each reversal of the input that it comes from.
+    /// As [`advance`](Self::advance), in a direction that is known: with two envelopes v jumps,
+    /// against the direction, at each reversal of the input that it comes from.
     pub(crate) fn advance_toward(&self, state: &mut PlayState<T, N>, v: T, rising: bool) -> T {
         match (state.memory_mut(), rising) {
             (Memory::Few(few), true) => self.few.drive::<true>(few, v),
@@ -291,8 +296,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         self.few.rounding(range)
     }
 
-    /// As [`advance_toward`](Self::advance_toward), but goes no farther than u stays within the range: the input
-    /// that leads to its end takes the place of one beyond.
+    /// As [`advance_toward`](Self::advance_toward), but goes no farther than u stays within the
+    /// range: the input that leads to its end takes the place of one beyond.
     pub(crate) fn advance_within(
         &self,
         state: &mut PlayState<T, N>,
@@ -311,8 +316,9 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// As [`advance`](Self::advance), but stays within the range; from a state that no jumps led to. Hands u to `inside`, or asks
-    /// `at_end`, to which it says whether that is the upper one. Many plays are handed on, lest they cost few plays registers.
+    /// As [`advance`](Self::advance), but stays within the range; from a state that no jumps led
+    /// to. Hands u to `inside`, or asks `at_end`, to which it says whether that is the upper one.
+    /// Many plays are handed on, to avoid register spills in the path of few plays.
     #[inline(always)]
     pub(crate) fn advance_inside<A>(
         &self,
@@ -342,7 +348,7 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         self.advance_many(state, v, state.goes_up_to(v), Some(range))
     }
 
-    /// Apart, lest it costs few plays registers.
+    /// Not inlined, to avoid register spills in the path of few plays.
     #[inline(always)]
     fn advance_many(
         &self,

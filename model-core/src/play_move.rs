@@ -1,4 +1,5 @@
-//! How a bank of many plays moves: which turning points it wipes out, which curve it follows, and where it ends.
+//! How a bank of many plays moves: which turning points it wipes out, which curve it follows, and
+//! where it ends.
 //!
 //! The theory stands in [`crate::play`].
 
@@ -87,8 +88,9 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         }
     }
 
-    /// u at `v`, and how many plays are driven there, if a move only goes on: does not turn, passes no turning point, and drives more
-    /// plays than the move before it, or fewer. Of a smooth input most samples do, and drive the same plays as the last one or a few more.
+    /// u at `v`, and how many plays are driven there, if a move only goes on: does not turn, passes
+    /// no turning point, and drives more plays than the move before it, or fewer. Of a smooth input
+    /// most samples do, and drive the same plays as the last one or a few more.
     #[inline(always)]
     fn gone_on<const RISING: bool>(&self, state: &TurningPoints<T, N>, v: T) -> Option<(T, usize)> {
         if state.rising != RISING {
@@ -104,8 +106,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         (segment.place != from.driven).then(|| (go::<T, RISING>(from.u, segment.value(way)), segment.place))
     }
 
-    /// Ends a move, which leaves at least so many turning points, where u reaches `end`. Apart, lest it costs the other
-    /// moves registers.
+    /// Ends a move, which leaves at least so many turning points, where u reaches `end`. Not
+    /// inlined, to avoid register spills in the other moves registers.
     #[inline(never)]
     fn stop_at<const RISING: bool>(&self, state: &mut TurningPoints<T, N>, mut kept: Kept, end: T) {
         let (_, ahead) = state.sides::<RISING>();
@@ -121,8 +123,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         branch.leave::<RISING, N>(state, v, end);
     }
 
-    /// The turning points that a move leaves: it passes those ahead, from the innermost on, that it `passes`, each with its
-    /// partner.
+    /// The turning points that a move leaves: it passes those ahead, from the innermost on, that it
+    /// `passes`, each with its partner.
     #[inline(always)]
     fn kept<const RISING: bool>(state: &TurningPoints<T, N>, passes: impl Fn(&Turn<T>) -> bool) -> Kept {
         let (behind, all_ahead) = state.sides::<RISING>();
@@ -131,7 +133,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         Kept { behind: behind.height().wrapping_sub(all_ahead.height()).wrapping_add(ahead), ahead }
     }
 
-    /// What a move follows that leaves so many turning points, and on which segment of the curve it ends.
+    /// What a move follows that leaves so many turning points, and on which segment of the curve it
+    /// ends.
     #[inline(always)]
     fn branch<'a, const RISING: bool>(
         &'a self,
@@ -147,7 +150,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         if segment.place != from.driven {
             return Branch { from: *from, segment, kept, is_new: false };
         }
-        // The move has driven all that the one before it drove: no play depends any more on where that turned.
+        // The move has driven all that the one before it drove: no play depends any more on where
+        // that turned.
         match (ahead.at(kept.ahead), behind.at(kept.behind.wrapping_sub(1))) {
             (Some(ahead), _) if ahead.driven != from.driven => {
                 let (v, u) = self.curve.segment(segment.place + 1).start();
@@ -177,7 +181,8 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
         let last = state.last;
         let (behind, ahead) = state.sides_mut::<RISING>();
         if !behind.push(last) {
-            // Only a second turning point that drove no play finds no place, and then neither is needed.
+            // Only a second turning point that drove no play finds no place, and then neither is
+            // needed.
             ahead.truncate(ahead.height().saturating_sub(1));
         }
     }

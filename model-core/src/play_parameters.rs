@@ -34,8 +34,8 @@ pub struct PlayParameters<T, const N: usize> {
 }
 
 impl<T: Real, const N: usize> PlayParameters<T, N> {
-    /// Equally spaced thresholds rᵢ = α i, equation (9), with weights pᵢ = ρ exp(-τ rᵢ), equation (10), for
-    /// i = 1 … `count`.
+    /// Equally spaced thresholds rᵢ = α i, equation (9), with weights pᵢ = ρ exp(-τ rᵢ), equation
+    /// (10), for i = 1 … `count`.
     ///
     /// # Errors
     /// `count` is above the capacity `N`.

@@ -1,4 +1,5 @@
-//! What a bank of plays remembers: the outputs of few plays, or the turning points of the input of many.
+//! What a bank of plays remembers: the outputs of few plays, or the turning points of the input of
+//! many.
 
 use crate::few_plays::{FEW_PLAYS, Outputs};
 use crate::real::Real;
@@ -69,7 +70,8 @@ impl<T: Real, const N: usize> PlayState<T, N> {
         }
     }
 
-    /// The same memory where inputs count from `v` on and outputs from `u`, which the bank gives there when all plays are driven.
+    /// The same memory where inputs count from `v` on and outputs from `u`, which the bank gives
+    /// there when all plays are driven.
     pub(crate) fn counted_from(&self, v: f64, u: f64) -> Self {
         Self { few: self.few.counted_from(v), many: self.many.as_ref().map(|many| many.counted_from(v, u)) }
     }

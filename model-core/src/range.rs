@@ -55,7 +55,8 @@ impl<T: Real> Range<T> {
         value.limit(self.min, self.max)
     }
 
-    /// Where one step of at most `largest` (above 0) leads from a value inside toward another one, without leaving the range.
+    /// Where one step of at most `largest` (above 0) leads from a value inside toward another one,
+    /// without leaving the range.
     #[inline(always)]
     pub(crate) fn step_toward(&self, from: T, to: T, largest: T) -> T {
         // Only the limits in the direction of the step can bind.
@@ -66,8 +67,8 @@ impl<T: Real> Range<T> {
         }
     }
 
-    /// The value, or where it passes the range by more than the range's span: beyond that nothing is extrapolated, so
-    /// that no finite value leads out of the number type.
+    /// The value, or where it passes the range by more than the range's span: beyond that nothing
+    /// is extrapolated, so that no finite value leads out of the number type.
     pub fn extrapolated(&self, value: T) -> T {
         let span = self.max - self.min;
         value.limit(self.min - span, self.max + span)

@@ -1,8 +1,8 @@
 //! The floating-point numbers that the models are generic over.
 //!
-//! Elementary functions are `libm`'s for both types and on every machine: the platform's own differ in the
-//! last bit, and the host could then not repeat a run of the board bit for bit. The one exception, ours on every
-//! machine, is [`crate::atanh`] in `f32`.
+//! Elementary functions are `libm`'s for both types and on every machine: the platform's own differ
+//! in the last bit, and the host could then not repeat a run of the board bit for bit. The one
+//! exception, ours on every machine, is [`crate::atanh`] in `f32`.
 
 use core::fmt::{Debug, Display};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -51,7 +51,8 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// Hyperbolic tangent.
     fn tanh(self) -> Self;
-    /// atanh((a - b)/(a + b)) = ½ ln(a/b) for a and b above 0, below a quarter of the largest number.
+    /// atanh((a - b)/(a + b)) = ½ ln(a/b) for a and b above 0, below a quarter of the largest
+    /// number.
     fn atanh_of_ratio(a: Self, b: Self) -> Self;
     /// Exponential function.
     fn exp(self) -> Self;

@@ -1,8 +1,8 @@
 //! The symmetric generalized Prandtl-Ishlinskii model (SGPI): one envelope, plays and a gain.
 //!
-//! y = offset + gain (q γ(x) + Σ pᵢ zᵢ), equation (6) with γ_r = γ_l = γ. The envelope lets the loop saturate;
-//! over γ(x) it is as symmetric as that of the classical model. Forward and inverse are those of the
-//! [`crate::cascade`], with a single dead zone.
+//! y = offset + gain (q γ(x) + Σ pᵢ zᵢ), equation (6) with γ_r = γ_l = γ. The envelope lets the
+//! loop saturate; over γ(x) it is as symmetric as that of the classical model. Forward and inverse
+//! are those of the [`crate::cascade`], with a single dead zone.
 
 use crate::cascade::CascadeParameters;
 use crate::dead_zone::DeadZoneParameters;
@@ -11,8 +11,8 @@ use crate::error::ParameterError;
 use crate::play::PlayParameters;
 use crate::real::Real;
 
-/// The parameters of an SGPI model. Thresholds of the plays: unit 1; gain and offset: output unit; input:
-/// lower and upper end of the valid inputs, input unit. The muscle comes from rest.
+/// The parameters of an SGPI model. Thresholds of the plays: unit 1; gain and offset: output unit;
+/// input: lower and upper end of the valid inputs, input unit. The muscle comes from rest.
 ///
 /// # Errors
 /// The capacity `M` is 0.

@@ -6,29 +6,33 @@
 //! ```
 //!
 //! # In two halves
-//! The feed-forward needs the reference only, and what surrounds the muscle; the feedback needs the contraction. So a sample is
-//! [`Tracking::prepare`], which a board does as soon as it knows the reference of its next tick, and [`Tracking::act`], which is
-//! all that is left to do once the contraction is measured. [`Tracking::step`] is one after the other.
+//! The feed-forward needs the reference only, and what surrounds the muscle; the feedback needs the
+//! contraction. So a sample is [`Tracking::prepare`], which a board does as soon as it knows the
+//! reference of its next tick, and [`Tracking::act`], which is all that is left to do once the
+//! contraction is measured. [`Tracking::step`] is one after the other.
 //!
 //! # Extensions
-//! The feed-forward compensates them ([`crate::extension`]); without any it is the inverse of the operator, bit for bit. Load
-//! and temperature can be measured. With a delay the reference is given ahead: what is asked for at a tick is due a delay
-//! later, and the feedback compares with what was asked for a delay ago. With a mass the inverse follows a smoothed
-//! reference, which is given ahead by the smoother's lag too: [`ExtensionParameters::preview_s`] says by how much in all.
+//! The feed-forward compensates them ([`crate::extension`]); without any it is the inverse of the
+//! operator, bit for bit. Load and temperature can be measured. With a delay the reference is given
+//! ahead: what is asked for at a tick is due a delay later, and the feedback compares with what was
+//! asked for a delay ago. With a mass the inverse follows a smoothed reference, which is given
+//! ahead by the smoother's lag too: [`ExtensionParameters::preview_s`] says by how much in all.
 //! Drift and tone are left to the feedback unless the parameters say otherwise.
 //!
 //! # Changes of mode
-//! Every change is bumpless: at the first sample of a new [`Mode`] the difference to the last command is
-//! put into a transfer term that fades with the back-calculation time constant, and the PID starts anew.
-//! That holds without integral gain too, where the usual preset of the integral cannot work.
+//! Every change is bumpless: at the first sample of a new [`Mode`] the difference to the last
+//! command is put into a transfer term that fades with the back-calculation time constant, and the
+//! PID is reset. That holds without integral gain too, where the usual preset of the integral
+//! cannot work.
 //!
 //! # Limits
-//! The slew limit and the command limits, the upper of which is the supply if that is lower, act on the sum; what they
-//! cut off flows back into the integral. A compensated valve remembers the feed-forward within the command limits.
-//! The inverse remembers the feed-forward that it asked for, not the total command, as in the paper: the
-//! feedback is a correction of the plant's deviation from the model. The feedback sees reference and contraction
-//! limited to the model's output range and a tenth of it on either side: a wild sample moves the integral no more than
-//! a real one could.
+//! The slew limit and the command limits, the upper of which is the supply if that is lower, act on
+//! the sum; what they cut off flows back into the integral. A compensated valve remembers the
+//! feed-forward within the command limits. The inverse remembers the feed-forward that it asked
+//! for, not the total command, as in the paper: the feedback is a correction of the plant's
+//! deviation from the model. The feedback sees reference and contraction limited to the model's
+//! output range and a tenth of it on either side: a wild sample moves the integral no more than a
+//! real one could.
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
 use crate::extension::output::reach;
@@ -186,7 +190,8 @@ pub struct Command<T> {
 impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     /// # Errors
     /// The first parameter that no controller can be made of.
-    // Not inlined, like what it calls: what each needs of a board's stack is then not needed at once.
+    // Not inlined, like what it calls: what each needs of a board's stack is then not needed at
+    // once.
     #[inline(never)]
     pub fn try_new(parameters: &TrackingParameters<T, N, M>) -> Result<Self, ParameterError> {
         let period = Check::new("period_s", "s").above(parameters.period_s, T::ZERO)?;
@@ -229,8 +234,8 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         }
     }
 
-    /// One sample: [`prepare`](Self::prepare), then [`act`](Self::act). `reference`, that is due after the delay: mm.
-    /// `measured`, now: [`Measured`], or the contraction alone.
+    /// One sample: [`prepare`](Self::prepare), then [`act`](Self::act). `reference`, that is due
+    /// after the delay: mm. `measured`, now: [`Measured`], or the contraction alone.
     ///
     /// # Errors
     /// A value that is not finite; the state, and so the last command, is then as it was.
@@ -259,7 +264,8 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         reference: T,
         surroundings: &Surroundings<T>,
     ) -> Result<Prepared<T>, InputError> {
-        // The inverse follows the reference in every mode, so that its memory is right when it is needed.
+        // The inverse follows the reference in every mode, so that its memory is right when it is
+        // needed.
         let feedforward = match &self.smoother {
             None => self.inverse.step(&mut state.inverse, reference, surroundings)?,
             Some(smoother) => self.smoothly(smoother, state, reference, surroundings)?,
@@ -271,7 +277,8 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         Ok(Prepared { feedforward, due: self.plausible.limit(due) })
     }
 
-    /// The feed-forward to a smoothed reference. Apart, lest it costs registers where there is no mass.
+    /// The feed-forward to a smoothed reference. Not inlined, to avoid register spills where there
+    /// is no mass.
     #[inline(never)]
     fn smoothly(
         &self,
@@ -327,8 +334,8 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         })
     }
 
-    /// What a mode does with the inverse's answer (bar), and error and contraction (mm). `transfer`: the transfer term, given
-    /// the sum of feed-forward and feedback.
+    /// What a mode does with the inverse's answer (bar), and error and contraction (mm).
+    /// `transfer`: the transfer term, given the sum of feed-forward and feedback.
     #[inline(always)]
     fn command(
         &self,

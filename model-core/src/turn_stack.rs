@@ -79,7 +79,8 @@ impl<T: Real, const N: usize> TurnStack<T, N> {
         self.height = height;
     }
 
-    /// Forgets the turning points from a height on, at most [`height`](Self::height), and puts another there.
+    /// Forgets the turning points from a height on, at most [`height`](Self::height), and puts
+    /// another there.
     #[inline(always)]
     pub(crate) fn replace(&mut self, height: usize, turn: Turn<T>) {
         self.height = height;
@@ -88,7 +89,8 @@ impl<T: Real, const N: usize> TurnStack<T, N> {
         }
     }
 
-    /// The height of the innermost turning point that a move does not pass: it passes those from there on.
+    /// The height of the innermost turning point that a move does not pass: it passes those from
+    /// there on.
     #[inline(always)]
     pub(crate) fn height_of_kept(&self, passes: impl Fn(&Turn<T>) -> bool) -> usize {
         self.places.get(..self.height).map_or(0, |places| places.partition_point(|turn| !passes(turn)))

@@ -1,17 +1,19 @@
-//! What a bank of many plays remembers: the turning points of its input that have not been wiped out.
+//! What a bank of many plays remembers: the turning points of its input that have not been wiped
+//! out.
 //!
 //! # Design
-//! A play with threshold r follows the input once that has moved by more than 2 r from where it last turned. So of the
-//! history only the turning points count, and of these only nested ones: a smaller swing inside a larger one, high and
-//! low alternating. Moving beyond a turning point wipes it out with its partner. See [`crate::play`] for what follows
-//! between them.
+//! A play with threshold r follows the input once that has moved by more than 2 r from where it
+//! last turned. So of the history only the turning points count, and of these only nested ones: a
+//! smaller swing inside a larger one, high and low alternating. Moving beyond a turning point wipes
+//! it out with its partner. See [`crate::play`] for what follows between them.
 //!
 //! # Bounded memory
-//! Once a move has driven all plays that the move before it drove, none depends any more on where that one turned. What
-//! is kept in its place is the point where a move back would begin to drive the next play: the memory is then the same
-//! whatever swings led there, to the last bit. And where a third move drives just those plays too, the two before it are
-//! forgotten altogether. So no more than two turning points are kept for each number of driven plays, one for all plays;
-//! with one for none, that is at most N highs and N lows.
+//! Once a move has driven all plays that the move before it drove, none depends any more on where
+//! that one turned. What is kept in its place is the point where a move back would begin to drive
+//! the next play: the memory is then the same whatever swings led there, to the last bit. And where
+//! a third move drives just those plays too, the two before it are forgotten altogether. So no more
+//! than two turning points are kept for each number of driven plays, one for all plays; with one
+//! for none, that is at most N highs and N lows.
 
 use crate::convert::counted_from;
 use crate::error::{Check, ParameterError, Requirement};
@@ -27,7 +29,8 @@ pub(crate) struct TurningPoints<T, const N: usize> {
     pub(crate) lows: TurnStack<T, N>,
     /// Where the input stands.
     pub(crate) last: Turn<T>,
-    /// Whether the input rose, or rested after it had risen: the innermost turning point is then a low.
+    /// Whether the input rose, or rested after it had risen: the innermost turning point is then a
+    /// low.
     pub(crate) rising: bool,
 }
 
@@ -44,8 +47,8 @@ impl<T: Real, const N: usize> TurningPoints<T, N> {
         (self.last, self.rising) = (other.last, other.rising);
     }
 
-    /// The turning points that a rising move comes from and those that it goes towards; for a falling one the other way
-    /// round.
+    /// The turning points that a rising move comes from and those that it goes towards; for a
+    /// falling one the other way round.
     #[inline(always)]
     pub(crate) fn sides<const RISING: bool>(&self) -> (&TurnStack<T, N>, &TurnStack<T, N>) {
         if RISING { (&self.lows, &self.highs) } else { (&self.highs, &self.lows) }
@@ -57,12 +60,14 @@ impl<T: Real, const N: usize> TurningPoints<T, N> {
         if RISING { (&mut self.lows, &mut self.highs) } else { (&mut self.highs, &mut self.lows) }
     }
 
-    /// Whether `v` is above where the input stands; where it is neither above nor below, whether the input rose before.
+    /// Whether `v` is above where the input stands; where it is neither above nor below, whether
+    /// the input rose before.
     pub(crate) fn goes_up_to(&self, v: T) -> bool {
         if self.rising { v >= self.last.v } else { v > self.last.v }
     }
 
-    /// Adds the innermost turning point: a low where the input rises from it. Whether it found a place.
+    /// Adds the innermost turning point: a low where the input rises from it. Whether it found a
+    /// place.
     pub(crate) fn push(&mut self, turn: Turn<T>) -> bool {
         if self.rising { self.lows.push(turn) } else { self.highs.push(turn) }
     }

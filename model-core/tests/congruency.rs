@@ -1,8 +1,9 @@
 //! Congruency: two minor loops between the same inputs are the same curve, shifted.
 //!
-//! It is exact where the last stage is a gain or a memoryless function of the input, and for the output of the
-//! plays of every member. The bent dead-zone stage of MGPI and MPI sees the two loops at different heights, and
-//! bends them differently: there the paper's "exactly" is true for the eye only.
+//! It is exact where the last stage is a gain or a memoryless function of the input, and for the
+//! output of the plays of every member. The bent dead-zone stage of MGPI and MPI sees the two loops
+//! at different heights, and bends them differently: there the paper's "exactly" is true for the
+//! eye only.
 
 mod common;
 
@@ -72,7 +73,8 @@ proptest! {
         prop_assert!(spread <= ROUNDING * largest(&one, &other).max(1.0), "{spread}");
     }
 
-    /// With an affine dead-zone stage, and with a memoryless function of the input beside the plays.
+    /// With an affine dead-zone stage, and with a memoryless function of the input beside the
+    /// plays.
     #[test]
     fn models_without_bent_dead_zones_are_congruent_exactly(
         parameters in prop_oneof![cpi(), sgpi(), agpi(), egpi()],
@@ -122,7 +124,8 @@ impl Pair {
     }
 }
 
-/// The rows: bounds, then misfit (mm, % of height) and change of height (%), computed independently.
+/// The rows: bounds, then misfit (mm, % of height) and change of height (%), computed
+/// independently.
 const CHECKED: [(f64, f64, f64, f64, f64); 5] = [
     (2.0, 4.0, 0.163, 0.5, -1.0),
     (2.0, 3.0, 0.374, 1.9, -3.9),

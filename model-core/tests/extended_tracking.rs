@@ -47,8 +47,8 @@ fn surroundings(tick: usize) -> Surroundings<f64> {
     Surroundings { load: Some(20.0 + t), temperature: Some(25.0 - 0.5 * t) }
 }
 
-/// The largest error of tracking a muscle with `plant`'s effects by feed-forward alone, that of the first half second
-/// aside. Unit: mm.
+/// The largest error of tracking a muscle with `plant`'s effects by feed-forward alone, that of the
+/// first half second aside. Unit: mm.
 fn worst(plant: &Extensions, compensated: Extensions) -> f64 {
     let ahead_s = compensated.preview_s(PERIOD_S);
     let controller = controller(compensated);
@@ -56,7 +56,8 @@ fn worst(plant: &Extensions, compensated: Extensions) -> f64 {
     let (mut state, mut plant_state) = (controller.rest_state(Mode::FeedforwardOnly), plant.rest_state());
     let mut worst = 0.0_f64;
     for tick in 0..4000 {
-        // Measured a delay too early, as it has to be: what changes slowly is compensated all but exactly.
+        // Measured a delay too early, as it has to be: what changes slowly is compensated all but
+        // exactly.
         let measured = Measured { contraction: 0.0, surroundings: surroundings(tick) };
         let time_s = tick as f64 * PERIOD_S;
         let ahead = reference(time_s + ahead_s);
@@ -80,7 +81,8 @@ fn with_every_extension_the_feedforward_alone_tracks_its_own_muscle() {
     assert!(plain > 5.0, "{plain} mm without compensation: the effects are too weak to show anything");
 }
 
-/// The last digit of a reference file is a ten-thousandth of a millimetre, and its rows are 5 ms apart.
+/// The last digit of a reference file is a ten-thousandth of a millimetre, and its rows are 5 ms
+/// apart.
 #[test]
 fn a_mass_asks_for_no_pressure_for_the_digits_and_corners_of_a_reference() {
     let effects = together(EXACT.iter().filter(|(name, _)| ["inertia", "valve_lag"].contains(name)));

@@ -1,5 +1,5 @@
-//! What extensions refuse, what they keep in single precision over a long time, and that no input leads out of the number
-//! type.
+//! What extensions refuse, what they keep in single precision over a long time, and that no input
+//! leads out of the number type.
 
 mod common;
 #[path = "common/effects.rs"]
@@ -271,7 +271,8 @@ fn effects() -> impl Strategy<Value = Extensions> {
     prop::sample::subsequence(list, 0..=count).prop_map(|set| together(&set))
 }
 
-/// Those of the effects that this cascade can have: the thresholds of ten plays at most can change, without negative weights.
+/// Those of the effects that this cascade can have: the thresholds of ten plays at most can change,
+/// without negative weights.
 fn of(parameters: &Parameters, mut extensions: Extensions) -> Extensions {
     let ModelParameters::Cascade(cascade) = parameters else { return extensions };
     let plays = &cascade.plays;
@@ -317,7 +318,8 @@ proptest! {
         }
     }
 
-    /// Random members of the family, random histories: asked for what the model has done, the inverse makes it do it again.
+    /// Random members of the family, random histories: asked for what the model has done, the
+    /// inverse makes it do it again.
     #[test]
     fn forward_of_inverse_is_exact_for_any_set_of_effects(
         parameters in cascades(), shares in history(),
@@ -332,7 +334,8 @@ proptest! {
         let (low, high) = model.operator().output_range();
         for share in shares {
             let range = model.operator().input_range();
-            // Small moves in the middle: an inertia without damping swings beyond them, and still does not leave the range.
+            // Small moves in the middle: an inertia without damping swings beyond them, and still
+            // does not leave the range.
             let command = range.min() + (0.45 + 0.1 * share) * (range.max() - range.min());
             let wanted = model.step(&mut once, &sample(command, 20.0, PERIOD_S)).expect("finite").contraction;
             let command = inverse.step(&mut inverse_state, wanted, &Surroundings::default()).expect("finite");

@@ -172,7 +172,8 @@ fn a_supply_limits_the_command_and_is_left_at_once() {
     let (mut state, mut inverse_state) = (model.rest_state(), inverse.rest_state());
     let mut beyond = 0;
     for tick in 0..TICKS {
-        // The muscle reaches 121 mm at 5.5 bar; before that the lead against the lag reaches the supply.
+        // The muscle reaches 121 mm at 5.5 bar; before that the lead against the lag reaches the
+        // supply.
         let wanted = 1.2 * wanted(tick);
         let command = inverse.step(&mut inverse_state, wanted, &Surroundings::default()).expect("finite");
         assert!((0.0..=highest).contains(&command));
@@ -180,7 +181,8 @@ fn a_supply_limits_the_command_and_is_left_at_once() {
         if wanted > 100.0 {
             beyond = tick;
         } else if tick > beyond + 200 {
-            // The operator's inverse remembers a peak that the supply has cut: hysteresis of half a bar.
+            // The operator's inverse remembers a peak that the supply has cut: hysteresis of half a
+            // bar.
             assert!((contraction - wanted).abs() < 0.3, "tick {tick}: {contraction} for {wanted} mm");
         }
     }

@@ -1,4 +1,5 @@
-//! Finite arguments at the ends of the number type: answered with finite values, and forgotten by the next sound one.
+//! Finite arguments at the ends of the number type: answered with finite values, and forgotten by
+//! the next sound one.
 
 mod common;
 
@@ -24,7 +25,8 @@ fn tracking() -> Tracking<f64, SIZE, SIZE> {
     Tracking::try_new(&parameters).expect("valid")
 }
 
-/// The commands of three seconds around 60 mm, with one sample of reference and contraction in place of another.
+/// The commands of three seconds around 60 mm, with one sample of reference and contraction in
+/// place of another.
 fn commands(wild: Option<(f64, f64)>) -> Vec<f64> {
     let tracking = tracking();
     let mut state = tracking.rest_state(Mode::Both);

@@ -1,4 +1,5 @@
-//! What holds for single members of the family: kinds, states at rest, steps of the fixed point, refusals.
+//! What holds for single members of the family: kinds, states at rest, steps of the fixed point,
+//! refusals.
 
 use heapless::Vec as List;
 use model_core::agpi::{Agpi, AgpiParameters};
@@ -34,7 +35,8 @@ fn plays(height: f64) -> PlayParameters<f64, SIZE> {
 
 fn agpi() -> AgpiParameters<f64, SIZE> {
     AgpiParameters {
-        // The falling envelope lies above by up to 0.12 and meets the rising one towards the upper end.
+        // The falling envelope lies above by up to 0.12 and meets the rising one towards the upper
+        // end.
         rising: tanh(-0.8, 0.0),
         falling: tanh(-0.7, 0.01),
         plays: plays(1.0),

@@ -1,5 +1,5 @@
-//! Banks of few plays, which are kept by their outputs, against banks of more, which are kept by turning points; and the
-//! inverse of compiled size against the one that is chosen at run time.
+//! Banks of few plays, which are kept by their outputs, against banks of more, which are kept by
+//! turning points; and the inverse of compiled size against the one that is chosen at run time.
 
 mod common;
 
@@ -21,7 +21,8 @@ fn with_plays(plays: PlayParameters<f64, N>, preconditioned: bool) -> MgpiParame
     MgpiParameters { plays, preconditioned, ..model }
 }
 
-/// At most ten plays, and the same with so many more, which weigh next to nothing, that they are not few.
+/// At most ten plays, and the same with so many more, which weigh next to nothing, that they are
+/// not few.
 fn few_and_many(plays: &PlayParameters<f64, { common::SIZE }>) -> [PlayParameters<f64, N>; 2] {
     let mut few: PlayParameters<f64, N> = plays.convert().expect("fits");
     few.thresholds.truncate(FEW);
@@ -98,7 +99,8 @@ proptest! {
         }
     }
 
-    /// Near the ends of the envelope's values its inverse has no meaning; roundings of the plays must not lead there.
+    /// Near the ends of the envelope's values its inverse has no meaning; roundings of the plays
+    /// must not lead there.
     #[test]
     fn an_envelope_that_saturates_within_the_range_is_inverted_up_to_its_ends(
         plays in plays(), steepness in 0.3..30.0, preconditioned: bool,
@@ -120,7 +122,8 @@ proptest! {
     }
 }
 
-/// The largest play of a bank may be too large for the range ever to drive it: its ends then depend on the history for ever.
+/// The largest play of a bank may be too large for the range ever to drive it: its ends then depend
+/// on the history for ever.
 #[test]
 fn a_play_that_the_range_never_drives_both_ways_leaves_the_ends_right() {
     let plays: PlayParameters<f64, N> = PlayParameters::exponential(FEW, 0.3, 0.2, 2.0, 0.3).expect("fits");

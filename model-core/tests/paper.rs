@@ -12,7 +12,8 @@ fn model<T: Real>() -> Model<T> {
     Mgpi::try_new(&parameters().convert().expect("same capacity")).expect("the tabled model is invertible")
 }
 
-/// Triangles of falling amplitude as in Fig. 8, sampled at 1 kHz with a period of 20 s, from 0. Unit: bar.
+/// Triangles of falling amplitude as in Fig. 8, sampled at 1 kHz with a period of 20 s, from 0.
+/// Unit: bar.
 fn triangles() -> impl Iterator<Item = f64> {
     [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].into_iter().flat_map(|amplitude| {
         (0..20_000).map(move |k| amplitude * (1.0 - (f64::from(k) / 10_000.0 - 1.0).abs()))
@@ -45,8 +46,9 @@ fn the_first_loading_and_unloading_of_the_tabled_model_have_the_checked_values()
     }
 }
 
-/// The published check values were read at the nearest of 1,000 samples a stroke: at 1.002 bar for 1 bar, at
-/// 1.998 bar for 2 bar. At exactly 1 bar the falling branch is 0.1 mm lower, see the test above.
+/// The published check values were read at the nearest of 1,000 samples a stroke: at 1.002 bar for
+/// 1 bar, at 1.998 bar for 2 bar. At exactly 1 bar the falling branch is 0.1 mm lower, see the test
+/// above.
 #[test]
 fn the_loop_sampled_every_6_mbar_has_the_check_values_within_0_05_mm() {
     let model = model::<f64>();

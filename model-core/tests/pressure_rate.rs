@@ -1,4 +1,5 @@
-//! Thresholds by the rate of the pressure: the model against plays written down anew, and how near its inverse is.
+//! Thresholds by the rate of the pressure: the model against an independent formulation of the
+//! plays, and how near its inverse is.
 
 #[path = "common/effects.rs"]
 mod effects;
@@ -58,7 +59,7 @@ fn the_model_is_that_of_plays_that_the_rate_of_the_pressure_widens() {
             let speed = (now - seen).abs() / PERIOD_S;
             rate += (speed - rate) * (1.0 - (-PERIOD_S / filter_s).exp());
             seen = now;
-            // So little is none.
+            // A rate this small counts as standing still.
             let power = if rate < 1e-9 { 0.0 } else { rate.powf(exponent) };
             let (v, times) = (envelope(pressure(tick)), 1.0 + gain * power);
             let mut u = plays.q * v;

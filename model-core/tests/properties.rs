@@ -1,9 +1,11 @@
-//! The properties that operators of the Prandtl-Ishlinskii family have, of random members, from random states.
+//! The properties that operators of the Prandtl-Ishlinskii family have, of random members, from
+//! random states.
 //!
 //! Any state that is admissible is the end of some history, so that most tests start with one.
 //!
-//! A tolerance in shares of the span is rounding: some 1e-16 a term, times the ratio of the steepest to the
-//! flattest part of the model, at most about 1e5 here. Where there is none, bits are equal.
+//! A tolerance in shares of the span is rounding: some 1e-16 a term, times the ratio of the
+//! steepest to the flattest part of the model, at most about 1e5 here. Where there is none, bits
+//! are equal.
 
 mod common;
 mod reference;
@@ -23,7 +25,8 @@ fn bounds() -> impl Strategy<Value = (f64, f64)> {
     (0.0..0.95, 0.01..1.0).prop_map(|(low, rise)| (low, low + rise * (1.0 - low)))
 }
 
-/// A path from rest through turning points, with samples between them at the given shares of each way.
+/// A path from rest through turning points, with samples between them at the given shares of each
+/// way.
 fn sampled(turns: &[f64], between: Vec<f64>) -> Vec<Vec<f64>> {
     let between = in_order(between, true);
     let turns = [&[0.0], turns].concat();
@@ -34,8 +37,8 @@ fn sampled(turns: &[f64], between: Vec<f64>) -> Vec<Vec<f64>> {
     turns.windows(2).map(way).collect()
 }
 
-/// A model on the branch of a direction, a little after the reversal at the end of the range, its output, and the
-/// shares of a run that lies ahead.
+/// A model on the branch of a direction, a little after the reversal at the end of the range, its
+/// output, and the shares of a run that lies ahead.
 fn on_a_branch(
     parameters: &Parameters,
     before: &[f64],
@@ -141,8 +144,8 @@ proptest! {
         }
     }
 
-    /// The fixed point of the extended model ends at 1e-10 of the output span: where the curve is flat that is
-    /// more of the input's.
+    /// The fixed point of the extended model ends at 1e-10 of the output span: where the curve is
+    /// flat that is more of the input's.
     #[test]
     fn the_inverse_undoes_a_model_of_two_envelopes_within_a_run(
         parameters in jumping(), before in history(), run in history(), rising: bool,
@@ -176,7 +179,8 @@ proptest! {
         }
     }
 
-    /// Where the inverse moves at all: an output that the jump at a reversal leaps over has no input.
+    /// Where the inverse moves at all: an output that the jump at a reversal leaps over has no
+    /// input.
     #[test]
     fn a_model_of_two_envelopes_undoes_its_inverse_wherever_it_moves(
         parameters in jumping(), before in history(), wanted in history(),
@@ -196,8 +200,8 @@ proptest! {
         }
     }
 
-    /// Some ten roundings, 6e-8 each, of terms that cancel: single ones are up to 100 times the span, and of the
-    /// order of 100 where the span is less than 1.
+    /// Some ten roundings, 6e-8 each, of terms that cancel: single ones are up to 100 times the
+    /// span, and of the order of 100 where the span is less than 1.
     #[test]
     fn single_precision_is_double_precision_to_1e_4_of_the_span(parameters in family(), inputs in history()) {
         let (mut single, mut double) = (Run::<f32>::at_rest(&parameters), Run::<f64>::at_rest(&parameters));
@@ -221,7 +225,8 @@ proptest! {
         prop_assert_eq!((model.state, inverse_state), untouched);
     }
 
-    /// An input outside the range is extrapolated: the plays remember a far end, not how far it was.
+    /// An input outside the range is extrapolated: the plays remember a far end, not how far it
+    /// was.
     #[test]
     fn an_input_far_outside_the_range_leaves_the_memory_of_any_other_so_far(
         parameters in family(), before in history(), high: bool, after in history(),

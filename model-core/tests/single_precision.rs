@@ -1,4 +1,5 @@
-//! What the inverse of the paper's model loses in single precision, with either envelope, whatever it is asked for.
+//! What the inverse of the paper's model loses in single precision, with either envelope, whatever
+//! it is asked for.
 
 use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters, PiecewiseLinearParameters};
 use model_core::paper::{self, SIZE};
@@ -24,7 +25,8 @@ fn parameters(is_piecewise: bool) -> MgpiParameters<f64, SIZE, SIZE> {
     MgpiParameters { envelope, ..model }
 }
 
-/// Jumps over the whole range of outputs (0 to 1) and a little beyond, and slow ways from one to the other.
+/// Jumps over the whole range of outputs (0 to 1) and a little beyond, and slow ways from one to
+/// the other.
 fn demands() -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec((-0.05..1.05, 1_usize..40), 1..60).prop_map(|places| {
         let mut demands = Vec::new();

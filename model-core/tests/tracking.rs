@@ -84,7 +84,8 @@ fn the_transfer_term_fades() {
 
 #[test]
 fn the_integral_does_not_wind_up_at_a_limit() {
-    // The reference is out of reach for 60 s; without back-calculation the integral would grow by 0.6 bar/s.
+    // The reference is out of reach for 60 s; without back-calculation the integral would grow by
+    // 0.6 bar/s.
     let tracking = tracking(PidParameters { ki: 0.05, ..PidParameters::paper() });
     let mut state = tracking.rest_state(Mode::FeedbackOnly);
     for _ in 0..60_000 {

@@ -35,7 +35,7 @@ impl Outcome {
         Self { case, truth, found, duration }
     }
 
-    /// Whether the verdict is right: the exact set of causes, or that it is none of the list.
+    /// Whether the verdict is right: the exact set of causes, or `unexplained` for an outsider.
     pub fn is_right(&self) -> bool {
         let outsider = self.case.effects.iter().any(|effect| Effect::outsiders().contains(effect));
         self.found.as_ref().is_ok_and(|found| {

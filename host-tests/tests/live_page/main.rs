@@ -158,6 +158,9 @@ fn the_page_shows_the_loop_stops_the_board_and_releases_a_fault() {
     watch.end();
     browser.wait("document.querySelector('#state').textContent === 'Ended'");
     browser.wait("document.querySelector('#problem').textContent.startsWith('The run has ended')");
-    assert_eq!(browser.value("document.querySelector('#stop').disabled"), true);
+    for button in ["stop", "acknowledge", "pause"] {
+        let is_hidden = browser.value(&format!("document.querySelector('#{button}').hidden"));
+        assert_eq!(is_hidden, true, "{button} of a run that has ended");
+    }
     browser.picture("watch-ended");
 }

@@ -1,9 +1,9 @@
 //! A program that this one starts and ends: an emulator or a plant.
 //!
 //! # Contract
-//! It runs in a process group of its own, which ends with its owner, whatever it has started itself: by [`Drop`], or, where
-//! the owner is killed, by a guard. A Ctrl-C of the terminal reaches only the owner. What it says on its standard error is
-//! kept.
+//! It runs in a process group of its own, which ends with its owner, whatever it has started
+//! itself: by [`Drop`], or, where the owner is killed, by a guard. A Ctrl-C of the terminal reaches
+//! only the owner. What it says on its standard error is kept.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -47,7 +47,8 @@ impl Stop {
     }
 }
 
-/// Waits for a line of the owner. A pipe that is closed without one is that of an owner who was killed.
+/// Waits for a line of the owner. A pipe that is closed without one is that of an owner who was
+/// killed.
 const GUARD: &str = "read line || kill -s KILL -- -$0";
 
 /// A shell that ends a group whose owner was killed.
@@ -102,7 +103,8 @@ impl ChildGroup {
         matches!(self.child.try_wait(), Ok(None))
     }
 
-    /// Ends the program, if it does not do so by itself, and says how it ended and what it said last.
+    /// Ends the program, if it does not do so by itself, and says how it ended and what it said
+    /// last.
     pub fn end(&mut self) -> String {
         let deadline = Instant::now() + GRACE;
         while Instant::now() < deadline {
@@ -133,7 +135,8 @@ impl ChildGroup {
         // Fails when all have ended already.
         let _ = kill_process_group(Pid::from_child(&self.child), Signal::KILL);
         let _ = self.child.wait();
-        // Only now: nobody else can have the group's number while the program has not been waited for.
+        // Only now: nobody else can have the group's number while the program has not been waited
+        // for.
         self.guard.take().iter_mut().for_each(Guard::dismiss);
     }
 }

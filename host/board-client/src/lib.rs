@@ -1,4 +1,5 @@
-//! The host's side of a board: its bus, its settings, its firmware in an emulator, and a loop of both with a plant.
+//! The host's side of a board: its bus, its settings, its firmware in an emulator, and a loop of
+//! both with a plant.
 //!
 //! # Design
 //! | module | what it does |

@@ -1,6 +1,8 @@
-//! A log that grows in a file beside its place, under its name with `.part` behind it, so that an interruption loses nothing.
+//! A log that grows in a file beside its place, under its name with `.part` behind it, so that an
+//! interruption loses nothing.
 //!
-//! A thread of its own writes: a disk that is busy may keep a writer waiting for longer than a board bears its host to be silent.
+//! A thread of its own writes: a disk that is busy may keep a writer waiting for longer than a
+//! board bears its host to be silent.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -45,7 +47,8 @@ impl Part {
         name.into()
     }
 
-    /// Begins a log with these lines. One of an earlier run is overwritten if that is wanted, or if it has no row.
+    /// Begins a log with these lines. One of an earlier run is overwritten if that is wanted, or if
+    /// it has no row.
     ///
     /// # Errors
     /// There is one with rows already, or it cannot be written.

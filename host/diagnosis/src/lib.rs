@@ -225,6 +225,13 @@ pub struct Diagnosis {
     pub smoothing: Option<Smoothing>,
 }
 
+impl Diagnosis {
+    /// Whether a cause is found between command and pressure, and not in the muscle.
+    pub fn is_judged_at_the_valve(&self, cause: Cause) -> bool {
+        self.valve.as_ref().is_some_and(|fit| fit.causes.iter().any(|(found, _)| *found == cause))
+    }
+}
+
 /// Diagnoses a recording. `progress` is called with a share of the work and what is being done.
 ///
 /// # Errors

@@ -1,10 +1,11 @@
 //! How alike the residuals of neighbouring rows are, and how much more estimates scatter for it.
 //!
 //! # Design
-//! The residuals are taken as a stationary process that knows nothing of the model's derivatives, whose autocovariance
-//! they show themselves, tapered by Bartlett's kernel (Newey and West 1987). In a few dozen cycles that covers the truth
-//! better than sums of residual times derivative over blocks of rows, where large residuals pull the fit to themselves.
-//! A long memory is looked at in blocks of rows, so that the work grows with the rows only.
+//! The residuals are taken as a stationary process that knows nothing of the model's derivatives,
+//! whose autocovariance they show themselves, tapered by Bartlett's kernel (Newey and West 1987).
+//! In a few dozen cycles that covers the truth better than sums of residual times derivative over
+//! blocks of rows, where large residuals pull the fit to themselves. A long memory is looked at in
+//! blocks of rows, so that the work grows with the rows only.
 //!
 //! Distances are counted in rows that count: other rows between them are passed over.
 
@@ -20,16 +21,18 @@ const LAGS: usize = 32;
 
 /// Over how many rows residuals are alike; 1 if they are white.
 ///
-/// Twice the length of least mean squared error (Andrews 1991, eq. (6.2), Bartlett's kernel), since intervals want a
-/// longer one (Sun, Phillips and Jin 2008): 2 (1.5 g² n)^⅓, g = Σ 2 k ρₖ / (1 + Σ 2 ρₖ), ρₖ the autocorrelation of the n
-/// residuals at lag k. The sums end before the first ρₖ below the two standard errors 2/√n of white residuals.
+/// Twice the length of least mean squared error (Andrews 1991, eq. (6.2), Bartlett's kernel), since
+/// intervals want a longer one (Sun, Phillips and Jin 2008): 2 (1.5 g² n)^⅓, g = Σ 2 k ρₖ / (1 + Σ
+/// 2 ρₖ), ρₖ the autocorrelation of the n residuals at lag k. The sums end before the first ρₖ
+/// below the two standard errors 2/√n of white residuals.
 pub fn memory(residuals: &[f64]) -> usize {
     let (total, by_lag) = sums(residuals);
     let length = 2.0 * (1.5 * (by_lag / total).powi(2) * residuals.len() as f64).cbrt();
     (length.ceil() as usize).clamp(1, residuals.len())
 }
 
-/// How many times the variance of a mean of the residuals is that of as many white ones: 1 + Σ 2 ρₖ, as in [`memory`].
+/// How many times the variance of a mean of the residuals is that of as many white ones: 1 + Σ 2
+/// ρₖ, as in [`memory`].
 ///
 /// ```
 /// use identification::autocorrelation::inflation;
@@ -65,7 +68,8 @@ fn sums(residuals: &[f64]) -> (f64, f64) {
     (total, by_lag)
 }
 
-/// Sums of the products of values at some lags: few by themselves, many by Fourier transforms of as many values at a time.
+/// Sums of the products of values at some lags: few by themselves, many by Fourier transforms of as
+/// many values at a time.
 fn products(values: &[f64], lags: Range<usize>) -> Vec<f64> {
     if lags.len() <= LAGS {
         return lags.map(|lag| values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum()).collect();
@@ -92,13 +96,15 @@ fn products(values: &[f64], lags: Range<usize>) -> Vec<f64> {
     cross.iter().take(lags.len()).map(|sum| sum.re / (2 * block) as f64).collect()
 }
 
-/// The covariance of the sum over all rows of derivatives times residuals that are alike over some rows, taken row by row.
+/// The covariance of the sum over all rows of derivatives times residuals that are alike over some
+/// rows, taken row by row.
 pub struct Scatter {
     /// Rows of a block.
     block: usize,
     /// Of each lag in blocks: the covariance of the residuals' means, tapered.
     covariances: Vec<f64>,
-    /// Sums over the last blocks, the latest last, as many as there are lags, and that of the block that is not full.
+    /// Sums over the last blocks, the latest last, as many as there are lags, and that of the block
+    /// that is not full.
     sums: VecDeque<DVector<f64>>,
     /// Rows in that.
     taken: usize,
@@ -163,8 +169,8 @@ impl Scatter {
     }
 }
 
-/// By how many standard errors a 95 % interval reaches to each side: Student's quantile for so many degrees of freedom
-/// (the expansion of Abramowitz and Stegun, 26.7.5), at least 3.
+/// By how many standard errors a 95 % interval reaches to each side: Student's quantile for so many
+/// degrees of freedom (the expansion of Abramowitz and Stegun, 26.7.5), at least 3.
 pub fn reach(freedom: f64) -> f64 {
     let (z, freedom) = (1.959_964_f64, freedom.max(3.0));
     let first = (z.powi(3) + z) / 4.0;
@@ -212,7 +218,8 @@ mod tests {
 
     #[test]
     fn blocks_of_rows_tell_what_the_rows_do() {
-        // A slow wave over many rows, seen in blocks, against the double sum over all pairs of rows.
+        // A slow wave over many rows, seen in blocks, against the double sum over all pairs of
+        // rows.
         let (rows, memory) = (4000, 200);
         let wave = |row: usize, length: f64| (row as f64 / length).sin();
         let residuals: Vec<f64> = (0..rows).map(|row| wave(row, 60.0) + 0.3 * wave(row, 37.0)).collect();

@@ -1,16 +1,17 @@
 //! Which raw parameters a recording hardly separates.
 //!
-//! Where a change of one can be made good by changes of others, only what they do together is known. Of two, a correlation
-//! near 1 or -1 tells; of more, a small eigenvalue of the correlation matrix, whose eigenvector has large components at
-//! them. What normalisation makes a function of others (c0 and c3 of c1 and c2, rho of q and tau, q of
-//! free weights of the plays, the ends of the knots) says nothing about the recording, and is left out.
+//! Where a change of one can be made good by changes of others, only what they do together is
+//! known. Of two, a correlation near 1 or -1 tells; of more, a small eigenvalue of the correlation
+//! matrix, whose eigenvector has large components at them. What normalisation makes a function of
+//! others (c0 and c3 of c1 and c2, rho of q and tau, q of free weights of the plays, the ends of
+//! the knots) says nothing about the recording, and is left out.
 
 use nalgebra::DMatrix;
 
 /// The largest size of a correlation of two parameters that a recording separates.
 const SEPARATED: f64 = 0.99;
-/// The least eigenvalue of directions that a recording separates. Some of 0.01 are natural to models of this family,
-/// and hold small parts of nearly all parameters.
+/// The least eigenvalue of directions that a recording separates. Some of 0.01 are natural to
+/// models of this family, and hold small parts of nearly all parameters.
 const LEAST_EIGENVALUE: f64 = 1e-3;
 /// The least component of a named parameter in such a direction, as a part of the largest one.
 const SHARE: f64 = 0.5;

@@ -1,7 +1,7 @@
 //! The coordinates that the optimiser moves in.
 //!
-//! Each is bounded; it is a smooth function of an unbounded variable (half a tanh of it across the range), since
-//! the Levenberg-Marquardt kernel knows no bounds.
+//! Each is bounded; it is a smooth function of an unbounded variable (half a tanh of it across the
+//! range), since the Levenberg-Marquardt kernel knows no bounds.
 
 use nalgebra::DVector;
 

@@ -12,7 +12,8 @@ const RECORDINGS: usize = 50;
 /// Standard deviation of the noise. Unit: mm.
 const SIGMA: f64 = 0.2;
 
-/// Noise of which each value is `memory` times the last one and something new, of standard deviation [`SIGMA`].
+/// Noise of which each value is `memory` times the last one and something new, of standard
+/// deviation [`SIGMA`].
 fn noise(random: &mut ChaCha8Rng, memory: f64, count: usize) -> Vec<f64> {
     // The sum of twelve uniform numbers is as good as normal of variance 1.
     let mut normal = || (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>();
@@ -24,7 +25,8 @@ fn noise(random: &mut ChaCha8Rng, memory: f64, count: usize) -> Vec<f64> {
     (0..count).map(|_| next()).collect()
 }
 
-/// How often the interval of a parameter was given, how often it held the truth, and the sum of its reach.
+/// How often the interval of a parameter was given, how often it held the truth, and the sum of its
+/// reach.
 #[derive(Clone, Default)]
 struct Count {
     cases: usize,
@@ -71,7 +73,8 @@ fn coverage_of_the_intervals_is_what_they_claim() {
         }
         let share = all.covered as f64 / all.cases as f64;
         println!("    all: {:.1} % of {} cases", 100.0 * share, all.cases);
-        // Intervals that always hold the truth would be too wide. At least half of the parameters are identifiable.
+        // Intervals that always hold the truth would be too wide. At least half of the parameters
+        // are identifiable.
         assert!((0.85..0.995).contains(&share) && all.cases > RECORDINGS * truth.len() / 2);
     }
 }

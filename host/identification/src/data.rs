@@ -10,8 +10,8 @@ use super::structure::Structure;
 use super::{DEAD_ZONES, FREE, IdentificationError, Options, PLAYS, Problem, Weights};
 use recording::numbers::range;
 
-/// The smallest slope that the stage behind the plays may get, as a share of the mean slope: how far a model is
-/// kept from being non-invertible.
+/// The smallest slope that the stage behind the plays may get, as a share of the mean slope: how
+/// far a model is kept from being non-invertible.
 const LEAST_SLOPE: f64 = 1e-2;
 
 /// A recording, normalised for the search.
@@ -118,8 +118,8 @@ impl Data {
         self.rows.iter().filter(|row| row.weight > 0.0).count()
     }
 
-    /// The recording without those rows at which a fresh and a preconditioned muscle differ, all before the input is first
-    /// at its highest. None if that leaves less than half.
+    /// The recording without those rows at which a fresh and a preconditioned muscle differ, all
+    /// before the input is first at its highest. None if that leaves less than half.
     pub fn where_kinds_agree(&self) -> Option<Self> {
         let mut agreed = self.clone();
         let first = agreed.rows.iter().position(|row| row.input == 1.0)?;

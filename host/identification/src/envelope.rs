@@ -1,4 +1,5 @@
-//! The envelopes, normalised: γ runs from 0 to 1 while the input t runs from 0 to 1 over the recording.
+//! The envelopes, normalised: γ runs from 0 to 1 while the input t runs from 0 to 1 over the
+//! recording.
 //!
 //! That removes one of the two exact scalings of the raw parameters ({c0, c3, α} with τ and w).
 //!
@@ -9,7 +10,8 @@
 //! | two tanh | ln a, b, ln δ, ln κ | rising as before; falling with κ (a + δ)(1 - t) + δ t more in the argument |
 //! | knots | η₁ … | piecewise-linear, the steps between equally spaced knots ∝ exp η, η₀ = 0 |
 //!
-//! With κ below 1 the falling envelope of two tanh is increasing and nowhere below the rising one, by construction.
+//! With κ below 1 the falling envelope of two tanh is increasing and nowhere below the rising one,
+//! by construction.
 
 use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters, TanhParameters};
 
@@ -173,7 +175,8 @@ impl Tanh {
     }
 
     fn sample(&self, t: f64, rising: bool, by: &mut [f64]) -> f64 {
-        // tanh, absolutely as exact as the library's and in a third of the time: most of a search is spent here.
+        // tanh, absolutely as exact as the library's and in a third of the time: most of a search
+        // is spent here.
         let tanh = 1.0 - 2.0 / (1.0 + (2.0 * self.line(t, rising)).exp());
         let (g0, g1) = self.ends;
         let scale = 1.0 / (g1 - g0);

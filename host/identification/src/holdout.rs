@@ -1,8 +1,10 @@
-//! Where a recording is split into a part that a model is identified from and a part that it is tried on.
+//! Where a recording is split into a part that a model is identified from and a part that it is
+//! tried on.
 //!
-//! The split is by whole cycles: at the turning point, from falling to rising, that is nearest to the middle of the
-//! scored rows. What turns back by less than a tenth of the input's span is no cycle. The second part is never
-//! looked at before the model of the first stands; only its input has been, as the range of the recording.
+//! The split is by whole cycles: at the turning point, from falling to rising, that is nearest to
+//! the middle of the scored rows. What turns back by less than a tenth of the input's span is no
+//! cycle. The second part is never looked at before the model of the first stands; only its input
+//! has been, as the range of the recording.
 
 use crate::progress::Tell;
 use crate::{Options, Problem};
@@ -28,8 +30,8 @@ pub struct Later {
     pub scored: Vec<bool>,
 }
 
-/// How a model of the first part does on the second; None where there are no two parts, or the first is too short for the
-/// model.
+/// How a model of the first part does on the second; None where there are no two parts, or the
+/// first is too short for the model.
 pub fn later_cycles(recording: &Recording, options: &Options, progress: Tell<'_>) -> Option<Later> {
     let Recording { drive, output, .. } = recording;
     let first = split(&drive.input.values, &drive.scored)?;
@@ -40,7 +42,8 @@ pub fn later_cycles(recording: &Recording, options: &Options, progress: Tell<'_>
     Some(Later { from_s: drive.time_s[first], figures, simulated: fit.simulated, scored })
 }
 
-/// The share of the work on a model of a recording that is done before [`later_cycles`] begins, where that follows.
+/// The share of the work on a model of a recording that is done before [`later_cycles`] begins,
+/// where that follows.
 pub fn share_before(recording: &Recording, options: &Options) -> f64 {
     let rows = recording.drive.scored.iter().filter(|&&scored| scored).count();
     let (all, half) = (crate::work(rows, options), crate::work(rows / 2, options));
@@ -62,8 +65,8 @@ fn part(scored: &[bool], first: usize, before: bool) -> Vec<bool> {
     scored.iter().enumerate().map(|(row, &scored)| scored && (row < first) == before).collect()
 }
 
-/// The first row of the held-out part; None where no cycle ends between the first and the last quarter of the scored
-/// rows.
+/// The first row of the held-out part; None where no cycle ends between the first and the last
+/// quarter of the scored rows.
 fn split(input: &[f64], scored: &[bool]) -> Option<usize> {
     let total = scored.iter().filter(|&&scored| scored).count() as f64;
     let mut before = 0.0;

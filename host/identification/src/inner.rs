@@ -1,10 +1,11 @@
 //! The inner output u over a recording, and its sensitivities to the coordinates.
 //!
-//! A play's output is the coordinate v of the moment that last drove it, minus or plus its threshold; so its
-//! derivatives are those of v at that moment, minus or plus that of the threshold, exactly, with no finite
-//! differences. The plays that a row drives are always the first ones, and all of them stand on the same v:
-//! the bank is a staircase of a few such corners, and prefix sums over the plays give what a corner
-//! adds. A row costs the same however many plays there are.
+//! A play's output is the coordinate v of the moment that last drove it, minus or plus its
+//! threshold; so its derivatives are those of v at that moment, minus or plus that of the
+//! threshold, exactly, with no finite differences. The plays that a row drives are always the first
+//! ones, and all of them stand on the same v: the bank is a staircase of a few such corners, and
+//! prefix sums over the plays give what a corner adds. A row costs the same however many plays
+//! there are.
 //!
 //! `K` is the capacity for coordinates; what is beyond their number stays 0.
 
@@ -44,7 +45,8 @@ impl Inner {
         }
     }
 
-    /// A muscle at rest before the recording, preconditioned or not, whose first `resting` rows rest at the lowest input.
+    /// A muscle at rest before the recording, preconditioned or not, whose first `resting` rows
+    /// rest at the lowest input.
     pub fn at_rest<const K: usize>(&self, resting: usize, preconditioned: bool) -> Muscle<'_, K> {
         let mut bank = Bank::at_rest(self);
         if preconditioned {

@@ -23,18 +23,21 @@
 //! | `autocorrelation`, `collinear` | what makes them larger: residuals that are alike, parameters that are |
 //! | `termination` | how a search ended |
 //!
-//! The problem has several minima, so that many starts are tried side by side: each gets a few steps on a thinned
-//! recording, the better half a few more, then the best quarter (of a long recording all) goes on to convergence on it, and the
-//! best of these ends on less thinned recordings and in the end on all rows, where few steps are left. The answer depends on the seed, not on the number of threads.
+//! The problem has several minima, so that many starts are tried side by side: each gets a few
+//! steps on a thinned recording, the better half a few more, then the best quarter (of a long
+//! recording all) goes on to convergence on it, and the best of these ends on less thinned
+//! recordings and in the end on all rows, where few steps are left. The answer depends on the seed,
+//! not on the number of threads.
 //!
 //! # Contract
-//! Whatever the recording is, the result is a validated, invertible model or a typed error. Before the recording the
-//! muscle is taken to have come from rest at the lowest input, either preconditioned by a full cycle or, if that fits
-//! clearly better, fresh. Rows that do not count (`scored` false) still drive it.
+//! Whatever the recording is, the result is a validated, invertible model or a typed error. Before
+//! the recording the muscle is taken to have come from rest at the lowest input, either
+//! preconditioned by a full cycle or, if that fits clearly better, fresh. Rows that do not count
+//! (`scored` false) still drive it.
 //!
 //! # Limits
-//! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the model's
-//! validity range.
+//! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the
+//! model's validity range.
 
 pub mod autocorrelation;
 mod collinear;
@@ -125,7 +128,8 @@ impl<'a> From<&'a Recording> for Problem<'a> {
 pub struct Options {
     /// Which model.
     pub model: Kind,
-    /// A piecewise-linear envelope with so many knots, 3 to [`KNOTS`], for models with one envelope; without, tanh.
+    /// A piecewise-linear envelope with so many knots, 3 to [`KNOTS`], for models with one
+    /// envelope; without, tanh.
     pub knots: Option<usize>,
     /// Number of plays, 1 to [`PLAYS`].
     pub plays: usize,
@@ -141,8 +145,9 @@ pub struct Options {
     pub seed: u64,
     /// Threads; 0 for one a core.
     pub threads: usize,
-    /// A step that gains less than this share of the sum of squares is the last of a search: [`CONVERGED`], or more where the
-    /// answer is only a beginning. Outliers are looked for at [`CONVERGED`].
+    /// A step that gains less than this share of the sum of squares is the last of a search:
+    /// [`CONVERGED`], or more where the answer is only a beginning. Outliers are looked for at
+    /// [`CONVERGED`].
     pub tolerance: f64,
 }
 
@@ -165,7 +170,8 @@ impl Default for Options {
 }
 
 impl Options {
-    /// How many independent numbers are found: the raw parameters less those that scalings of the model leave open.
+    /// How many independent numbers are found: the raw parameters less those that scalings of the
+    /// model leave open.
     pub fn unknowns(&self) -> usize {
         Structure { weights: self.weights, ..Structure::new(self) }.unknowns()
     }
@@ -210,7 +216,8 @@ pub struct Fit {
     pub outliers: Vec<usize>,
 }
 
-/// Calls a method with the next larger of a few capacities for entries: loops over entries have fixed lengths then.
+/// Calls a method with the next larger of a few capacities for entries: loops over entries have
+/// fixed lengths then.
 macro_rules! with_capacity {
     ($count:expr, $object:ident . $method:ident ( $($argument:expr),* )) => {
         match $count {
@@ -285,7 +292,8 @@ pub fn identify(
 }
 
 impl Searches<'_> {
-    /// The model of the best end that has an inverse; that of most models is certain, that of the extended one is not.
+    /// The model of the best end that has an inverse; that of most models is certain, that of the
+    /// extended one is not.
     fn first_model<const K: usize>(
         &self,
         problem: &Problem<'_>,

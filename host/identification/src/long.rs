@@ -77,7 +77,8 @@ fn of_a_long_recording_all_starts_go_to_their_ends_and_a_minimum_takes_one_place
     let data = data(&cycles(0.0), &cycles(0.01), &options()).thinned(1000).into_owned();
     let start = starts::starts(&data.coordinates, 1, 1).remove(0);
     let reached = |cost| Reached { cost, reason: TerminationReason::Converged { ftol: true, xtol: false } };
-    // A minimum that four searches came to, within a hundredth of a standard error, and four that are as good as it.
+    // A minimum that four searches came to, within a hundredth of a standard error, and four that
+    // are as good as it.
     let costs = [1.0, 1.000_01, 1.000_01, 1.000_01, 1.01, 1.02, 1.03, 1.04, 2.0];
     let mut ends: Vec<_> = costs.map(|cost| (start.clone(), reached(cost))).into();
     remove_repeated(&mut ends, &data);

@@ -1,12 +1,13 @@
 //! Least squares with some unknowns kept non-negative, from the normal equations.
 //!
-//! Lawson and Hanson's active-set method in the form of Bro and De Jong (1997), which needs the Gram matrix
-//! ΦᵀΦ and Φᵀy only: here that is at most a few dozen columns, while the rows are a recording's.
+//! Lawson and Hanson's active-set method in the form of Bro and De Jong (1997), which needs the
+//! Gram matrix ΦᵀΦ and Φᵀy only: here that is at most a few dozen columns, while the rows are a
+//! recording's.
 
 use nalgebra::{DMatrix, DVector};
 
-/// The solution of min |Φ c - y|² with cⱼ ≥ 0 for every j with `bounded[j]`, and which unknowns are free
-/// (not held at 0).
+/// The solution of min |Φ c - y|² with cⱼ ≥ 0 for every j with `bounded[j]`, and which unknowns are
+/// free (not held at 0).
 pub struct Solution {
     /// The unknowns.
     pub values: DVector<f64>,
@@ -21,7 +22,8 @@ pub fn solve(gram: &DMatrix<f64>, moment: &DVector<f64>, bounded: &[bool]) -> So
     // Warm start: everything free, which is the answer wherever no bound binds.
     let mut free = vec![true; count];
     let mut values = DVector::zeros(count);
-    // Each round frees an unknown or ends; Lawson and Hanson's bound on rounds that real problems need.
+    // Each round frees an unknown or ends; Lawson and Hanson's bound on rounds that real problems
+    // need.
     for _ in 0..3 * count + 3 {
         settle(gram, moment, bounded, &mut free, &mut values);
         let gradient = moment - gram * &values;
@@ -34,8 +36,8 @@ pub fn solve(gram: &DMatrix<f64>, moment: &DVector<f64>, bounded: &[bool]) -> So
     Solution { values, free }
 }
 
-/// Moves towards the unconstrained solution of the free unknowns, binding those that turn negative on the
-/// way, until it is feasible.
+/// Moves towards the unconstrained solution of the free unknowns, binding those that turn negative
+/// on the way, until it is feasible.
 fn settle(
     gram: &DMatrix<f64>,
     moment: &DVector<f64>,

@@ -1,7 +1,8 @@
 //! How much work an identification is, part by part.
 //!
-//! A unit is the time that the sums over one row take for a model of few coordinates. Searches that go to their end are
-//! planned with as many evaluations as they have mostly taken (the project's recordings, all models).
+//! A unit is the time that the sums over one row take for a model of few coordinates. Searches that
+//! go to their end are planned with as many evaluations as they have mostly taken (the project's
+//! recordings, all models).
 
 use super::structure::Structure;
 use super::{Loss, Options, Weights};
@@ -9,8 +10,8 @@ use crate::progress::Planned;
 
 /// Rows that count of the thinned recording: many for each of a few dozen parameters.
 pub const ROWS: usize = 4000;
-/// Each recording after the thinned one has so many times the rows of the one before; one that would have a quarter of all rows
-/// or more is left out, and all rows follow.
+/// Each recording after the thinned one has so many times the rows of the one before; one that
+/// would have a quarter of all rows or more is left out, and all rows follow.
 const LEVEL: usize = 4;
 /// How many ends with exponential weights free ones go on from.
 pub const FREED: usize = 3;
@@ -19,7 +20,8 @@ pub const FREED: usize = 3;
 const ROWS_A_SEARCH: usize = 2 * ROWS;
 /// Evaluations per coordinate that every start gets, and then the better half of them once more.
 pub const SCREENING: usize = 2;
-/// Evaluations per coordinate of a search to its end from a screened start, and of one from an end on fewer rows.
+/// Evaluations per coordinate of a search to its end from a screened start, and of one from an end
+/// on fewer rows.
 const TO_THE_END: usize = 3;
 const ONWARDS: usize = 2;
 /// Rows of a thinned recording for each that counts: the turns of the input lie between.

@@ -9,7 +9,8 @@
 //! | exponential | ln s | weight of the direct term, s = q; beyond 1 all p are negative, as for friction | 0.001 to 1000 |
 //! | free | ln Sᵢ | partial sums q, q + p₁, … but the last, which is 1 | 0.0001 to 10000 |
 //!
-//! Every partial sum is positive, whatever the coordinates: the plays have an inverse by construction.
+//! Every partial sum is positive, whatever the coordinates: the plays have an inverse by
+//! construction.
 
 use super::Weights;
 use super::coordinates::Coordinate;

@@ -1,13 +1,14 @@
 //! The reduced least-squares problem: the nonlinear coordinates, the rest projected out.
 //!
-//! Variable projection (Golub and Pereyra 1973) with Kaufman's Jacobian (1975), whose gradient is exact: the
-//! derivative of the model at fixed linear coefficients, less its part in the span of the free linear
-//! columns. Coefficients that stand at their bound do not take part. At its end the gradient by all unknowns together
-//! vanishes (a test): nothing is left for a joint polish.
+//! Variable projection (Golub and Pereyra 1973) with Kaufman's Jacobian (1975), whose gradient is
+//! exact: the derivative of the model at fixed linear coefficients, less its part in the span of
+//! the free linear columns. Coefficients that stand at their bound do not take part. At its end the
+//! gradient by all unknowns together vanishes (a test): nothing is left for a joint polish.
 //!
-//! Levenberg-Marquardt needs of residuals r and Jacobian J only |r|, Jᵀr and JᵀJ. So a recording's thousands
-//! of rows are summed up once (`sums`), and the kernel gets one row more than coordinates, of the same norm and products: a
-//! square root of JᵀJ, and r turned the same way, with all that lies across J in the last row.
+//! Levenberg-Marquardt needs of residuals r and Jacobian J only |r|, Jᵀr and JᵀJ. So a recording's
+//! thousands of rows are summed up once (`sums`), and the kernel gets one row more than
+//! coordinates, of the same norm and products: a square root of JᵀJ, and r turned the same way,
+//! with all that lies across J in the last row.
 
 use levenberg_marquardt::LeastSquaresProblem;
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
@@ -56,7 +57,8 @@ pub struct Point<const K: usize> {
     grid_by: [[f64; K]; 2],
 }
 
-/// Sums over the rows that count, with the derivatives of the model by the coordinates as the columns of J.
+/// Sums over the rows that count, with the derivatives of the model by the coordinates as the
+/// columns of J.
 struct Products {
     /// JᵀJ.
     own: DMatrix<f64>,
@@ -66,8 +68,9 @@ struct Products {
     gradient: DVector<f64>,
 }
 
-/// The grid of the memoryless stage over all that u reaches on a cycle through the whole range, and the derivatives of
-/// its origin and width by the coordinates. No knot lies at u = 0 but the origin.
+/// The grid of the memoryless stage over all that u reaches on a cycle through the whole range, and
+/// the derivatives of its origin and width by the coordinates. No knot lies at u = 0 but the
+/// origin.
 pub fn grid<const K: usize>(inner: &Inner, count: usize, coordinates: usize) -> (Grid, [[f64; K]; 2]) {
     let (lowest, highest) = inner.envelope.ends();
     let (first, back) = (inner.plays.loading(lowest), inner.plays.returning(lowest, highest));
@@ -87,7 +90,8 @@ pub fn grid<const K: usize>(inner: &Inner, count: usize, coordinates: usize) -> 
 }
 
 impl<const K: usize> Point<K> {
-    /// Evaluates the model, the linear part at its best; `near` is nearly that, if anything is known.
+    /// Evaluates the model, the linear part at its best; `near` is nearly that, if anything is
+    /// known.
     pub fn new(data: &Data, at: Start, near: Option<&Linear>) -> Self {
         let inner = Inner::new(&data.structure, &at.coordinates, data.span);
         let segments = data.structure.segments;
@@ -139,8 +143,8 @@ impl<const K: usize> Point<K> {
         self.derivatives().chain(self.sums.columns()).collect()
     }
 
-    /// Hands over the derivatives of each row that counts by the given ones of all unknowns along some directions, the
-    /// columns of `turn`.
+    /// Hands over the derivatives of each row that counts by the given ones of all unknowns along
+    /// some directions, the columns of `turn`.
     pub fn derivatives_along(
         &self,
         data: &Data,
@@ -178,7 +182,8 @@ impl<const K: usize> Point<K> {
         DMatrix::from_fn(lines.len(), lines.len(), |i, j| self.sums.product(&lines[i], &lines[j]))
     }
 
-    /// The sums of products of the model's derivatives by the coordinates, at fixed linear coefficients.
+    /// The sums of products of the model's derivatives by the coordinates, at fixed linear
+    /// coefficients.
     fn products(&self) -> Products {
         let lines: Vec<Line> = self.derivatives().collect();
         let mixed: Vec<DVector<f64>> = lines.iter().map(|line| self.sums.moments(line)).collect();
@@ -191,7 +196,8 @@ impl<const K: usize> Point<K> {
         Products { own, gradient, mixed: DMatrix::from_columns(&mixed) }
     }
 
-    /// The few rows that stand for all: residuals and Jacobian, the free linear columns projected out.
+    /// The few rows that stand for all: residuals and Jacobian, the free linear columns projected
+    /// out.
     fn condense(&self) -> (DVector<f64>, DMatrix<f64>) {
         let Products { mut own, mixed, mut gradient } = self.products();
         let places: Vec<usize> = (0..self.linear.free.len()).filter(|&j| self.linear.free[j]).collect();

@@ -1,8 +1,8 @@
 //! How far a long work is, and how long it will still take.
 //!
-//! Work is planned in units that take about equally long. Each part of it counts as planned, however short or long it turns
-//! out to be, so that the share that is done never falls. The time left is what the work so far has taken, times what
-//! is left of it over what is done.
+//! Work is planned in units that take about equally long. Each part of it counts as planned,
+//! however short or long it turns out to be, so that the share that is done never falls. The time
+//! left is what the work so far has taken, times what is left of it over what is done.
 
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
@@ -131,8 +131,9 @@ mod tests {
 
     use super::*;
 
-    /// Does a work of searches by a clock that takes `unit_s` for a unit and finds that searches take `longer` times their
-    /// plan; how many times too much or too little was told as left after a tenth of the time.
+    /// Does a work of searches by a clock that takes `unit_s` for a unit and finds that searches
+    /// take `longer` times their plan; how many times too much or too little was told as left after
+    /// a tenth of the time.
     fn error_after_a_tenth(parts: &[(f64, usize)], unit_s: f64, longer: f64) -> f64 {
         let told: Mutex<Vec<(f64, f64)>> = Mutex::new(Vec::new());
         let clock = Mutex::new(0.0);
@@ -155,7 +156,8 @@ mod tests {
 
     #[test]
     fn after_a_tenth_of_the_work_the_time_left_is_right_within_a_factor_of_two() {
-        // Many short searches, then a few that each take as long as hundreds of them; the other way round; equal ones.
+        // Many short searches, then a few that each take as long as hundreds of them; the other way
+        // round; equal ones.
         let screened = [(100.0, 480), (80.0, 100), (5000.0, 60)];
         let turned = [(5000.0, 60), (80.0, 100), (100.0, 480)];
         for parts in [screened, turned, [(10.0, 10); 3]] {

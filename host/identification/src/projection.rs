@@ -1,14 +1,17 @@
-//! The linear part: offset, slopes of the memoryless stage, and added functions of the input, by projection.
+//! The linear part: offset, slopes of the memoryless stage, and added functions of the input, by
+//! projection.
 //!
-//! For a given u the output is offset + Σ sⱼ φⱼ(u) + Σ δₖ Sₖ(x), where φⱼ(u) is the way that u has gone inside
-//! segment j of equal width, and Sₖ are added functions, if the model has any. The slopes are partial sums of the
-//! weights, and sⱼ ≥ s_min > 0 (and δₖ ≥ 0) makes every result increasing.
+//! For a given u the output is offset + Σ sⱼ φⱼ(u) + Σ δₖ Sₖ(x), where φⱼ(u) is the way that u has
+//! gone inside segment j of equal width, and Sₖ are added functions, if the model has any. The
+//! slopes are partial sums of the weights, and sⱼ ≥ s_min > 0 (and δₖ ≥ 0) makes every result
+//! increasing.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::nnls;
 
-/// Ridge on the slopes, relative to the largest diagonal element of ΦᵀΦ: it decides only what no row does.
+/// Ridge on the slopes, relative to the largest diagonal element of ΦᵀΦ: it decides only what no
+/// row does.
 const RIDGE: f64 = 1e-10;
 
 /// Where the segments lie along u.
@@ -50,7 +53,8 @@ impl Linear {
         Self::new(&vec![0.0; 1 + segments + added], segments, Vec::new())
     }
 
-    /// The best coefficients from ΦᵀΦ and Φᵀy, no slope below `least_slope`, no factor of an added function below 0.
+    /// The best coefficients from ΦᵀΦ and Φᵀy, no slope below `least_slope`, no factor of an added
+    /// function below 0.
     pub fn fit(gram: &DMatrix<f64>, moment: &DVector<f64>, segments: usize, least_slope: f64) -> Self {
         // Counted from the least slope on, the slopes are non-negative.
         let count = moment.len();

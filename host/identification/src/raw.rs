@@ -91,8 +91,8 @@ fn asymmetric(
     AgpiParameters { rising, falling, plays, gain, offset, input_min, input_max, preconditioned: false }
 }
 
-/// The segments as dead zones: one of threshold 0, whose weight is the slope there, and one at each knot, whose
-/// weight is the change of the slope, seen from 0.
+/// The segments as dead zones: one of threshold 0, whose weight is the slope there, and one at each
+/// knot, whose weight is the change of the slope, seen from 0.
 fn dead_zones(grid: &Grid, linear: &Linear, scale: f64) -> DeadZoneParameters<f64, DEAD_ZONES> {
     let Grid { count, origin, width } = *grid;
     let home = (((-origin / width).max(0.0)) as usize).min(count - 1);

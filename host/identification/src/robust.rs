@@ -1,10 +1,13 @@
-//! Huber's loss: residuals beyond a few robust standard deviations count with their size, not with its square.
+//! Huber's loss: residuals beyond a few robust standard deviations count with their size, not with
+//! its square.
 //!
-//! Found by winsorised residuals (Huber 1981, section 7.8): the measurement is moved to where it is no farther from the
-//! model than the limit, the model is fitted to that by least squares, and so on until neither moves. The standard
-//! deviation is that of the median of the absolute residuals, at each round.
+//! Found by winsorised residuals (Huber 1981, section 7.8): the measurement is moved to where it is
+//! no farther from the model than the limit, the model is fitted to that by least squares, and so
+//! on until neither moves. The standard deviation is that of the median of the absolute residuals,
+//! at each round.
 //!
-//! Standard errors are those of the winsorised residuals; with few outliers that is nearly what Huber's are.
+//! Standard errors are those of the winsorised residuals; with few outliers that is nearly what
+//! Huber's are.
 
 use std::borrow::Cow;
 
@@ -24,7 +27,8 @@ const OUTLIER: f64 = 5.0;
 const MEDIAN: f64 = 0.6745;
 /// The most rounds.
 const ROUNDS: usize = 30;
-/// The change of the standard deviation from round to round, as a share of it, at which all has settled.
+/// The change of the standard deviation from round to round, as a share of it, at which all has
+/// settled.
 const SETTLED: f64 = 1e-4;
 
 /// A fit, and what it is one of.
@@ -37,8 +41,8 @@ pub struct Robust<'a> {
     pub outliers: Vec<usize>,
 }
 
-/// Robust fits from the best least-squares end of each kind of muscle, the one to be believed first: outliers can hide
-/// which kind it is from least squares.
+/// Robust fits from the best least-squares end of each kind of muscle, the one to be believed
+/// first: outliers can hide which kind it is from least squares.
 pub fn of_both_kinds<'a, const K: usize>(data: &Data, ends: &[End], part: &Part<'_>) -> Vec<Robust<'a>> {
     let best = |preconditioned| ends.iter().find(|(end, _)| end.preconditioned == preconditioned);
     let best = [best(true), best(false)].into_iter().flatten();

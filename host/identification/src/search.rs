@@ -1,5 +1,5 @@
-//! The searches: many starts, screened on a thinned recording; the best go on to their ends on it, and the best of these
-//! on all rows.
+//! The searches: many starts, screened on a thinned recording; the best go on to their ends on it,
+//! and the best of these on all rows.
 
 use std::borrow::Cow;
 
@@ -18,8 +18,8 @@ use crate::progress::{Part, Work};
 const POLISHED: usize = 4;
 /// Ends that are searched from on a recording between the thinned one and all rows, at most.
 const FINALISTS: usize = 12;
-/// Sums of squares larger than the least by this share are not searched from: which of two that differ by less is better, few rows
-/// may not tell.
+/// Sums of squares larger than the least by this share are not searched from: which of two that
+/// differ by less is better, few rows may not tell.
 const NEAR: f64 = 0.1;
 
 /// The searches of an identification.
@@ -33,7 +33,8 @@ pub struct Searches<'a> {
 }
 
 impl Searches<'_> {
-    /// Screens all starts, and brings the best to their ends on a thinned recording; the best end comes first.
+    /// Screens all starts, and brings the best to their ends on a thinned recording; the best end
+    /// comes first.
     pub fn everywhere<const K: usize>(&self, data: &Data) -> Vec<End> {
         let Options { starts: count, seed, tolerance, .. } = *self.options;
         let (thinned, rows) = (&*data.thinned(ROWS), data.count());
@@ -88,8 +89,8 @@ impl Searches<'_> {
         }
     }
 
-    /// Goes on from ends on a thinned recording to those on all rows, by way of less thinned ones; the one to be
-    /// believed comes first.
+    /// Goes on from ends on a thinned recording to those on all rows, by way of less thinned ones;
+    /// the one to be believed comes first.
     pub fn on_all_rows<'a, const K: usize>(&self, data: &'a Data, ends: &[End]) -> Vec<Robust<'a>> {
         if self.options.loss == Loss::Huber {
             return robust::of_both_kinds::<K>(data, ends, &self.work.begin(self.plan.polishing));
@@ -111,7 +112,8 @@ impl Searches<'_> {
 }
 
 /// Keeps the first of ends in the same minimum, of ends that are in order: their sums of squares
-/// differ by less than what one standard error of one parameter costs, a share of one over the rows.
+/// differ by less than what one standard error of one parameter costs, a share of one over the
+/// rows.
 pub fn remove_repeated(ends: &mut Vec<End>, data: &Data) {
     let same = 1.0 / data.count() as f64;
     ends.dedup_by(|(one, reached), (other, before)| {
@@ -138,8 +140,8 @@ fn of_better_kind<const K: usize>(data: &Data, end: Start) -> Start {
     if other.cost < Point::<K>::new(data, end.clone(), None).cost { other.at } else { end }
 }
 
-/// The ends, best first. Muscles that are measured have mostly been moved before: that one is fresh has to show,
-/// where the recording begins, in a clearly smaller error.
+/// The ends, best first. Muscles that are measured have mostly been moved before: that one is fresh
+/// has to show, where the recording begins, in a clearly smaller error.
 fn prefer_preconditioned(mut ends: Vec<End>) -> Vec<End> {
     if let Some(place) = ends.iter().position(|(start, _)| start.preconditioned)
         && !is_clearly_better(&ends[0], &ends[place])

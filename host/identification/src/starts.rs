@@ -1,5 +1,5 @@
-//! Where the searches begin: a Halton sequence over the plausible part of the coordinates, shifted at
-//! random by the seed (Cranley and Patterson), so that any number of starts covers it evenly.
+//! Where the searches begin: a Halton sequence over the plausible part of the coordinates, shifted
+//! at random by the seed (Cranley and Patterson), so that any number of starts covers it evenly.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -32,7 +32,8 @@ impl Start {
     }
 }
 
-/// The starts at `count` points, for a preconditioned muscle: which kind it is, a search tells when it has come nearer.
+/// The starts at `count` points, for a preconditioned muscle: which kind it is, a search tells when
+/// it has come nearer.
 pub fn starts(coordinates: &[Coordinate], count: usize, seed: u64) -> Vec<Start> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let shifts: Vec<f64> = coordinates.iter().map(|_| random.random()).collect();

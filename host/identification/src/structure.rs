@@ -8,8 +8,8 @@ use super::envelope::Shape;
 use super::plays;
 use super::{Options, Weights};
 
-/// Entries of a row beside derivatives of u and added functions: 1, the way gone in the segment, and the measured output
-/// less the reference.
+/// Entries of a row beside derivatives of u and added functions: 1, the way gone in the segment,
+/// and the measured output less the reference.
 pub const FURTHER: usize = 3;
 
 /// The parts of a model.

@@ -1,14 +1,18 @@
-//! What a search needs of a recording at a point of its coordinates, summed up in one pass over the rows.
+//! What a search needs of a recording at a point of its coordinates, summed up in one pass over the
+//! rows.
 //!
-//! In a segment of the memoryless stage the model's output and its derivatives by all unknowns are straight lines in a few
-//! entries a row: the derivatives of u, the added functions, 1, and the way gone in the segment. So the sums of the products
-//! of these entries, segment by segment, are all that least squares needs, before offset and slopes are known; no row is
-//! kept, however many there are.
+//! In a segment of the memoryless stage the model's output and its derivatives by all unknowns are
+//! straight lines in a few entries a row: the derivatives of u, the added functions, 1, and the way
+//! gone in the segment. So the sums of the products of these entries, segment by segment, are all
+//! that least squares needs, before offset and slopes are known; no row is kept, however many there
+//! are.
 //!
-//! The measured output enters as its distance from a `reference`, the model of nearly the same offset and slopes: sums of
-//! squares of small numbers lose no digits where little is left to explain.
+//! The measured output enters as its distance from a `reference`, the model of nearly the same
+//! offset and slopes: sums of squares of small numbers lose no digits where little is left to
+//! explain.
 //!
-//! `K` is the capacity for entries: a few sizes are compiled, and loops over entries have fixed lengths.
+//! `K` is the capacity for entries: a few sizes are compiled, and loops over entries have fixed
+//! lengths.
 
 use nalgebra::{DMatrix, DVector};
 use pulp::Arch;
@@ -25,7 +29,8 @@ pub struct Sums<const K: usize> {
     width: f64,
 }
 
-/// Where the entries of a row stand: the derivatives of u by the coordinates, the added functions, then these.
+/// Where the entries of a row stand: the derivatives of u by the coordinates, the added functions,
+/// then these.
 #[derive(Clone, Copy)]
 pub struct Places {
     /// Number of coordinates: place of the first added function.
@@ -111,8 +116,8 @@ impl<const K: usize> Sums<K> {
         self.segments.iter().enumerate().map(of).sum()
     }
 
-    /// The sums of the products of a line with each of Φ: a row has gone its own segment in part, and those before it
-    /// whole, so that the sums of a segment serve all before it.
+    /// The sums of the products of a line with each of Φ: a row has gone its own segment in part,
+    /// and those before it whole, so that the sums of a segment serve all before it.
     pub fn moments(&self, line: &Line) -> DVector<f64> {
         let (place, Places { added, one, way, .. }) = (line.place, self.places);
         let segments = self.segments.len();

@@ -354,7 +354,8 @@ fn standard_errors_are_those_of_repeated_experiments() {
         let mean = values.iter().map(|v| v[place]).sum::<f64>() / values.len() as f64;
         let spread = rms(values.iter().map(|v| v[place] - mean));
         let ratio = claimed[place].standard_error.expect("free") / spread;
-        // 40 repetitions know a spread to about ±25 % (two sigma); a factor is what is claimed here.
+        // 40 repetitions know a spread to about ±25 % (two sigma); a factor is what is claimed
+        // here.
         assert!((0.6..1.6).contains(&ratio), "{name}: claimed over observed {ratio}");
     }
 }

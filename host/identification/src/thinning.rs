@@ -1,16 +1,18 @@
-//! A recording thinned for the searches: few rows stand for all that count, and the plays at them are where the whole
-//! recording brings them.
+//! A recording thinned for the searches: few rows stand for all that count, and the plays at them
+//! are where the whole recording brings them.
 //!
-//! Of the rows that count so many are kept from every stretch of time, and so many from every stretch of the input's way:
-//! a recording of long holds and short moves is thinned in the holds. Which row of a stretch it is differs from stretch to
-//! stretch, so that no cycle is always met at the same place. Its weight is how many rows it stands for: one over the
-//! share of its stretch.
+//! Of the rows that count so many are kept from every stretch of time, and so many from every
+//! stretch of the input's way: a recording of long holds and short moves is thinned in the holds.
+//! Which row of a stretch it is differs from stretch to stretch, so that no cycle is always met at
+//! the same place. Its weight is how many rows it stands for: one over the share of its stretch.
 //!
-//! Before it come the rows at which the input has turned since the last one kept, but for those that it has wiped out since
-//! (Madelung's rules): what is wiped out has left nothing in the plays. Noise on the input costs a few rows more, no error.
+//! Before it come the rows at which the input has turned since the last one kept, but for those
+//! that it has wiped out since (Madelung's rules): what is wiped out has left nothing in the plays.
+//! Noise on the input costs a few rows more, no error.
 //!
-//! Operators of two envelopes jump as the input turns, so that the row after each turn is kept too. Even so a turn that was
-//! wiped out may have left a trace in their plays, of the height of the gap between the envelopes.
+//! Operators of two envelopes jump as the input turns, so that the row after each turn is kept too.
+//! Even so a turn that was wiped out may have left a trace in their plays, of the height of the gap
+//! between the envelopes.
 
 use std::borrow::Cow;
 
@@ -19,7 +21,8 @@ use super::envelope::Shape;
 use super::row::Row;
 use recording::numbers::travel;
 
-/// The golden ratio less 1: its multiples less their whole part cover 0 … 1 evenly, however many they are.
+/// The golden ratio less 1: its multiples less their whole part cover 0 … 1 evenly, however many
+/// they are.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// What the input moves to and fro adds nothing to its way, as a share of its span: noise.
@@ -66,11 +69,11 @@ impl Data {
     }
 }
 
-/// Where the input has turned without having wiped it out: peaks and troughs in turn, each nearer to the input than the one
-/// before.
+/// Where the input has turned without having wiped it out: peaks and troughs in turn, each nearer
+/// to the input than the one before.
 struct Memory {
-    /// Row and input of each, the last where the input is. The first stands for the past, of which a fresh muscle keeps
-    /// everything: no input is below it.
+    /// Row and input of each, the last where the input is. The first stands for the past, of which
+    /// a fresh muscle keeps everything: no input is below it.
     turns: Vec<(usize, f64)>,
 }
 

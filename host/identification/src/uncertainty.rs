@@ -1,11 +1,12 @@
 //! What is known about the raw parameters, from the Jacobian at the minimum.
 //!
-//! Coordinates and linear coefficients that no bound holds have the covariance B M B n / (n - p): B = (JᵀJ)⁻¹, and M is
-//! that of Jᵀr, r the n residuals. Where these are white, M = σ² JᵀJ and all is as in a textbook; where neighbouring
-//! ones are alike, M is larger (`autocorrelation`). The fit has hidden p = tr(B M) / σ² rows' worth of the residuals:
-//! with white ones, one for each unknown.
+//! Coordinates and linear coefficients that no bound holds have the covariance B M B n / (n - p):
+//! B = (JᵀJ)⁻¹, and M is that of Jᵀr, r the n residuals. Where these are white, M = σ² JᵀJ and all
+//! is as in a textbook; where neighbouring ones are alike, M is larger (`autocorrelation`). The fit
+//! has hidden p = tr(B M) / σ² rows' worth of the residuals: with white ones, one for each unknown.
 //!
-//! The raw parameters are functions of these unknowns, and get their covariance by first-order propagation.
+//! The raw parameters are functions of these unknowns, and get their covariance by first-order
+//! propagation.
 
 use model_core::ParameterError;
 use nalgebra::{DMatrix, DVector, RowDVector};
@@ -20,8 +21,9 @@ use super::projection::Linear;
 use super::raw;
 use recording::model::named::{Named, named};
 
-/// The share of a parameter's largest derivative by an unknown up to which another unknown, held at a bound, leaves it
-/// free: weights of plays that are next to nothing move the other weights by next to nothing.
+/// The share of a parameter's largest derivative by an unknown up to which another unknown, held at
+/// a bound, leaves it free: weights of plays that are next to nothing move the other weights by
+/// next to nothing.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// A raw parameter with what is known about it.
@@ -98,13 +100,15 @@ impl Uncertainty {
         })
     }
 
-    /// The groups that the recording hardly separates, in words: `c1, c2; w0, w1, w2`. None without any.
+    /// The groups that the recording hardly separates, in words: `c1, c2; w0, w1, w2`. None without
+    /// any.
     pub fn hardly_separable(&self) -> Option<String> {
         let groups: Vec<String> = self.collinear.iter().map(|group| group.join(", ")).collect();
         (!groups.is_empty()).then(|| groups.join("; "))
     }
 
-    /// Whether a parameter is known by itself: at no bound, and in no group that the recording hardly separates.
+    /// Whether a parameter is known by itself: at no bound, and in no group that the recording
+    /// hardly separates.
     pub fn is_identifiable(&self, estimate: &Estimate) -> bool {
         estimate.interval.is_some()
             && !self.collinear.iter().flatten().any(|name| *name == estimate.parameter.name)
@@ -120,14 +124,14 @@ struct Unknowns {
     untold: DMatrix<f64>,
     /// Over how many rows residuals are alike.
     memory: usize,
-    /// Degrees of freedom of the covariance: the rows that the fit has left, or, of Bartlett's kernel, one and a half
-    /// for each length of the memory (Priestley 1981).
+    /// Degrees of freedom of the covariance: the rows that the fit has left, or, of Bartlett's
+    /// kernel, one and a half for each length of the memory (Priestley 1981).
     freedom: f64,
 }
 
 impl Unknowns {
-    /// From JᵀJ at the free unknowns, and the residuals. `along` hands over the derivatives of each row along some
-    /// directions, the columns of a matrix.
+    /// From JᵀJ at the free unknowns, and the residuals. `along` hands over the derivatives of each
+    /// row along some directions, the columns of a matrix.
     fn new(
         information: &DMatrix<f64>,
         residuals: &[f64],
@@ -178,7 +182,8 @@ fn raw_by_unknowns<const K: usize>(data: &Data, unknowns: &[f64]) -> Result<DMat
             let values = raw_values::<K>(data, &moved)?;
             Ok(DVector::from_iterator(values.len(), values.iter().map(|named| named.value)))
         };
-        // A difference as small as rounding is none: the ends of the knots are 0 and 1, wherever the others are.
+        // A difference as small as rounding counts as zero: the ends of the knots are 0 and 1,
+        // wherever the others are.
         let difference = |up: f64, down: f64| {
             if (up - down).abs() < 1e-14 * up.abs() { 0.0 } else { (up - down) / (2.0 * step) }
         };

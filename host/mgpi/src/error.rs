@@ -92,7 +92,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// The exit status that tells a caller: 130 when the user has interrupted (128 and the signal's number), else 2.
+    /// The exit status that tells a caller: 130 when the user has interrupted (128 and the signal's
+    /// number), else 2.
     pub fn exit_status(&self) -> u8 {
         if matches!(self, Self::Pil(PilError::Stopped) | Self::Board(BoardError::Stopped)) { 130 } else { 2 }
     }

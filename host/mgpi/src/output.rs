@@ -1,9 +1,9 @@
 //! Writing a command's files: all of them at the end, each at once, none over an existing file.
 //!
-//! A command claims its outputs before it begins to work, so that an hour of work is not lost to a file
-//! that is in the way. Contents are written beside their place under another name; [`Outputs::commit`]
-//! renames them. A command that fails before that leaves nothing behind. One output may be standard output,
-//! named `-`: what is said for people then goes to standard error.
+//! A command claims its outputs before it begins to work, so that an hour of work is not lost to a
+//! file that is in the way. Contents are written beside their place under another name;
+//! [`Outputs::commit`] renames them. A command that fails before that leaves nothing behind. One
+//! output may be standard output, named `-`: what is said for people then goes to standard error.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -41,8 +41,8 @@ pub fn print(content: &[u8]) -> Result<(), OutputError> {
     io::stdout().write_all(content).map_err(unwritable(Path::new("standard output")))
 }
 
-/// Says a line for people: on standard output, unless that carries a file. That nobody reads on (a closed pipe) is no
-/// reason to fail.
+/// Says a line for people: on standard output, unless that carries a file. That nobody reads on (a
+/// closed pipe) is no reason to fail.
 pub fn say(line: std::fmt::Arguments<'_>) {
     let _ = match IS_STANDARD_OUTPUT_TAKEN.load(Ordering::Relaxed) {
         true => writeln!(io::stderr(), "{line}"),
@@ -63,7 +63,8 @@ impl Outputs {
     /// Claims the files that a command is going to write; `inputs` are those that it reads.
     ///
     /// # Errors
-    /// A file exists and `force` is not set, is an input, is named twice, or its directory does not exist.
+    /// A file exists and `force` is not set, is an input, is named twice, or its directory does not
+    /// exist.
     pub fn claim<'a>(
         paths: impl IntoIterator<Item = &'a PathBuf>,
         inputs: &[&Path],

@@ -1,4 +1,5 @@
-//! What `mgpi compare` claims: a row a model and size, the same figures as `mgpi identify`, nothing half done.
+//! What `mgpi compare` claims: a row a model and size, the same figures as `mgpi identify`, nothing
+//! half done.
 
 mod common;
 

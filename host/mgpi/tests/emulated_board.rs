@@ -1,6 +1,8 @@
-//! `mgpi emulate` as a board is used, and as things go wrong: with its muscle torn off, its host or itself killed.
+//! `mgpi emulate` as a board is used, and as things go wrong: with its muscle torn off, its host or
+//! itself killed.
 //!
-//! Skipped, in so many words, where emulator or firmware are missing; `cargo xtask test` provides both.
+//! Skipped, in so many words, where emulator or firmware are missing; `cargo xtask test` provides
+//! both.
 
 mod common;
 
@@ -115,8 +117,8 @@ impl Drop for Emulated<'_> {
     }
 }
 
-/// The rig, whose muscle slides off its clamp, 3 mm a tick, 6 s after it was first driven; from when it is all off, the
-/// file `torn` has the time.
+/// The rig, whose muscle slides off its clamp, 3 mm a tick, 6 s after it was first driven; from
+/// when it is all off, the file `torn` has the time.
 const TORN_OFF: &str = r#"
 import subprocess, sys
 rig = subprocess.Popen([sys.argv[1], "rig", "plant"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -216,7 +218,8 @@ fn killed_capture() {
     wait_for_rows(&bench, "rec.csv.part", 200);
     signal("KILL", capture.id());
     capture.wait().expect("a child");
-    // Nobody asks the board for longer than it bears; on a busy machine its time passes several times more slowly.
+    // Nobody asks the board for longer than it bears; on a busy machine its time passes several
+    // times more slowly.
     sleep(Duration::from_secs(10));
     let status = board.status();
     assert_eq!((&status["state"], &status["fault"]["number"]), (&"Fault".into(), &21.into()), "{status}");

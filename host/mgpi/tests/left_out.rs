@@ -1,4 +1,5 @@
-//! Samples that are no measurement, or whose past is unknown, have no part in a model, and that is said.
+//! Samples that are no measurement, or whose past is unknown, have no part in a model, and that is
+//! said.
 
 mod common;
 

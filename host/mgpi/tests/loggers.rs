@@ -1,4 +1,5 @@
-//! Files of many loggers: each is read with the right numbers, or refused with a message that names the cure.
+//! Files of many loggers: each is read with the right numbers, or refused with a message that names
+//! the cure.
 
 mod loggers {
     pub mod bench;

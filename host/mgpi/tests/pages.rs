@@ -1,8 +1,9 @@
-//! Reports: what they say, and every one in a real browser, wide and narrow: no error, nothing cut, nothing over another, no
-//! letter too small.
+//! Reports: what they say, and every one in a real browser, wide and narrow: no error, nothing cut,
+//! nothing over another, no letter too small.
 //!
-//! The browser's part is skipped, in so many words, without Chromium. The page stands in a frame of the wanted width, since a browser's own
-//! window has a least one; `pages.js` looks at it, and writes what it finds into the document that the browser prints.
+//! The browser's part is skipped, in so many words, without Chromium. The page stands in a frame of
+//! the wanted width, since a browser's own window has a least one; `pages.js` looks at it, and
+//! writes what it finds into the document that the browser prints.
 
 mod common;
 
@@ -106,10 +107,14 @@ fn every_column_of_a_table_has_its_unit() {
     let bench = Bench::new();
     recording(&bench, "rec.csv");
     bench.succeeds("identify rec.csv -o model.toml --starts 2 --report identified.html");
-    for page in [&*SLOW_VALVE, &bench.read("identified.html")] {
+    bench.succeeds("compare rec.csv --models cpi,mgpi --sizes 3/3 --starts 2 --report compared.html");
+    for page in [&*SLOW_VALVE, &bench.read("identified.html"), &bench.read("compared.html")] {
         for heading in between(page, "<th>", "</th>") {
-            let is_no_number = ["name", "parameter", "unit"].contains(&heading);
-            assert!(is_no_number || heading.contains('('), "{heading}");
+            // Names and counts have none; of parameters each row has its own.
+            let has_none = ["model", "n", "m", "parameters", "rows"].contains(&heading);
+            let is_of_the_row = ["value", "standard error", "95 % interval"].contains(&heading)
+                && page.contains("<th>parameter (unit)</th>");
+            assert!(has_none || is_of_the_row || heading.contains('('), "{heading}");
         }
     }
 }
@@ -146,7 +151,7 @@ fn a_bar_is_the_error_of_the_curve_that_is_drawn() {
         .iter()
         .find_map(|row| between(row, "<span>", "</span>")[0].parse().ok())
         .expect("a bar");
-    assert!((drawn / bar - 1.0).abs() < 0.05, "the curve errs by {drawn} mm, the bar says {bar} mm");
+    assert!((drawn / bar - 1.0).abs() < 0.05, "the curve's error is {drawn} mm, the bar says {bar} mm");
 }
 
 #[test]
@@ -217,8 +222,8 @@ fn late(bench: &Bench, from: &str, to: &str) {
     bench.write(to, late);
 }
 
-/// The recording, of a muscle whose valve follows its command with a lag of 0.4 s; sensors have noise of up to 0.003 bar and
-/// 0.05 mm.
+/// The recording, of a muscle whose valve follows its command with a lag of 0.4 s; sensors have
+/// noise of up to 0.003 bar and 0.05 mm.
 fn slow_valve(bench: &Bench, from: &str, to: &str) {
     let drive = bench.read(from);
     let rows: Vec<(f64, f64)> = drive

@@ -1,6 +1,7 @@
 //! `mgpi pil` and `mgpi emulate` with the firmware in the emulator, and with plants of every kind.
 //!
-//! Skipped, in so many words, where emulator or firmware are missing; `cargo xtask test` provides both.
+//! Skipped, in so many words, where emulator or firmware are missing; `cargo xtask test` provides
+//! both.
 
 mod common;
 
@@ -52,7 +53,8 @@ const SHORT: &str = "time_s,reference_mm\n0,0\n0.25,50\n0.5,0\n";
 /// Longer than any test waits.
 const LONG: &str = "time_s,reference_mm\n0,0\n5000,50\n";
 
-/// A bench with the paper's model, a reference, and a firmware file of its own, by which its emulators are known.
+/// A bench with the paper's model, a reference, and a firmware file of its own, by which its
+/// emulators are known.
 fn bench(reference: &str) -> Bench {
     let bench = Bench::new();
     bench.write("model.toml", PAPER).write("ref.csv", reference);
@@ -67,7 +69,8 @@ fn mgpi(bench: &Bench, arguments: &[&str]) -> Command {
     command
 }
 
-/// `mgpi pil` with a plant in the language of the shell, which is no muscle that the board's monitors know.
+/// `mgpi pil` with a plant in the language of the shell, which is no muscle that the board's
+/// monitors know.
 fn pil(bench: &Bench, plant: &str, more: &[&str]) -> Command {
     let basic =
         ["pil", "--model", "model.toml", "--reference", "ref.csv", "--no-monitors", "--plant-command", plant];

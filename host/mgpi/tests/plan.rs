@@ -1,4 +1,5 @@
-//! What `mgpi plan` claims: a command within its limits that says what each part is for, and nothing half done.
+//! What `mgpi plan` claims: a command within its limits that says what each part is for, and
+//! nothing half done.
 
 mod common;
 

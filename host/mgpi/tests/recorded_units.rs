@@ -1,4 +1,5 @@
-//! Whatever the units of a recording: what is found is the same, and names and values are in its own units.
+//! Whatever the units of a recording: what is found is the same, and names and values are in its
+//! own units.
 
 mod common;
 
@@ -24,8 +25,8 @@ const OTHERS: [Units; 3] = [
 /// independent of the units: the load's offset differs by 9 % between mm and N.
 const NEAR: f64 = 0.15;
 
-/// Triangles of three speeds, three times over, of a valve with a dead band and a muscle whose zero drifts and whose
-/// curve a load moves. 20 rows a second.
+/// Triangles of three speeds, three times over, of a valve with a dead band and a muscle whose zero
+/// drifts and whose curve a load moves. 20 rows a second.
 fn record(bench: &Bench, name: &str, units: &Units) {
     let ((input, per_bar), (output, per_mm)) = (units.input, units.output);
     let mut text = format!("time_s,command_{input},pressure_{input},load_n,contraction_{output}\n");

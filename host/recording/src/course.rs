@@ -1,7 +1,7 @@
 //! A command over time, drawn piece by piece within its limits.
 //!
-//! Levels are shares of the range, from 0 (lowest command) to 1 (highest). No piece is faster than the slew limit: it then
-//! takes longer.
+//! Levels are shares of the range, from 0 (lowest command) to 1 (highest). No piece is faster than
+//! the slew limit: it then takes longer.
 
 /// What a command must keep to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,8 @@ pub struct Limits {
     pub slew_bar_per_s: Option<f64>,
 }
 
-/// A command over time: straight lines between waypoints. It begins and stays at the lowest command until it is drawn.
+/// A command over time: straight lines between waypoints. It begins and stays at the lowest command
+/// until it is drawn.
 ///
 /// ```
 /// use recording::course::{Course, Limits};

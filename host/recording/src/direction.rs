@@ -5,7 +5,8 @@ use crate::turning::turning_points;
 /// What turns back by less than this share of the input's span is noise.
 const LEAST_HEIGHT: f64 = 0.02;
 
-/// Whether the input rises at each row: from a turning point on, seen afterwards, so that noise does not count.
+/// Whether the input rises at each row: from a turning point on, seen afterwards, so that noise
+/// does not count.
 ///
 /// ```
 /// assert_eq!(recording::direction::rising(&[0.0, 1.0, 2.0, 1.0, 0.0]), [true, true, true, false, false]);

@@ -25,7 +25,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// The figures of the differences `a - b` over the rows with `scored`; all lists are equally long.
+    /// The figures of the differences `a - b` over the rows with `scored`; all lists are equally
+    /// long.
     ///
     /// NaN where no row is scored.
     pub fn of(a: &[f64], b: &[f64], scored: &[bool]) -> Self {
@@ -69,8 +70,8 @@ impl Figures {
     }
 }
 
-/// The stroke of a recording, which percentages refer to: highest less lowest scored value, in the values'
-/// unit. Drop-outs are not scored.
+/// The stroke of a recording, which percentages refer to: highest less lowest scored value, in the
+/// values' unit. Drop-outs are not scored.
 pub fn stroke(values: &[f64], scored: &[bool]) -> f64 {
     let scored = values.iter().zip(scored).filter(|(_, scored)| **scored);
     let (min, max) = scored

@@ -1,10 +1,10 @@
 //! From when on a recording tells what the muscle has been through.
 //!
-//! What an operator answers depends on what the input did before. A recording that begins at an end of
-//! the input's range leaves no doubt: the muscle has come there from rest, or from its whole range, and
-//! both are tried. One that begins within the range may be anywhere between the two branches of the
-//! loop, until the input has been at both ends: by then it has wiped out whatever came before. What it
-//! is scored on until then would teach the model a past that it has not had.
+//! What an operator answers depends on what the input did before. A recording that begins at an end
+//! of the input's range leaves no doubt: the muscle has come there from rest, or from its whole
+//! range, and both are tried. One that begins within the range may be anywhere between the two
+//! branches of the loop, until the input has been at both ends: by then it has wiped out whatever
+//! came before. What it is scored on until then would teach the model a past that it has not had.
 //!
 //! # Limits
 //! Where that would take more than `MOST` of the scored samples, all stay: a doubtful past is worth
@@ -12,8 +12,8 @@
 
 use crate::numbers::range;
 
-/// So near an end of the range the input is at it, as a share of the range: what lies beyond wipes out
-/// next to nothing.
+/// So near an end of the range the input is at it, as a share of the range: what lies beyond wipes
+/// out next to nothing.
 const NEAR: f64 = 0.05;
 /// The largest share of the scored samples whose past may be unknown.
 const MOST: f64 = 0.25;
@@ -71,7 +71,8 @@ fn known_from(input: &[f64]) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// What is taken out of a sample a second of a triangle between 0 and 10, from a sample of it on.
+    /// What is taken out of a sample a second of a triangle between 0 and 10, from a sample of it
+    /// on.
     fn triangle(from: usize, samples: usize, unscored: usize) -> (Option<UnknownPast>, Vec<bool>) {
         let input: Vec<f64> =
             (from..from + samples).map(|sample| (sample as f64 % 20.0 - 10.0).abs()).collect();

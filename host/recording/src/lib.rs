@@ -1,10 +1,11 @@
-//! Recordings of a muscle, or of anything with hysteresis: tables of many loggers, units, columns; and model files, what a model
-//! is worth, and its answer to a recording.
+//! Recordings of a muscle, or of anything with hysteresis: tables of many loggers, units, columns;
+//! and model files, what a model is worth, and its answer to a recording.
 //!
 //! # Design
-//! A [`table::Table`] is a file as it stands; a [`Recording`] is what is used of it: times, an input, an output, each with its
-//! unit, and which rows count. What was mended on the way is said in notes. A [`model_file::ModelFile`] is a model with its
-//! units and figures. Whatever goes wrong is an error that names file, line and column.
+//! A [`table::Table`] is a file as it stands; a [`Recording`] is what is used of it: times, an
+//! input, an output, each with its unit, and which rows count. What was mended on the way is said
+//! in notes. A [`model_file::ModelFile`] is a model with its units and figures. Whatever goes wrong
+//! is an error that names file, line and column.
 //!
 //! # Limits
 //! A recording is held in memory, 8 bytes a value.

@@ -1,16 +1,18 @@
 //! The noise floor of a measured signal, from the signal alone.
 //!
 //! # Design
-//! How far each value lies from the straight line through its two neighbours, e = y1 - (a y0 + b y2), a + b = 1: what moves
-//! steadily drops out, white noise of variance s² leaves s² (1 + a² + b²). Only the slower half of the rows counts (holds and
-//! slow parts, told by their neighbours five rows away, which share no noise with e), and what lies beyond three standard
-//! deviations does not (steps, dropped samples), until that settles. A sensor's step of `quantum` makes an error of
-//! quantum/√12 even where it shows no change.
+//! How far each value lies from the straight line through its two neighbours, e = y1 - (a y0 + b
+//! y2), a + b = 1: what moves steadily drops out, white noise of variance s² leaves s² (1 + a² +
+//! b²). Only the slower half of the rows counts (holds and slow parts, told by their neighbours
+//! five rows away, which share no noise with e), and what lies beyond three standard deviations
+//! does not (steps, dropped samples), until that settles. A sensor's step of `quantum` makes an
+//! error of quantum/√12 even where it shows no change.
 //!
 //! # Limits
-//! Noise that neighbouring rows share is underestimated: by √(1 - (4 ρ1 - ρ2)/3), where ρ1, ρ2 are its correlations over one
-//! and two rows (a filtered sensor). Curvature is overestimated as noise where a row is long against the movement. A tone
-//! is noise when it has fewer than some six rows a period.
+//! Noise that neighbouring rows share is underestimated: by √(1 - (4 ρ1 - ρ2)/3), where ρ1, ρ2 are
+//! its correlations over one and two rows (a filtered sensor). Curvature is overestimated as noise
+//! where a row is long against the movement. A tone is noise when it has fewer than some six rows a
+//! period.
 
 use serde::Serialize;
 
@@ -46,9 +48,11 @@ pub struct NoiseFloor {
 
 /// The median of the steps of time, and the step above which there is a gap. Unit: s.
 pub fn steps(time_s: &[f64]) -> (f64, f64) {
-    /// A step of time that many times as long as all but a few is a gap: the muscle may have moved in it.
+    /// A step of time that many times as long as all but a few is a gap: the muscle may have moved
+    /// in it.
     const GAP_STEPS: f64 = 5.0;
-    /// So few: where single rows are missing all over the recording, no step that leaves some out is a gap.
+    /// So few: where single rows are missing all over the recording, no step that leaves some out
+    /// is a gap.
     const FEW: f64 = 0.05;
     let mut all: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let (_, usual_s) = quantiles(&all, FEW);

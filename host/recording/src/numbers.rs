@@ -15,16 +15,17 @@ pub fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// A number in words that does not look like a limit that it differs from: with as many decimals as that takes, and at
-/// least so many.
+/// A number in words that does not look like a limit that it differs from: with as many decimals as
+/// that takes, and at least so many.
 pub fn apart(value: f64, limit: f64, decimals: usize) -> String {
     const MOST: usize = 9;
     let mut texts = (decimals..=MOST).map(|decimals| format!("{value:.decimals$}"));
     texts.clone().find(|text| text.parse() != Ok(limit)).or(texts.next_back()).unwrap_or_default()
 }
 
-/// A number with so many decimals, and with as many more as show two digits of it: small units make small numbers. What is
-/// smaller than a nanometre in metres is the rounding of a 0, and gets no more decimals.
+/// A number with so many decimals, and with as many more as show two digits of it: small units make
+/// small numbers. What is smaller than a nanometre in metres is the rounding of a 0, and gets no
+/// more decimals.
 pub fn legible(value: f64, decimals: usize) -> String {
     const MOST: f64 = 10.0;
     let needed = if value == 0.0 { 0.0 } else { 1.0 - value.abs().log10().floor() };
@@ -46,7 +47,8 @@ pub fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// The way so far of what follows the values at the distance of `band`, as a play does: noise within it adds none.
+/// The way so far of what follows the values at the distance of `band`, as a play does: noise
+/// within it adds none.
 ///
 /// ```
 /// use recording::numbers::travel;

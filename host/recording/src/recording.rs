@@ -8,20 +8,22 @@
 //! | `length_mm` | instead of the contraction, with the muscle's length at rest |
 //! | `valid` | 0: history of the input only, never scored; without the column every row is scored |
 //!
-//! Pressure, command and contraction may have another unit of the same quantity, which the model takes over; a column
-//! that a model or another recording asks for is converted to the unit that is asked for. Further columns (`load_n`,
-//! `temperature_c`, …) are looked at when they are asked for ([`Drive::beside`]).
+//! Pressure, command and contraction may have another unit of the same quantity, which the model
+//! takes over; a column that a model or another recording asks for is converted to the unit that is
+//! asked for. Further columns (`load_n`, `temperature_c`, …) are looked at when they are asked for
+//! ([`Drive::beside`]).
 //!
 //! # Holes
-//! A row without a time or an input is left out: between the rows around it there is a gap. A row without an output is
-//! history of the input, and not scored.
+//! A row without a time or an input is left out: between the rows around it there is a gap. A row
+//! without an output is history of the input, and not scored.
 //!
-//! Samples that no muscle can have made are left out, and so are the first ones where their past is unknown
-//! ([`LeftOut`]).
+//! Samples that no muscle can have made are left out, and so are the first ones where their past is
+//! unknown ([`LeftOut`]).
 //!
 //! # Limits
-//! A pressure below -1.1 bar or above 100 bar is refused: no muscle sees one, and a recording in kPa that is
-//! called bar does. So are rows that are 1 to 1000 s apart, which are milliseconds under another name, until it is said.
+//! A pressure below -1.1 bar or above 100 bar is refused: no muscle sees one, and a recording in
+//! kPa that is called bar does. So are rows that are 1 to 1000 s apart, which are milliseconds
+//! under another name, until it is said.
 
 mod selection;
 
@@ -224,7 +226,8 @@ impl Drive {
     /// Takes times, input and validity from a table.
     ///
     /// # Errors
-    /// A column is missing; time goes back; an input is outside its range; a `valid` is neither 0 nor 1, or none is 1.
+    /// A column is missing; time goes back; an input is outside its range; a `valid` is neither 0
+    /// nor 1, or none is 1.
     pub fn of(table: &Table, choice: &Choice) -> Result<Self, DataError> {
         let drive = Self::unchecked(table, choice)?;
         check_input(table, &drive.input, choice, &drive.rows)?;
@@ -292,7 +295,8 @@ impl Drive {
     /// Takes the measured output from the same table; rows without one are no longer scored.
     ///
     /// # Errors
-    /// There is no such column; `length_mm` alone, without a rest length; no row that is scored has a value.
+    /// There is no such column; `length_mm` alone, without a rest length; no row that is scored has
+    /// a value.
     pub fn measured(&mut self, table: &Table, choice: &Choice) -> Result<Series, DataError> {
         let (chosen, rest_length_mm) = selection::output(table, choice)?;
         let mut series = chosen.series(self.rows.take(table.numbers(chosen.index)?.numbers));
@@ -322,7 +326,8 @@ impl Drive {
     /// A column beside input and output, in this unit; `None` if there is no such column.
     ///
     /// # Errors
-    /// A field is no number; values are missing, but not as in a column that is sampled more slowly.
+    /// A field is no number; values are missing, but not as in a column that is sampled more
+    /// slowly.
     pub fn beside(&self, table: &Table, name: &str, unit: Unit) -> Result<Option<Beside>, DataError> {
         let found = table.find(name).ok().flatten();
         let Some(found) = found.filter(|found| found.unit.quantity() == unit.quantity()) else {

@@ -48,7 +48,8 @@ pub fn simulate(model: &ModelFile, table: &Table, drive: &Drive) -> Result<Vec<f
     Ok(rows.answer(&model.extended()?).map_err(refuse)?)
 }
 
-/// Steps of time that differ by no more are the same: the roundings of differences of times. Unit: s.
+/// Steps of time that differ by no more are the same: the roundings of differences of times. Unit:
+/// s.
 pub const SAME_STEP_S: f64 = 1e-9;
 
 /// What drives an extended model, a value a row.
@@ -65,7 +66,7 @@ pub struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// The model's output for every row, running free.
+    /// The model's output for every row, simulated from the input alone.
     ///
     /// # Errors
     /// The first row that the model refuses, and why.

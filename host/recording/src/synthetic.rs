@@ -18,7 +18,8 @@ impl Noise {
         deviation * unit
     }
 
-    /// A stationary autoregression of first order, each value `like` times the one before and a part of its own.
+    /// A stationary autoregression of first order, each value `like` times the one before and a
+    /// part of its own.
     pub fn autoregressive(&mut self, rows: usize, like: f64) -> Vec<f64> {
         let own = (1.0 - like * like).sqrt();
         let mut value = self.white(1.0);

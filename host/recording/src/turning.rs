@@ -17,10 +17,11 @@ pub struct Turn {
     pub is_peak: bool,
 }
 
-/// The turning points of `values`, peaks and troughs in turn. What turns back by no more than `height` (unit of the
-/// values) is no turn.
+/// The turning points of `values`, peaks and troughs in turn. What turns back by no more than
+/// `height` (unit of the values) is no turn.
 ///
-/// A signal that begins to fall has a peak in its first row; the last extreme, from which it has not come back, is none.
+/// A signal that begins to fall has a peak in its first row; the last extreme, from which it has
+/// not come back, is not counted.
 pub fn turning_points(values: &[f64], height: f64) -> Vec<Turn> {
     let mut turns = Vec::new();
     let (mut row, mut is_rising) = (0, true);

@@ -1,8 +1,9 @@
 //! The units of columns: how they are written, what they measure, and how they are converted.
 //!
-//! A name such as `pressure_bar` carries its unit as the part after the last underscore. A model's keys and
-//! figures take over the units of its columns; [`Unit::convert`] is for the places that need another one.
-//! Some spellings stand for two units ([`meaning`]): they are asked about, never guessed.
+//! A name such as `pressure_bar` carries its unit as the part after the last underscore. A model's
+//! keys and figures take over the units of its columns; [`Unit::convert`] is for the places that
+//! need another one. Some spellings stand for two units ([`meaning`]): they are asked about, never
+//! guessed.
 
 use std::fmt;
 
@@ -68,7 +69,8 @@ use Quantity::{
     Angle, Current, Force, Frequency, Length, Mass, Pressure, Ratio, Temperature, Time, Torque, Voltage,
 };
 
-/// Every known unit. Factors: International System of Units (BIPM 2019); of psi, lbf, in and mmHg: NIST SP 811.
+/// Every known unit. Factors: International System of Units (BIPM 2019); of psi, lbf, in and mmHg:
+/// NIST SP 811.
 const KNOWN: [Unit; 43] = [
     unit("s", "s", &["sec", "second", "seconds"], Time, 1.0),
     unit("ms", "ms", &["msec", "millisecond", "milliseconds"], Time, 1e-3),
@@ -141,8 +143,8 @@ pub enum Meaning {
     Ambiguous(&'static [&'static str]),
 }
 
-/// The unit that the end of a column's name stands for, in small letters (`kpa`) or as a symbol (`kPa`); `None` if it is
-/// none.
+/// The unit that the end of a column's name stands for, in small letters (`kpa`) or as a symbol
+/// (`kPa`); `None` if it is none.
 pub fn meaning(end: &str) -> Option<Meaning> {
     match AMBIGUOUS.iter().find(|(ambiguous, _)| *ambiguous == end) {
         Some((_, choices)) => Some(Meaning::Ambiguous(choices)),
@@ -168,7 +170,8 @@ impl Unit {
         KNOWN.into_iter().filter(ends_in).max_by_key(|unit| unit.suffix.len())
     }
 
-    /// The unit that is written so: as its symbol, suffix, or suffix in capitals. `None` if it is unknown.
+    /// The unit that is written so: as its symbol, suffix, or suffix in capitals. `None` if it is
+    /// unknown.
     pub fn of_symbol(text: &str) -> Option<Self> {
         let is_so = |unit: &Self| {
             unit.symbol == text
@@ -194,7 +197,8 @@ impl Unit {
         self.quantity
     }
 
-    /// A value of this unit in another one of the same quantity; `None` for units of different quantities.
+    /// A value of this unit in another one of the same quantity; `None` for units of different
+    /// quantities.
     pub fn convert(self, value: f64, to: Self) -> Option<f64> {
         let convert = || match self == to {
             true => value,

@@ -1,7 +1,8 @@
-//! Redraws Figs. 2, 4 and 5 of the paper into a directory: the operators and properties of its tabled model.
+//! Redraws Figs. 2, 4 and 5 of the paper into a directory: the operators and properties of its
+//! tabled model.
 //!
-//! `cargo xtask figures` calls it. With `--check` it writes nothing, and fails where a file is not what it would
-//! write. The drawings are the same to the byte on every machine, as the models are.
+//! `cargo xtask figures` calls it. With `--check` it writes nothing, and fails where a file is not
+//! what it would write. The drawings are the same to the byte on every machine, as the models are.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -67,7 +68,8 @@ fn dead_zones() -> Result<String> {
         })
     };
     let line = stage(&[0.0])?;
-    // The stage always has the threshold 0, without which it had no inverse: the operator is what d adds.
+    // The stage always has the threshold 0, without which it had no inverse: the operator is what d
+    // adds.
     let operator = |thresholds: &[f64]| -> std::result::Result<Vec<f64>, ParameterError> {
         let stage = stage(thresholds)?;
         Ok(inputs.iter().map(|&y| stage.value(y) - line.value(y)).collect())

@@ -4,7 +4,8 @@
 const MARGIN: f64 = 0.04;
 /// Powers of ten that are written out.
 const PLAIN: std::ops::RangeInclusive<i32> = -4..=5;
-/// Most numbers at a logarithmic axis: where three stand in a decade, four letters have room between two of them.
+/// Most numbers at a logarithmic axis: where three stand in a decade, four letters have room
+/// between two of them.
 const MOST_LOGARITHMIC: usize = 10;
 /// Fewer round numbers than these tell nothing of a logarithmic axis.
 const LEAST_LOGARITHMIC: usize = 3;
@@ -61,8 +62,8 @@ impl Axis {
         (self.scale.coordinate(value) - self.low) / (self.high - self.low)
     }
 
-    /// Round values, `most` of them at most, each as its share of the axis and its label. `plot.js` does the same when it
-    /// enlarges a plot.
+    /// Round values, `most` of them at most, each as its share of the axis and its label. `plot.js`
+    /// does the same when it enlarges a plot.
     pub fn ticks(&self, most: usize) -> Vec<(f64, String)> {
         let share = |coordinate: f64| (coordinate - self.low) / (self.high - self.low);
         let values = match self.scale {
@@ -72,7 +73,8 @@ impl Axis {
         values.into_iter().map(|(value, label)| (share(self.scale.coordinate(value)), label)).collect()
     }
 
-    /// 1, 2 and 5 of each decade where there is room, else its 1; below a decade the round values of a linear axis.
+    /// 1, 2 and 5 of each decade where there is room, else its 1; below a decade the round values
+    /// of a linear axis.
     fn logarithmic_ticks(&self, most: usize) -> Vec<(f64, String)> {
         let decades = self.low.floor() as i32..=self.high.ceil() as i32;
         let of = |digits: &[u32]| -> Vec<(f64, String)> {
@@ -94,7 +96,8 @@ impl Axis {
     }
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten between two ends, `most` of them at most, with their labels.
+/// Multiples of 1, 2 or 5 times a power of ten between two ends, `most` of them at most, with their
+/// labels.
 fn round_values(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
     let least = (high - low) / most as f64;
     let ten = 10f64.powf(least.log10().floor());

@@ -1,4 +1,5 @@
-//! Bars with names and numbers, one group a thing, in the look of the plots: a list, so that names wrap on a phone.
+//! Bars with names and numbers, one group a thing, in the look of the plots: a list, so that names
+//! wrap on a phone.
 
 use maud::{Markup, html};
 use recording::numbers::significant;

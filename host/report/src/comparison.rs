@@ -1,4 +1,5 @@
-//! Report of a comparison: the table, the errors as bars, the loops of the best model beside those of SGPI.
+//! Report of a comparison: the table, the errors as bars, the loops of the best model beside those
+//! of SGPI.
 
 use maud::{Markup, html};
 use model_core::Kind;
@@ -6,6 +7,7 @@ use model_core::Kind;
 use super::bars::{Bar, bars};
 use super::model_run::ModelRun;
 use super::page::page;
+use super::table::{self, grouped_table};
 use identification::comparison::{Comparison, Outcome, Row};
 use recording::numbers::legible;
 
@@ -15,7 +17,7 @@ pub fn to_html(comparison: &Comparison<'_>) -> String {
     let (stroke, unit) = (recording.stroke(), recording.output.channel.unit);
     let body = html! {
         p { "Every model was identified from the same recording by the same search. " (comparison.heldout_in_words()) }
-        (table(comparison))
+        (figures(comparison))
         p { "n plays, m dead zones; parameters: the independent numbers that were found. ME is the largest absolute "
             "error, MAE the mean one, RMSE the root of the mean square; per cent refer to the stroke of "
             (legible(stroke, 2)) " " (unit) ". -pl: a piecewise-linear envelope, else tanh; -free: each play has a weight of its own, else an exponential \
@@ -30,20 +32,11 @@ pub fn to_html(comparison: &Comparison<'_>) -> String {
     page(&format!("Models of {file}: {}", recording.columns()), &body, &source)
 }
 
-fn table(comparison: &Comparison<'_>) -> Markup {
+fn figures(comparison: &Comparison<'_>) -> Markup {
     let best = comparison.best().map(|(row, _)| row.name());
-    let groups = comparison.headings();
-    html! {
-        div.wide { table {
-            thead {
-                tr { @for (name, columns) in &groups { th colspan=(columns.len()) { (name) } } }
-                tr { @for (_, columns) in &groups { @for heading in columns { th { (heading) } } } }
-            }
-            tbody { @for row in &comparison.rows {
-                tr.best[Some(row.name()) == best] { @for cell in comparison.cells(row) { td { (cell) } } }
-            } }
-        } }
-    }
+    let row = |row: &Row| table::Row { cells: comparison.cells(row), is_chosen: Some(row.name()) == best };
+    let rows: Vec<table::Row> = comparison.rows.iter().map(row).collect();
+    grouped_table(&comparison.headings(), &rows)
 }
 
 fn errors(comparison: &Comparison<'_>) -> Markup {

@@ -7,8 +7,10 @@ use super::model_run::ModelRun;
 use super::page::{explained, page, reading};
 use super::parameters::parameters;
 use super::parts::parts;
+use super::table::{Row, table};
 use identification::Uncertainty;
 use recording::Recording;
+use recording::figures::Figures;
 use recording::model_file::{HeldOut, Identification, ModelFile};
 use recording::numbers::legible;
 use recording::worth::Grade;
@@ -23,8 +25,8 @@ pub struct Identified<'a> {
     pub recording: &'a Recording,
     /// The model's output for every row. Output unit.
     pub simulated: &'a [f64],
-    /// What it, or a model of the first part alone, was tried on: the held-out rows are those that are scored; a value a row,
-    /// output unit.
+    /// What it, or a model of the first part alone, was tried on: the held-out rows are those that
+    /// are scored; a value a row, output unit.
     pub heldout: Option<(&'a Recording, &'a [f64])>,
     /// What is known about the raw parameters.
     pub uncertainty: &'a Uncertainty,
@@ -112,6 +114,20 @@ impl Identified<'_> {
         let Identification { training, heldout, stroke, termination, starts, scored_rows, .. } =
             self.identification;
         let (unit, worth) = (self.model.output.unit, self.identification.worth());
+        let headings = [
+            "rows".to_owned(),
+            format!("RMSE ({unit})"),
+            "RMSE (% of stroke)".to_owned(),
+            format!("mean absolute error ({unit})"),
+            format!("largest error ({unit})"),
+        ];
+        let row = |(name, figures): (&str, &Figures)| {
+            let Figures { rmse, mae, max_error } = figures;
+            let percent = format!("{:.2}", 100.0 * rmse / stroke);
+            vec![name.to_owned(), legible(*rmse, 4), percent, legible(*mae, 4), legible(*max_error, 4)].into()
+        };
+        let heldout_figures = heldout.iter().map(|heldout| ("held out", &heldout.figures));
+        let rows: Vec<Row> = [("of the fit", training)].into_iter().chain(heldout_figures).map(row).collect();
         html! {
             @match worth.grade() {
                 Grade::Poor => {
@@ -119,19 +135,22 @@ impl Identified<'_> {
                 }
                 _ => { p.verdict { "The model is " (worth) "." } }
             }
-            p { "On the " (scored_rows) " scored rows the model's figures are: " (training.in_words(*stroke, unit)) "." }
-            @if let Some(HeldOut { recording, from_s, figures }) = heldout {
-                p {
+            @if worth.limit.is_none() {
+                p { "What limits it is not the noise of the sensor, but its form or something else than the input that acts: "
+                    code { "mgpi diagnose" } " tells which." }
+            }
+            (table(&headings, &rows))
+            p { "Of the fit: the " (scored_rows) " scored rows."
+                @if let Some(HeldOut { recording, from_s, .. }) = heldout {
+                    " Held out: "
                     @match from_s {
                         Some(from_s) => {
-                            "Held out: a model of the rows before " (format!("{from_s:.2}")) " s has on the rows from there on: "
+                            "the rows from " (format!("{from_s:.2}")) " s on, by a model of the rows before."
                         }
-                        None => { "On the held-out recording " (recording.file) " they are: " }
+                        None => { "the recording " (recording.file) "." }
                     }
-                    (figures.in_words(*stroke, unit)) "."
                 }
-            }
-            p { "The stroke is " (legible(*stroke, 2)) " " (unit) ". The best of " (starts) " starts "
+                " The stroke is " (legible(*stroke, 2)) " " (unit) ". The best of " (starts) " starts "
                 (termination) "."
                 @if worth.may_deploy() { " The model is strictly increasing, and so invertible." }
             }

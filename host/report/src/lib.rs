@@ -12,6 +12,7 @@
 //! | [`identified`] | report of `mgpi identify` |
 //! | [`tracked`] | report of `mgpi pil` |
 //! | [`tracking`] | a tracking run, as plots |
+//! | `table` | tables that a phone shows as cards |
 //! | `bars` | bars with names, in the same look |
 //! | [`diagnosed`] | report of `mgpi diagnose` |
 //! | [`comparison`] | report of `mgpi compare` |
@@ -29,5 +30,6 @@ mod parameters;
 mod parts;
 pub mod plot;
 mod simplify;
+mod table;
 pub mod tracked;
 pub mod tracking;

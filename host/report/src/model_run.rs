@@ -35,7 +35,7 @@ impl<'a> ModelRun<'a> {
     /// The input over time.
     pub fn input(&self, title: &str) -> Plot<'_> {
         let input = &self.recording.drive.input;
-        let line = self.over_time("input", Style::Measured, &input.values);
+        let line = self.over_time("", Style::Measured, &input.values);
         self.time_plot(title, input.channel.to_string(), vec![line])
     }
 

@@ -1,5 +1,5 @@
-//! The page around the plots: one file, nothing from outside; its only script enlarges, points at and exports plots, and
-//! the page is whole without it.
+//! The page around the plots: one file, nothing from outside; its only script enlarges, points at
+//! and exports plots, and the page is whole without it.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -13,7 +13,7 @@ const STYLE: &str = "
 }
 body { font: 1rem/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);
   max-width: 84rem; margin: 0 auto; padding: 1rem }
-h1 { font-size: 1.5rem; line-height: 1.2 } h2 { font-size: 1.15rem; margin-top: 2rem } h3 { font-size: 1rem }
+h1 { font-size: 1.5rem; line-height: 1.2; overflow-wrap: anywhere } h2 { font-size: 1.15rem; margin-top: 2rem } h3 { font-size: 1rem }
 p { max-width: 42rem } footer { color: var(--faint); font-size: .85rem; overflow-wrap: anywhere }
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 30rem), 1fr)); gap: 1rem }
 figure { margin: 0; break-inside: avoid; display: flex; flex-direction: column }
@@ -28,6 +28,8 @@ figure > svg { width: 100%; height: auto; margin-top: auto }
   border-radius: .3rem; background: none; color: var(--ink); cursor: pointer } .tools button:disabled { opacity: .4; cursor: default }
 .stack { max-width: 44rem; display: grid; gap: .4rem } .stack > figure:not(:last-child) .tools { margin-bottom: 0 }
 .verdict.warning { border-left-color: #D55E00 }
+@media (min-width: 72rem) { .run { display: grid; grid-template-columns: minmax(0, 44rem) minmax(0, 1fr); gap: 1rem }
+  .run .plots { grid-template-columns: 1fr; align-content: start } }
 .plots > div { display: grid; grid-template-rows: subgrid; grid-row: span 2; break-inside: avoid } .plots > div > p { margin-top: 0 }
 figcaption { font-weight: 600 } .legend { font-weight: 400 }
 .legend > span { display: inline-block; margin-right: 1rem } .legend svg { margin-right: .3rem }
@@ -41,8 +43,15 @@ th[colspan] { text-align: center }
   break-inside: avoid; padding: .15rem 0 }
 .bars li > * { grid-column: 3 } .bars li > svg { grid-column: 2; width: 100%; overflow: visible }
 .bars .name { grid-column: 1; grid-row: span 2; overflow-wrap: anywhere }
-@media (max-width: 40rem) { .wide th, .wide td { min-width: 4.5rem } .bars li { grid-template-columns: 1fr 4.6rem } .bars li > * { grid-column: 2 }
-  .bars li > svg { grid-column: 1 } .bars .name { grid-column: 1 / -1; grid-row: auto } } .verdict { font-size: 1.15rem; font-weight: 600; border-left: .3rem solid; padding-left: .8rem }
+@media (max-width: 40rem) { .bars li { grid-template-columns: 1fr 4.6rem } .bars li > * { grid-column: 2 }
+  .bars li > svg { grid-column: 1 } .bars .name { grid-column: 1 / -1; grid-row: auto } }
+@media screen and (max-width: 40rem) { .wide thead { display: none } .wide table, .wide tbody { display: block }
+  .wide tr { display: grid; grid-template-columns: repeat(auto-fit, minmax(9.5rem, 1fr)); gap: 0 1rem; padding: .4rem 0;
+    border-bottom: 1px solid var(--rule) }
+  .wide td { display: flex; justify-content: space-between; gap: .6rem; padding: 0; border: 0 }
+  .wide td::before { content: attr(data-label); color: var(--faint); font-weight: 400; font-size: .85rem; text-align: left }
+  .wide td:first-child { grid-column: 1 / -1; font-weight: 600; white-space: normal } }
+.verdict { font-size: 1.15rem; font-weight: 600; border-left: .3rem solid; padding-left: .8rem }
 dl { max-width: 42rem } dt { font-style: italic } dt.best { font-style: normal } dd { margin: 0 0 .6rem } code { overflow-wrap: anywhere }
 @media print { .hint, .tools, .readout { display: none } body { max-width: none; font-size: 10pt } .plots { grid-template-columns: 1fr 1fr }
   table { font-size: 9pt } td { white-space: nowrap } .wide { overflow: visible } .wide table { font-size: 6.5pt }

@@ -9,7 +9,8 @@ use super::tracking::Tracking;
 use recording::Recording;
 use recording::numbers::legible;
 
-/// The report as an HTML file. `simulated`: the model's output for every row of the recording, output unit.
+/// The report as an HTML file. `simulated`: the model's output for every row of the recording,
+/// output unit.
 pub fn to_html(recording: &Recording, simulated: &[f64], tracking: &Tracking, source: &str) -> String {
     let run = ModelRun::new(recording, simulated);
     let (fit, stroke) = (recording.figures(simulated), recording.stroke());

@@ -2,41 +2,43 @@
 
 use maud::{Markup, html};
 
-use identification::Uncertainty;
+use super::table::{Row, table};
+use identification::{Estimate, Uncertainty};
 use recording::model_file::names::Names;
+use recording::numbers::{legible, significant};
+
+const HEADINGS: [&str; 4] = ["parameter (unit)", "value", "standard error", "95 % interval"];
+/// Of values and intervals; those that are small have more.
+const DECIMALS: usize = 4;
 
 /// The section of a report.
 pub fn parameters(known: &Uncertainty, names: &Names) -> Markup {
+    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
+    let rows: Vec<Row> = known
+        .estimates
+        .iter()
+        .map(|Estimate { parameter, standard_error, interval, .. }| {
+            let interval = interval.map(|ends| ends.map(|end| legible(end, DECIMALS)).join(" … "));
+            vec![
+                format!("{} ({})", parameter.name, names.unit(parameter.dimension)),
+                legible(parameter.value, DECIMALS),
+                or_dash(standard_error.map(significant)),
+                or_dash(interval),
+            ]
+            .into()
+        })
+        .collect();
     html! {
         h2 { "Parameters" }
-        p { "The 95 % intervals hold for a muscle that is a model of this kind, but for a disturbance like the residuals. "
+        p { "The 95 % intervals hold for a muscle that is a model of this kind, with a disturbance like the residuals. "
             @if known.memory > 1 {
-                "Neighbouring residuals are alike, up to about " (known.memory) " rows on; the intervals are the wider for "
-                "it. "
+                "Residuals are correlated over about " (known.memory) " rows, which makes the intervals wider. "
             }
-            "A dash: the parameter stands at a bound, or no row tells anything of it." }
+            "A dash: the parameter stands at a bound, or the recording says nothing about it." }
         @if let Some(groups) = known.hardly_separable() {
-            p { "The recording hardly separates " (groups) ": a change of one is made good by the others of its group. The "
-                "model is none the worse, but these values are not to be compared one by one with those of another muscle." }
+            p { "The recording hardly separates " (groups) ": a change of one is compensated by the others of its "
+                "group. The model is as good, but these values cannot be compared one by one with those of another muscle." }
         }
-        div.wide { table {
-            thead { tr { th { "name" } th { "value (unit of the row)" } th { "standard error (unit of the row)" }
-                th { "95 % interval (unit of the row)" } th { "unit" } } }
-            tbody { @for estimate in &known.estimates {
-                tr {
-                    td { (estimate.parameter.name) }
-                    td { (format!("{:.5}", estimate.parameter.value)) }
-                    td { @match estimate.standard_error {
-                        Some(error) => (format!("{error:.2e}")),
-                        None => "–",
-                    } }
-                    td { @match estimate.interval {
-                        Some([low, high]) => (format!("{low:.5} … {high:.5}")),
-                        None => "–",
-                    } }
-                    td { (names.unit(estimate.parameter.dimension)) }
-                }
-            } }
-        } }
+        (table(&HEADINGS.map(str::to_owned), &rows))
     }
 }

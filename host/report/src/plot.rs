@@ -1,15 +1,17 @@
 //! The one look of all plots: lines over two axes, drawn as SVG.
 //!
 //! # Design
-//! Colours are those of Okabe and Ito, which people with any common colour vision tell apart; in print and for
-//! those who see no colours the lines differ in width and dashes. Each colour has a second value for dark
-//! backgrounds, which [`colour_style`] turns into style rules.
+//! Colours are those of Okabe and Ito, which people with any common colour vision tell apart; in
+//! print and for those who see no colours the lines differ in width and dashes. Each colour has a
+//! second value for dark backgrounds, which [`colour_style`] turns into style rules.
 //!
-//! The lines lie in a drawing of their own inside the axes: its view box is what a page's script changes to zoom
-//! (`plot.js`), and it cuts off what is outside. The ends of both axes stand in the drawing's `data-` attributes. The script
-//! reads values under the pointer, and those of an exported file, from the points that are drawn.
+//! The lines lie in a drawing of their own inside the axes: its view box is what a page's script
+//! changes to zoom (`plot.js`), and it cuts off what is outside. The ends of both axes stand in the
+//! drawing's `data-` attributes. The script reads values under the pointer, and those of an
+//! exported file, from the points that are drawn.
 //!
-//! Without a script the picture is whole, on paper too: so a plot is a drawing, and no canvas of a plotting library.
+//! Without a script the picture is whole, on paper too: so a plot is a drawing, and no canvas of a
+//! plotting library.
 
 use std::fmt::Write as _;
 
@@ -19,7 +21,8 @@ use super::axis::Axis;
 pub use super::axis::Scale;
 use super::simplify::{Place, simplify};
 
-/// Width of the drawing: small, so that its text stays readable when a phone scales it. Unit: pixels.
+/// Width of the drawing: small, so that its text stays readable when a phone scales it. Unit:
+/// pixels.
 const WIDTH: f64 = 640.0;
 /// What is left free of lines at the left, the top, the right and the bottom. Unit: pixels.
 const FREE: (f64, f64, f64, f64) = (92.0, 10.0, 20.0, 66.0);
@@ -33,7 +36,8 @@ const FONT_SIZE: f64 = 18.0;
 const HALF_LETTER: f64 = 6.0;
 /// Height of title and legend above a plot of a sheet. Unit: pixels.
 const HEAD: f64 = 52.0;
-/// What an entry of a sheet's legend needs beside its letters, and about what a letter needs. Unit: pixels.
+/// What an entry of a sheet's legend needs beside its letters, and about what a letter needs. Unit:
+/// pixels.
 const KEY_WIDTH: f64 = 60.0;
 const KEY_LETTER: f64 = 8.0;
 
@@ -117,7 +121,7 @@ impl Height {
 
 /// A line of a plot.
 pub struct Line<'a> {
-    /// What it shows, for the legend.
+    /// What it shows, for the legend; empty where the axes say it.
     pub name: &'a str,
     /// How it looks.
     pub style: Style,
@@ -141,7 +145,8 @@ impl Line<'_> {
         }
     }
 
-    /// The line inside the axes, of the points that make a difference to the eye. Width and height: those of the area, in pixels.
+    /// The line inside the axes, of the points that make a difference to the eye. Width and height:
+    /// those of the area, in pixels.
     fn drawing(&self, (x, width): (&Axis, f64), (y, height): (&Axis, f64)) -> Markup {
         let place = |(&at_x, &at_y): (&f64, &f64)| (x.share(at_x) * width, (1.0 - y.share(at_y)) * height);
         let places: Vec<Place> = self.x.iter().zip(self.y).map(place).collect();
@@ -189,11 +194,13 @@ pub struct Plot<'a> {
     pub lines: Vec<Line<'a>>,
     /// Points with names, in front of the lines.
     pub points: Vec<Point<'a>>,
-    /// Whose time the horizontal axis has: plots of the same clock are enlarged and pointed at together. Empty: nobody's.
+    /// Whose time the horizontal axis has: plots of the same clock are enlarged and pointed at
+    /// together. Empty: nobody's.
     pub clock: String,
     /// How high it is.
     pub height: Height,
-    /// Lowest and highest value that the vertical axis reaches at least, so that plots beside each other have one scale.
+    /// Lowest and highest value that the vertical axis reaches at least, so that plots beside each
+    /// other have one scale.
     pub reaches: Option<(f64, f64)>,
 }
 
@@ -227,7 +234,7 @@ impl Plot<'_> {
     }
 
     fn has_legend(&self) -> bool {
-        self.named().count() > 1
+        self.named().next().is_some()
     }
 
     /// Of all lines.

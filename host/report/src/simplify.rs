@@ -1,15 +1,17 @@
 //! Fewer points for the same picture.
 //!
 //! # Design
-//! - A line over an axis that only rises, time above all, has in each column of pixels the first, the lowest, the highest and
-//!   the last of its points, which draws the same picture (M4: Jugel and others, VLDB 2014).
-//! - Any other line, a loop above all, is simplified by Douglas and Peucker's method (1973): a point stays if the line would
-//!   otherwise miss it by more than a tolerance. Where that leaves too many points, evenly spaced stretches of the line are
-//!   drawn, since a tolerance that the eye sees would change the loops' shape.
+//! - A line over an axis that only rises, time above all, has in each column of pixels the first,
+//!   the lowest, the highest and the last of its points, which draws the same picture (M4: Jugel
+//!   and others, VLDB 2014).
+//! - Any other line, a loop above all, is simplified by Douglas and Peucker's method (1973): a
+//!   point stays if the line would otherwise miss it by more than a tolerance. Where that leaves
+//!   too many points, evenly spaced stretches of the line are drawn, since a tolerance that the eye
+//!   sees would change the loops' shape.
 //!
 //! # Limits
-//! A line has about [`MOST_POINTS`] points, whatever its recording has. The time that a long loop takes grows with its rows, since
-//! only `MOST_LOOKED_AT` of them are simplified.
+//! A line has about [`MOST_POINTS`] points, whatever its recording has. The time that a long loop
+//! takes grows with its rows, since only `MOST_LOOKED_AT` of them are simplified.
 
 /// A line has no more points, but for the ends of its pieces.
 pub const MOST_POINTS: usize = 3000;
@@ -25,7 +27,8 @@ const GROWTH: f64 = 1.5;
 /// A place in the drawing. Unit: pixels.
 pub type Place = (f64, f64);
 
-/// Simplifies a line to the pieces that are drawn; a place that is not a number interrupts it. Unit of the tolerance: pixels.
+/// Simplifies a line to the pieces that are drawn; a place that is not a number interrupts it. Unit
+/// of the tolerance: pixels.
 pub fn simplify(line: &[Place], tolerance: f64) -> Vec<Vec<Place>> {
     let pieces = pieces(line);
     let count = length(&pieces);
@@ -59,7 +62,8 @@ fn only_rises(pieces: &[&[Place]]) -> bool {
     pieces.iter().copied().flatten().is_sorted_by(|one, next| one.0 <= next.0)
 }
 
-/// The points of each column of pixels that its picture needs. A gap within a column is not seen, and closed.
+/// The points of each column of pixels that its picture needs. A gap within a column is not seen,
+/// and closed.
 fn by_columns(pieces: &[&[Place]]) -> Vec<Vec<Place>> {
     let column = |place: &Place| place.0.floor();
     let mut drawn: Vec<Vec<Place>> = Vec::new();
@@ -83,7 +87,8 @@ fn by_columns(pieces: &[&[Place]]) -> Vec<Vec<Place>> {
     drawn
 }
 
-/// The whole pieces if they have no more than `most` points, else about so many in evenly spaced stretches.
+/// The whole pieces if they have no more than `most` points, else about so many in evenly spaced
+/// stretches.
 fn stretches<'a>(pieces: &[&'a [Place]], most: usize) -> Vec<&'a [Place]> {
     let count = length(pieces);
     if count <= most {

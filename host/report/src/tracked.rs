@@ -1,4 +1,5 @@
-//! Report of a reference tracked by the firmware: how near the muscle came, and what drove the valve.
+//! Report of a reference tracked by the firmware: how near the muscle came, and what drove the
+//! valve.
 
 use maud::{Markup, html};
 
@@ -22,7 +23,8 @@ struct Named {
     tracking: Tracking,
 }
 
-/// The report as an HTML file, for runs by their names in the results; `source`: what was tracked, with what.
+/// The report as an HTML file, for runs by their names in the results; `source`: what was tracked,
+/// with what.
 pub fn to_html(runs: &[(&str, &Run)], stroke: Stroke, source: &str) -> String {
     let overruns: u32 = runs.iter().map(|(_, run)| run.overruns).sum();
     let runs: Vec<Named> = runs
@@ -34,16 +36,18 @@ pub fn to_html(runs: &[(&str, &Run)], stroke: Stroke, source: &str) -> String {
         count => format!("{count} times"),
     };
     let body = html! {
-        p { "The firmware tracked the reference " (times) "; " (overruns) " ticks were late. Per cent refer to "
-            (stroke.whose) ", which is " (format!("{:.1}", stroke.mm)) " mm." }
+        p { "The firmware tracked the reference " (times) "; " (overruns) " ticks were late. Percentages refer to "
+            (stroke.whose) ", " (format!("{:.1}", stroke.mm)) " mm." }
         (figures(&runs, stroke))
         @for Named { name, tracking } in &runs {
             h2 { (name) }
-            (tracking.stack(name))
-            (explained(&[
-                (tracking.linearity(&format!("{name}: desired and actual contraction")), "On the dashed line both are equal."),
-                (tracking.loops(&format!("{name}: loop of the muscle")), "The hysteresis that the controller drives it around."),
-            ]))
+            div.run {
+                (tracking.stack(name))
+                (explained(&[
+                    (tracking.linearity(&format!("{name}: desired and actual contraction")), "On the dashed line both are equal."),
+                    (tracking.loops(&format!("{name}: loop of the muscle")), "The hysteresis that the controller drives it around."),
+                ]))
+            }
         }
         p { "An error that comes back in every cycle, the model has wrong. Where the feedback is small beside the feed-forward, \
             the model does the work." }

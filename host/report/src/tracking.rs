@@ -113,8 +113,7 @@ impl Tracking {
 
     /// The loops that the muscle is driven around.
     pub fn loops(&self, title: &str) -> Plot<'_> {
-        let line =
-            Line { name: "measured", style: Style::Measured, x: &self.pressure_bar, y: &self.contraction_mm };
+        let line = Line { name: "", style: Style::Measured, x: &self.pressure_bar, y: &self.contraction_mm };
         plot(title, "pressure (bar)", "contraction (mm)", vec![line])
     }
 

@@ -1,4 +1,5 @@
-//! No envelope: γ(x) = x. The plays are then linear plays, as in the classical and the modified model.
+//! No envelope: γ(x) = x. The plays are then linear plays, as in the classical and the modified
+//! model.
 
 use crate::envelope::Envelope;
 use crate::range::Range;

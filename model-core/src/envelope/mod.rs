@@ -1,8 +1,8 @@
 //! Envelopes: the curve γ that turns the input into the inner coordinate v which drives the plays.
 //!
-//! Strictly increasing and without memory. A file each: [`tanh`] (the paper's), [`piecewise_linear`] (free
-//! knots), [`identity`] (linear plays, for the classical and the modified model), and [`any`], which is one of the
-//! three.
+//! Strictly increasing and without memory. A file each: [`tanh`] (the paper's),
+//! [`piecewise_linear`] (free knots), [`identity`] (linear plays, for the classical and the
+//! modified model), and [`any`], which is one of the three.
 
 pub mod any;
 pub mod identity;
@@ -25,8 +25,8 @@ pub trait Envelope<T: Real> {
     /// γ⁻¹(v). Input: inner coordinate; result: input unit, finite for every finite v.
     fn inverse(&self, v: T) -> T;
 
-    /// [`inverse`](Self::inverse) for v strictly within [`values`](Self::values), where it needs no care for its ends.
-    /// Elsewhere the answer is meaningless.
+    /// [`inverse`](Self::inverse) for v strictly within [`values`](Self::values), where it needs no
+    /// care for its ends. Elsewhere the answer is meaningless.
     #[inline(always)]
     fn inverse_inside(&self, v: T) -> T {
         self.inverse(v)
@@ -40,7 +40,8 @@ pub trait Envelope<T: Real> {
         None
     }
 
-    /// The ends of the open interval in which [`inverse_inside`](Self::inverse_inside) has a meaning. Unit: 1.
+    /// The ends of the open interval in which [`inverse_inside`](Self::inverse_inside) has a
+    /// meaning. Unit: 1.
     fn values(&self) -> (T, T) {
         (-T::INFINITY, T::INFINITY)
     }

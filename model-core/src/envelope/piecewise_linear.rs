@@ -1,7 +1,8 @@
 //! A monotone piecewise-linear envelope through a handful of knots, and its exact inverse.
 //!
-//! The tanh envelope bounds how well a muscle can be described (its error falls from 0.8 to 0.4 mm with twelve free
-//! knots); it also costs an atanh each tick, where this one costs a search among the knots.
+//! The tanh envelope bounds how well a muscle can be described (its error falls from 0.8 to 0.4 mm
+//! with twelve free knots); it also costs an atanh each tick, where this one costs a search among
+//! the knots.
 
 use heapless::Vec;
 
@@ -54,8 +55,8 @@ pub struct PiecewiseLinear<T, const K: usize> {
 
 impl<T: Real, const K: usize> PiecewiseLinear<T, K> {
     /// # Errors
-    /// Fewer than two knots, lists of different length, a coordinate that does not increase or is not
-    /// finite, a slope outside the number type.
+    /// Fewer than two knots, lists of different length, a coordinate that does not increase or is
+    /// not finite, a slope outside the number type.
     pub fn try_new(parameters: &PiecewiseLinearParameters<T, K>) -> Result<Self, ParameterError> {
         let PiecewiseLinearParameters { inputs, values } = parameters;
         if values.len() != inputs.len() {

@@ -1,11 +1,11 @@
 //! The tanh envelope γ(x) = c0 tanh(c1 x + c2) + c3 of equation (11), and its inverse.
 //!
-//! It turns the input (pressure) into the inner coordinate v that drives the plays. It saturates as the
-//! muscle does, and carries no memory.
+//! It turns the input (pressure) into the inner coordinate v that drives the plays. It saturates as
+//! the muscle does, and carries no memory.
 //!
 //! # Limits
-//! The inverse exists inside (c3 - c0, c3 + c0) only. Values and arguments of the inverse are kept a few roundings inside
-//! it, so that the answer is always finite.
+//! The inverse exists inside (c3 - c0, c3 + c0) only. Values and arguments of the inverse are kept
+//! a few roundings inside it, so that the answer is always finite.
 
 use crate::convert;
 use crate::envelope::Envelope;
@@ -74,7 +74,8 @@ pub struct TanhEnvelope<T> {
 
 impl<T: Real> TanhEnvelope<T> {
     /// # Errors
-    /// c0 or c1 not above 0, any of the four (or -c2/c1, 1/c1) not finite, or a height lost in the rounding of c3.
+    /// c0 or c1 not above 0, any of the four (or -c2/c1, 1/c1) not finite, or a height lost in the
+    /// rounding of c3.
     pub fn try_new(parameters: TanhParameters<T>) -> Result<Self, ParameterError> {
         let TanhParameters { c0, c1, c2, c3 } = parameters;
         let c0 = Check::new("c0", "").above(c0, T::ZERO)?;
@@ -101,8 +102,8 @@ impl<T: Real> Envelope<T> for TanhEnvelope<T> {
         self.inverse_inside(v.limit(self.low, self.high))
     }
 
-    /// γ⁻¹(v) = (atanh((v - c3)/c0) - c2)/c1. Half the distances from the two ends, c0 + (v - c3) and c0 - (v - c3), take the
-    /// place of the quotient.
+    /// γ⁻¹(v) = (atanh((v - c3)/c0) - c2)/c1. Half the distances from the two ends, c0 + (v - c3)
+    /// and c0 - (v - c3), take the place of the quotient.
     #[inline(always)]
     fn inverse_inside(&self, v: T) -> T {
         T::atanh_of_ratio(self.below + v, self.above - v) * self.reciprocal_c1 + self.centre

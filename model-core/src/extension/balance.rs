@@ -1,13 +1,14 @@
-//! The effects on the balance of forces, as an equivalent input: what pressure they take from the operator. And the same
-//! behind it: what contraction.
+//! The effects on the balance of forces, as an equivalent input: what pressure they take from the
+//! operator. And the same behind it: what contraction.
 //!
-//! pressure = u + Σ hᵢ(y) dᵢ, with u the operator's input, y its output, hᵢ the profile of an effect and dᵢ what drives
-//! it. Before y is known a driver is constant + gain * (how far y moves): one form, [`Term`], for what is measured (load,
-//! temperature), remembered (travel) and differentiated (velocity, acceleration). Only the rate-dependent width depends
-//! on u itself.
+//! pressure = u + Σ hᵢ(y) dᵢ, with u the operator's input, y its output, hᵢ the profile of an
+//! effect and dᵢ what drives it. Before y is known a driver is constant + gain * (how far y moves):
+//! one form, [`Term`], for what is measured (load, temperature), remembered (travel) and
+//! differentiated (velocity, acceleration). Only the rate-dependent width depends on u itself.
 //!
-//! Model and inverse use the same [`Present`]: the inverse knows u and y and adds, the model searches the u for which
-//! the sum is the pressure. Behind the operator its output takes the place of the pressure, and the contraction y that of u.
+//! Model and inverse use the same [`Present`]: the inverse knows u and y and adds, the model
+//! searches the u for which the sum is the pressure. Behind the operator its output takes the place
+//! of the pressure, and the contraction y that of u.
 
 use crate::error::ParameterError;
 use crate::real::Real;
@@ -156,7 +157,8 @@ fn here<P, Q>(
 }
 
 impl<T: Real> Present<'_, T> {
-    /// What they take, where the operator's input has moved by `pushed` to `u` and its output by `moved` to `y`. Input unit.
+    /// What they take, where the operator's input has moved by `pushed` to `u` and its output by
+    /// `moved` to `y`. Input unit.
     #[inline(always)]
     pub(super) fn value(&self, (u, pushed): (T, T), (y, moved): (T, T)) -> T {
         let mut sum = self.terms((y, moved));
@@ -166,7 +168,7 @@ impl<T: Real> Present<'_, T> {
         sum
     }
 
-    /// The same of those that do not depend on the operator's input.
+    /// As above, for the terms that do not depend on the operator's input.
     #[inline(always)]
     fn terms(&self, (y, moved): (T, T)) -> T {
         let of = |term: &Option<Term<'_, T>>| match term {
@@ -178,8 +180,8 @@ impl<T: Real> Present<'_, T> {
         of(load) + of(temperature) + of(warm_up) + of(viscous_lag) + of(inertia)
     }
 
-    /// The operator's input that they leave of a pressure, where it was `u0` and its output has moved by `moved` to `y`: to `tolerance` where it
-    /// takes a search. Input unit.
+    /// The operator's input that they leave of a pressure, where it was `u0` and its output has
+    /// moved by `moved` to `y`: to `tolerance` where it takes a search. Input unit.
     pub(super) fn rest(&self, pressure: T, u0: T, (y, moved): (T, T), tolerance: T) -> T {
         let free = pressure - self.terms((y, moved));
         let Some(width) = &self.width else { return free };

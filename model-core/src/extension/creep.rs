@@ -1,11 +1,14 @@
 //! Creep: a part of every move comes late, over decades of time.
 //!
-//! Of the contraction, or, before the hysteresis, of the pressure: what follows is said of the first.
+//! Of the contraction, or, before the hysteresis, of the pressure: what follows is said of the
+//! first.
 //!
-//! y = y₀ - Σ cₖ dₖ, where dₖ = y₀ - (y₀ through a first-order low-pass of time constant τₖ): Kelvin-Voigt elements on a
-//! logarithmic grid. Between samples y₀ is taken to move evenly: of second order.
+//! y = y₀ - Σ cₖ dₖ, where dₖ = y₀ - (y₀ through a first-order low-pass of time constant τₖ):
+//! Kelvin-Voigt elements on a logarithmic grid. Between samples y₀ is taken to move evenly: of
+//! second order.
 //!
-//! The distances dₖ are remembered, with compensated sums: what is added in a sample is a millionth of them.
+//! The distances dₖ are remembered, with compensated sums: what is added in a sample is a millionth
+//! of them.
 //!
 //! # The inverse
 //! Explicit: all dₖ are affine in the next move of y₀, and Σ cₖ < 1.
@@ -32,7 +35,8 @@ pub const CREEP_ELEMENTS: usize = 6;
 pub struct CreepParameters<T> {
     /// τ, strictly increasing. Unit: s, above 0.
     pub time_constants_s: Vec<T, CREEP_ELEMENTS>,
-    /// c, as many as time constants: the share of a move that comes late by each. At least 0, together below 1.
+    /// c, as many as time constants: the share of a move that comes late by each. At least 0,
+    /// together below 1.
     pub fractions: Vec<T, CREEP_ELEMENTS>,
 }
 

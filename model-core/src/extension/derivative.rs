@@ -1,15 +1,17 @@
 //! The time derivative of a sampled signal, at the last of its samples.
 //!
-//! v + λ v₋ = (1 + λ) s + (1 - λ) w (s - s₋), with s the slope of the last step, s₋ and v₋ slope and derivative one
-//! sample before, w = dt/(dt + dt₋). It is exact for parabolas (when v₋ is), so of second order, at steps of any lengths.
+//! v + λ v₋ = (1 + λ) s + (1 - λ) w (s - s₋), with s the slope of the last step, s₋ and v₋ slope
+//! and derivative one sample before, w = dt/(dt + dt₋). It is exact for parabolas (when v₋ is), so
+//! of second order, at steps of any lengths.
 //!
 //! # Why λ = ½
-//! Both directions have to be stable. Solved for the signal (a model that is simulated), it integrates: of
-//! equal steps A-stable for every λ up to 1. Solved for the derivative (a reference that is differentiated), its
-//! memory fades as (-λ)ᵏ: at λ = 1, the trapezoidal rule or Newmark's average acceleration, it never would, and one kink
-//! of the reference would ring for ever. λ = 0, the second backward difference, forgets at once, but its error
-//! (2 - λ)/(1 + λ) dt² y‴/6 is four times that of the trapezoidal rule; at ½ it is twice that, and the numerical
-//! damping of an oscillation a fifth.
+//! Both directions have to be stable. Solved for the signal (a model that is simulated), it
+//! integrates: of equal steps A-stable for every λ up to 1. Solved for the derivative (a reference
+//! that is differentiated), its memory fades as (-λ)ᵏ: at λ = 1, the trapezoidal rule or Newmark's
+//! average acceleration, it never would, and one kink of the reference would ring for ever. λ = 0,
+//! the second backward difference, forgets at once, but its error (2 - λ)/(1 + λ) dt² y‴/6 is four
+//! times that of the trapezoidal rule; at ½ it is twice that, and the numerical damping of an
+//! oscillation a fifth.
 
 use crate::real::Real;
 
@@ -35,7 +37,8 @@ impl<T: Real> Stencil<T> {
         Self { per_second, gain: (T::ONE + lambda + bend) * per_second, bend }
     }
 
-    /// Of a signal that has rested: all derivatives are 0, however far it has moved in the meantime.
+    /// Of a signal that has rested: all derivatives are 0, however far it has moved in the
+    /// meantime.
     pub(super) fn resting() -> Self {
         Self { per_second: T::ZERO, gain: T::ZERO, bend: T::ZERO }
     }
@@ -46,7 +49,8 @@ impl<T: Real> Stencil<T> {
     }
 }
 
-/// What is known of a value before the signal's sample is: constant + gain * (how far the signal will have moved).
+/// What is known of a value before the signal's sample is: constant + gain * (how far the signal
+/// will have moved).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Affine<T> {
     pub(super) constant: T,

@@ -10,7 +10,8 @@ use crate::real::Real;
 pub struct DriftParameters<T> {
     /// How fast. Unit: output unit/s.
     pub rate_per_s: T,
-    /// Whether the inverse takes it off; else it is left to feedback. A drift that was seen once need not go on.
+    /// Whether the inverse takes it off; else it is left to feedback. A drift that was seen once
+    /// need not go on.
     pub compensated: bool,
 }
 

@@ -42,7 +42,8 @@ pub(super) struct EffectsMemory<T> {
     /// The pressure that creeps. Input unit.
     pub(super) felt: T,
     pub(super) balance: BalanceMemory<T>,
-    /// The rate that thresholds depend on. Unit: output unit/s; in a model whose thresholds go by the pressure input unit/s.
+    /// The rate that thresholds depend on. Unit: output unit/s; in a model whose thresholds go by
+    /// the pressure input unit/s.
     pub(super) rate: T,
     pub(super) output: Option<OutputMemory<T>>,
     /// The operator's input. Input unit.

@@ -1,19 +1,22 @@
 //! The extended model, from command (or pressure) to contraction.
 //!
 //! # The root
-//! The operator's input u is the root of F(u) = u + what the effects take at (u, operator(u)) - pressure. Where the operator
-//! stands F is known without a step of it; from there the root lies in the direction of F's sign, and F rises at
-//! least as fast as u where no effect falls with the contraction faster than the operator rises. The search tries steps
-//! on a copy of the operator's state, usually two or three, to [`TOLERANCE`] of the input range.
+//! The operator's input u is the root of F(u) = u + what the effects take at (u, operator(u)) -
+//! pressure. Where the operator stands F is known without a step of it; from there the root lies in
+//! the direction of F's sign, and F rises at least as fast as u where no effect falls with the
+//! contraction faster than the operator rises. The search tries steps on a copy of the operator's
+//! state, usually two or three, to [`TOLERANCE`] of the input range.
 //!
-//! Where thresholds depend on the rate ([`super::rate_dependent_thresholds`]) they are known with y alone, and so is, by the same
-//! balance, u: the root is then that of G(y) = y - operator(u) at these thresholds, to [`TOLERANCE`] of the output range. G rises at least
-//! as fast as y for the same reason, and since a wider bank moves less. Thresholds by the rate of the pressure are known before,
-//! and the root is that of F.
+//! Where thresholds depend on the rate ([`super::rate_dependent_thresholds`]) they are known with y
+//! alone, and so is, by the same balance, u: the root is then that of G(y) = y - operator(u) at
+//! these thresholds, to [`TOLERANCE`] of the output range. G rises at least as fast as y for the
+//! same reason, and since a wider bank moves less. Thresholds by the rate of the pressure are known
+//! before, and the root is that of F.
 //!
 //! # Limits
-//! A pressure beyond the input range by more than its span counts as one that is not, as in the family. A profile that
-//! falls so steeply that there are several roots (a muscle that snaps through) is answered by one of them.
+//! A pressure beyond the input range by more than its span counts as one that is not, as in the
+//! family. A profile that falls so steeply that there are several roots (a muscle that snaps
+//! through) is answered by one of them.
 
 use crate::cascade::Cascade;
 use crate::envelope::AnyEnvelope;
@@ -31,7 +34,8 @@ use super::{ExtensionParameters, Surroundings, each};
 
 /// How exactly the root is found: this share of the input range, as far as the number type allows.
 pub const TOLERANCE: f64 = 1e-11;
-/// And to this share of that where a width before the operator depends on the rate as well: it rises without bound where a move begins.
+/// And to this share of that where a width before the operator depends on the rate as well: it
+/// rises without bound where a move begins.
 const NEARER: f64 = 1e-3;
 /// The shortest time between samples. Unit: s.
 pub const SHORTEST_STEP_S: f64 = 1e-9;
@@ -94,7 +98,8 @@ pub struct ExtendedState<T, const N: usize> {
     line: DelayLine<T>,
     /// The slope of F or G that the last search found, which the next one begins with.
     slope: T,
-    /// How far the output moved then, where thresholds depend on the rate: from there the next one begins. Output unit.
+    /// How far the output moved then, where thresholds depend on the rate: from there the next one
+    /// begins. Output unit.
     moved: T,
     /// The pressure whose rate widens thresholds, as it was seen last. Input unit.
     seen: T,
@@ -122,9 +127,10 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
         Ok(extended.with_tolerance(T::from_f64(TOLERANCE)))
     }
 
-    /// The same, its roots found to this share of the input range and of the output range instead of 1e-11, as far as the number
-    /// type allows: for a search that runs many models, of each of which little is asked. Rates are differences of what is found: an
-    /// answer is off by about as many times more as a lag has steps of time, for a mass by the square of that.
+    /// The same, its roots found to this share of the input range and of the output range instead
+    /// of 1e-11, as far as the number type allows: for a search that runs many models, of each of
+    /// which little is asked. Rates are differences of what is found: an answer is off by about as
+    /// many times more as a lag has steps of time, for a mass by the square of that.
     pub fn with_tolerance(self, tolerance: T) -> Self {
         let tolerance = tolerance.at_least(T::from_f64(4.0) * T::EPSILON);
         let range = self.model.input_range();
@@ -141,7 +147,8 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
         &self.model
     }
 
-    /// The state before the first sample, of a muscle that came from rest to the lower end of the input range.
+    /// The state before the first sample, of a muscle that came from rest to the lower end of the
+    /// input range.
     pub fn rest_state(&self) -> ExtendedState<T, N> {
         let operator = self.model.rest_state();
         let u = self.model.input_range().min();
@@ -164,8 +171,8 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
     /// One sample.
     ///
     /// # Errors
-    /// A value that is not finite, a time step that is not finite or shorter than `SHORTEST_STEP_S` (1 ns), or more samples within
-    /// the delay than it can hold; the state is then as it was.
+    /// A value that is not finite, a time step that is not finite or shorter than `SHORTEST_STEP_S`
+    /// (1 ns), or more samples within the delay than it can hold; the state is then as it was.
     pub fn step(&self, state: &mut ExtendedState<T, N>, sample: &Sample<T>) -> Result<Output<T>, InputError> {
         let Sample { input, surroundings, dt_s } = *sample;
         let input = finite_input(input)?;
@@ -313,7 +320,8 @@ impl<T: Real, const N: usize, const M: usize> ExtendedModel<T, N, M> {
     }
 }
 
-/// By how much thresholds are wider at a pressure, whose rate is then known; None where it does not count for them.
+/// By how much thresholds are wider at a pressure, whose rate is then known; None where it does not
+/// count for them.
 fn times<T: Real, const N: usize>(
     thresholds: &RateDependentThresholds<T>,
     state: &mut ExtendedState<T, N>,

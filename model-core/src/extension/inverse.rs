@@ -5,16 +5,17 @@
 //!      u ─▶ + what the effects take ─▶ creep⁻¹ ─▶ pressure ─▶ valve⁻¹ ─▶ command
 //! ```
 //!
-//! Each step is explicit. What the inverse remembers is what can be reached: the operator's end where the wanted
-//! contraction is beyond it, the pressure of a valve that got the limited command, the creep of a limited pressure.
+//! Each step is explicit. What the inverse remembers is what can be reached: the operator's end
+//! where the wanted contraction is beyond it, the pressure of a valve that got the limited command,
+//! the creep of a limited pressure.
 //!
 //! # Delay
-//! The answer acts a delay later. So the wanted contraction is that of the present plus the delay, and drift and tone are
-//! taken off as they will be then.
+//! The answer acts a delay later. So the wanted contraction is that of the present plus the delay,
+//! and drift and tone are taken off as they will be then.
 //!
 //! # Limits
-//! The operator's inverse remembers the pressure that was wanted. A peak that the supply has cut is so remembered too high,
-//! until it is wiped out.
+//! The operator's inverse remembers the pressure that was wanted. A peak that the supply has cut is
+//! so remembered too high, until it is wiped out.
 
 use crate::error::{Check, InputError, ParameterError, finite_input};
 use crate::hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible};
@@ -66,7 +67,8 @@ struct Compensation<T> {
 /// What the inverse of an extended model remembers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExtendedInverseState<T, const N: usize> {
-    /// That of the operator's inverse; where thresholds depend on the rate that of the operator itself.
+    /// That of the operator's inverse; where thresholds depend on the rate that of the operator
+    /// itself.
     operator: HysteresisState<T, N>,
     /// None where nothing is compensated.
     compensation: Option<CompensationState<T>>,
@@ -79,11 +81,12 @@ struct CompensationState<T> {
 }
 
 impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
-    /// `period_s`: time from sample to sample, s, above 0. `limits`: the commands that there are, input unit; only a
-    /// compensated valve and creep of the pressure are held to them here.
+    /// `period_s`: time from sample to sample, s, above 0. `limits`: the commands that there are,
+    /// input unit; only a compensated valve and creep of the pressure are held to them here.
     ///
     /// # Errors
-    /// The first parameter that no inverse can be made of; a supply that is not above the lowest command.
+    /// The first parameter that no inverse can be made of; a supply that is not above the lowest
+    /// command.
     // Not inlined, for the sake of a board's stack.
     #[inline(never)]
     pub fn try_new(
@@ -115,7 +118,8 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
         &self.operator
     }
 
-    /// The operator's outputs at rest and, from there, at the upper end of its input range. Output unit.
+    /// The operator's outputs at rest and, from there, at the upper end of its input range. Output
+    /// unit.
     pub fn output_range(&self) -> (T, T) {
         self.output_range
     }
@@ -140,7 +144,8 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
         ExtendedInverseState { operator, compensation }
     }
 
-    /// One sample: the command that brings the contraction, a delay later, to `wanted`, or as near as the limits allow.
+    /// One sample: the command that brings the contraction, a delay later, to `wanted`, or as near
+    /// as the limits allow.
     ///
     /// # Errors
     /// A value that is not finite; the state is then as it was.
@@ -159,7 +164,7 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
         }
     }
 
-    /// Apart, lest it costs registers where nothing is compensated.
+    /// Not inlined, to avoid register spills where nothing is compensated.
     #[inline(never)]
     fn compensated(
         &self,

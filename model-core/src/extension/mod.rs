@@ -1,13 +1,15 @@
-//! Extensions: what a muscle on a valve does beside hysteresis, each effect as a model and as its compensation.
+//! Extensions: what a muscle on a valve does beside hysteresis, each effect as a model and as its
+//! compensation.
 //!
 //! # The chain
 //! ```text
 //! command ─▶ dead band ─▶ supply ─▶ lag ─▶ pressure ─▶ delay ─▶ creep ─▶ balance ─▶ u ─▶ operator ─▶ y₀
 //!      y₀ ─▶ balance ─▶ creep ─▶ drift, tone ─▶ y
 //! ```
-//! All effects on the balance of forces are an equivalent input: pressure = u + what they take (`balance`).
-//! Then the inverse is explicit, u = operator⁻¹(y₀) and add, and the model is one root in u. The same effects may act behind
-//! the operator, on the contraction: y₀ = contraction + what they take ([`site`]).
+//! All effects on the balance of forces are an equivalent input: pressure = u + what they take
+//! (`balance`). Then the inverse is explicit, u = operator⁻¹(y₀) and add, and the model is one root
+//! in u. The same effects may act behind the operator, on the contraction: y₀ = contraction + what
+//! they take ([`site`]).
 //!
 //! | effect | where | file |
 //! |---|---|---|
@@ -21,15 +23,15 @@
 //! | drift, tone | output | [`drift`], [`periodic_disturbance`] |
 //!
 //! # Contract
-//! [`ExtendedModel`] and [`ExtendedInverse`] are made of raw parameters that are checked once. Without extensions they
-//! are the operator and its inverse, bit for bit.
+//! [`ExtendedModel`] and [`ExtendedInverse`] are made of raw parameters that are checked once.
+//! Without extensions they are the operator and its inverse, bit for bit.
 //!
-//! * The first sample finds the muscle standing still, the valve where it is, creep at its end: that is how
-//!   recordings begin. Time, drift and tone count from it.
-//! * Steps may be unequal in the model; the inverse has a fixed period, for which all exponentials are computed
-//!   beforehand.
-//! * Forward of inverse is exact up to rounding, but for a held dead band, thresholds by the rate of the pressure, and what
-//!   limits cut off.
+//! * The first sample finds the muscle standing still, the valve where it is, creep at its end:
+//!   that is how recordings begin. Time, drift and tone count from it.
+//! * Steps may be unequal in the model; the inverse has a fixed period, for which all exponentials
+//!   are computed beforehand.
+//! * Forward of inverse is exact up to rounding, but for a held dead band, thresholds by the rate
+//!   of the pressure, and what limits cut off.
 //!
 //! # Limits
 //! The inverse takes load and temperature as they are, not as they will be after the delay.
@@ -162,8 +164,9 @@ impl<T: Real> ExtensionParameters<T> {
         }
     }
 
-    /// How far ahead of time a controller at this period has to be given its reference: by the delay, and where there is a mass
-    /// by the lag of what smooths the reference for it ([`crate::tracking`]). Both: s.
+    /// How far ahead of time a controller at this period has to be given its reference: by the
+    /// delay, and where there is a mass by the lag of what smooths the reference for it
+    /// ([`crate::tracking`]). Both: s.
     pub fn preview_s(&self, period_s: T) -> T {
         let delay_s = self.transport_delay.map_or(T::ZERO, |delay| delay.delay_s);
         if self.has_mass() { delay_s + smoother::lag_s(period_s) } else { delay_s }

@@ -1,10 +1,11 @@
-//! The effects behind the operator: on its output, and the zero, which has nothing to do with the muscle.
+//! The effects behind the operator: on its output, and the zero, which has nothing to do with the
+//! muscle.
 //!
 //! y₀ = y₁ + what the balance of this site takes, contraction = y₁ - creep + zero.
 //!
 //! # Limits
-//! A y₁ that is farther from the operator's outputs than [`FARTHEST`] of their spans counts as one that is not: no finite
-//! sample then leads out of the number type.
+//! A y₁ that is farther from the operator's outputs than [`FARTHEST`] of their spans counts as one
+//! that is not: no finite sample then leads out of the number type.
 
 use crate::error::ParameterError;
 use crate::range::Range;
@@ -90,7 +91,8 @@ impl<T: Real> OutputEffects<T> {
         }
     }
 
-    /// For the first sample: time begins with it, and the muscle has stood still and crept to its end.
+    /// For the first sample: time begins with it, and the muscle has stood still and crept to its
+    /// end.
     pub(super) fn first(&self) -> OutputStep<T> {
         OutputStep {
             balance: self.balance.as_ref().map(Balance::first),
@@ -100,7 +102,8 @@ impl<T: Real> OutputEffects<T> {
         }
     }
 
-    /// What they remember where the first sample is at this time (s) and the operator stands at `y0`.
+    /// What they remember where the first sample is at this time (s) and the operator stands at
+    /// `y0`.
     pub(super) fn resting(&self, y0: T, time_s: T) -> OutputMemory<T> {
         let mut drifted = Sum::default();
         drifted.add(self.drift.map_or(T::ZERO, |rate| rate * time_s));
@@ -140,7 +143,8 @@ impl<T: Real> OutputEffects<T> {
         Some(balance.at(step, &memory.balance, surroundings))
     }
 
-    /// The contraction without the zero, for the operator's output. y₁ is found to `tolerance` (output unit).
+    /// The contraction without the zero, for the operator's output. y₁ is found to `tolerance`
+    /// (output unit).
     pub(super) fn contraction(
         &self,
         step: &OutputStep<T>,
@@ -153,7 +157,8 @@ impl<T: Real> OutputEffects<T> {
         let (mut y1, mut slope) = (y0, memory.slope);
         let present = self.present(step, memory, surroundings);
         if let Some(present) = &present {
-            // Beyond the reach the balance takes what it takes there: there is a root, wherever that is.
+            // Beyond the reach the balance takes what it takes there: there is a root, wherever
+            // that is.
             let over = |y1: T| {
                 let reached = self.reach.limit(y1);
                 y1 + taken(present, reached, reached - last) - y0
@@ -194,7 +199,8 @@ impl<T: Real> OutputEffects<T> {
     }
 }
 
-/// Whatever can count as a contraction, where the operator's outputs are from `lowest` to `highest`.
+/// Whatever can count as a contraction, where the operator's outputs are from `lowest` to
+/// `highest`.
 ///
 /// # Errors
 /// They are no range.
@@ -215,8 +221,9 @@ fn remembered<T: Real>(present: &Present<'_, T>, y1: T, moved: T) -> BalanceMemo
 }
 
 impl<T: Real> Aim<'_, T> {
-    /// What is reached where the operator's output is `y0`, which may be less than was aimed at: then the contraction is
-    /// taken to fall short by as much. y₁, and what the balance remembers of it, for [`OutputStep::keep`].
+    /// What is reached where the operator's output is `y0`, which may be less than was aimed at:
+    /// then the contraction is taken to fall short by as much. y₁, and what the balance remembers
+    /// of it, for [`OutputStep::keep`].
     #[inline(always)]
     pub(super) fn reached(self, last: T, y0: T) -> (T, Option<BalanceMemory<T>>) {
         let y1 = self.y1 + (y0 - self.y0);

@@ -1,7 +1,7 @@
 //! A tone that has nothing to do with the input: amplitude * sin(2π frequency t + phase).
 //!
-//! It is made by an oscillator: each step turns a pointer, by its own small difference so that the frequency is exact in
-//! `f32` too, and pulls its length back to 1.
+//! It is made by an oscillator: each step turns a pointer, by its own small difference so that the
+//! frequency is exact in `f32` too, and pulls its length back to 1.
 
 use core::f64::consts::{PI, TAU};
 
@@ -19,7 +19,8 @@ pub struct PeriodicDisturbanceParameters<T> {
     pub frequency_hz: T,
     /// At the first sample. Unit: rad, within ±2π.
     pub phase_rad: T,
-    /// Whether the inverse takes it off; else it is left to feedback. The phase has to be that of the board's start.
+    /// Whether the inverse takes it off; else it is left to feedback. The phase has to be that of
+    /// the board's start.
     pub compensated: bool,
 }
 
@@ -106,8 +107,8 @@ impl<T: Real> Pointer<T> {
     }
 }
 
-/// By an angle within ±4π. By the power series, of the angle within ±π: `libm`'s functions reduce angles of any size by a
-/// table, and as far as a compiler knows its index can panic.
+/// By an angle within ±4π. By the power series, of the angle within ±π: `libm`'s functions reduce
+/// angles of any size by a table, and as far as a compiler knows its index can panic.
 fn turn(angle: f64) -> Turn<f64> {
     let mut angle = angle;
     for _ in 0..2 {

@@ -1,9 +1,10 @@
 //! The reference of the feedback, where that of the inverse is given ahead of time.
 //!
-//! What the inverse commands acts a delay later, and the reference that a mass is to follow is smoothed on its way there
-//! ([`super::smoother`]). So the controller gets the reference that is due then, and the feedback,
-//! which compares with what is measured now, the one that it got as long ago. Between samples the reference is taken to
-//! move evenly; before the first one it was that.
+//! What the inverse commands acts a delay later, and the reference that a mass is to follow is
+//! smoothed on its way there ([`super::smoother`]). So the controller gets the reference that is
+//! due then, and the feedback, which compares with what is measured now, the one that it got as
+//! long ago. Between samples the reference is taken to move evenly; before the first one it was
+//! that.
 
 use crate::error::{Check, ParameterError, Requirement};
 use crate::real::Real;

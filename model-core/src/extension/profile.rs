@@ -1,4 +1,5 @@
-//! How strong an effect is over the contraction: piecewise linear through a few knots, constant outside them.
+//! How strong an effect is over the contraction: piecewise linear through a few knots, constant
+//! outside them.
 
 use heapless::Vec;
 
@@ -8,7 +9,8 @@ use crate::real::Real;
 
 /// The most knots of a profile.
 pub const PROFILE_KNOTS: usize = 4;
-/// The largest value of a profile, whatever its unit: no finite sample then leads out of the number type.
+/// The largest value of a profile, whatever its unit: no finite sample then leads out of the number
+/// type.
 const LARGEST: f64 = 1e9;
 
 /// Raw parameters of a profile: one knot, a constant, or more.
@@ -72,7 +74,8 @@ impl<T: Real> Profile<T> {
     /// `parameter` and `unit` name the strength in errors.
     ///
     /// # Errors
-    /// No knot, lists of different length, knots that do not increase, anything not finite or beyond 1e9.
+    /// No knot, lists of different length, knots that do not increase, anything not finite or
+    /// beyond 1e9.
     pub fn try_new(
         parameters: &ProfileParameters<T>,
         parameter: &'static str,

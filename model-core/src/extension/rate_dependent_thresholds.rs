@@ -1,25 +1,29 @@
 //! Plays that are wider the faster the muscle moves: thresholds rᵢ g, with g = 1 + h(y) ρᵃ.
 //!
-//! ρ is the speed of sliding, the positive part of s y', through a first-order filter. y is the operator's output: what friction
-//! resists is seen in the contraction, not in the pressure. s is what the plays hold back, before the move: from -1 where all
-//! follow a fall to 1 where all follow a rise. All thresholds of the bank are wider by the same factor, so that
-//! a fast loop has the form of a slow one. Where muscle or model are not of this kind the loop may be widened before
+//! ρ is the speed of sliding, the positive part of s y', through a first-order filter. y is the
+//! operator's output: what friction resists is seen in the contraction, not in the pressure. s is
+//! what the plays hold back, before the move: from -1 where all follow a fall to 1 where all follow
+//! a rise. All thresholds of the bank are wider by the same factor, so that a fast loop has the
+//! form of a slow one. Where muscle or model are not of this kind the loop may be widened before
 //! the operator instead ([`super::rate_dependent_width`]).
 //!
 //! # Both ways
-//! The inverse knows y, so it knows g, and asks the bank for the input at these thresholds: explicit and exact. (By the speed
-//! of the pressure it would have to run after its own answer: what is wider asks for a faster pressure, which is wider.)
-//! The model does not know y. It looks for the y that is the answer at the g that it asks for: the faster y moves the wider is
-//! the bank, of which the answer moves less. Were the speed of a move against s counted too there would be another, at which
-//! plays that are wide by the move of the direct term alone are kept by that from following.
+//! The inverse knows y, so it knows g, and asks the bank for the input at these thresholds:
+//! explicit and exact. (By the speed of the pressure it would have to run after its own answer:
+//! what is wider asks for a faster pressure, which is wider.) The model does not know y. It looks
+//! for the y that is the answer at the g that it asks for: the faster y moves the wider is the
+//! bank, of which the answer moves less. Were the speed of a move against s counted too there would
+//! be another, at which plays that are wide by the move of the direct term alone are kept by that
+//! from following.
 //!
 //! # By the rate of the pressure
-//! Rate-dependent operators are also described with thresholds by the rate of their input: rᵢ (1 + k ρᵃ), ρ the size of the
-//! pressure's rate through the same filter (Al Janaideh, Rakheja and Su, Mechatronics 19, 2009; there another function of the
-//! rate). With `pressure` the model is of that kind: it knows the pressure, so it knows g. What is measured is never at rest,
-//! and a small rate to a power below 1 is none: so the pressure goes through a play of the sensor's noise before. The inverse
-//! is not of that kind, for the reason above, and goes by h: k over the loop's slope to the power of a is about the
-//! same. Forward of inverse is then near, and not exact.
+//! Rate-dependent operators are also described with thresholds by the rate of their input: rᵢ (1 +
+//! k ρᵃ), ρ the size of the pressure's rate through the same filter (Al Janaideh, Rakheja and Su,
+//! Mechatronics 19, 2009; there another function of the rate). With `pressure` the model is of that
+//! kind: it knows the pressure, so it knows g. What is measured is never at rest, and a small rate
+//! to a power below 1 is not small: so the pressure goes through a play of the sensor's noise
+//! before. The inverse is not of that kind, for the reason above, and goes by h: k over the loop's
+//! slope to the power of a is about the same. Forward of inverse is then near, and not exact.
 //!
 //! # Limits
 //! For cascades ([`crate::cascade`]) of at most ten plays without negative weights.
@@ -50,9 +54,11 @@ pub struct RateDependentThresholdsParameters<T> {
     pub exponent: T,
     /// Time constant of the rate's filter. Unit: s, above 0.
     pub filter_s: T,
-    /// h: by which part thresholds are wider at a rate of 1 output unit/s; nowhere below 0. Unit: 1.
+    /// h: by which part thresholds are wider at a rate of 1 output unit/s; nowhere below 0.
+    /// Unit: 1.
     pub gain: ProfileParameters<T>,
-    /// The rate of the pressure, if it is that which the model goes by; the inverse goes by h all the same.
+    /// The rate of the pressure, if it is that which the model goes by; the inverse goes by h all
+    /// the same.
     pub pressure: Option<PressureRateParameters<T>>,
 }
 
@@ -60,10 +66,11 @@ pub struct RateDependentThresholdsParameters<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PressureRateParameters<T> {
-    /// k: by which part thresholds are wider where the pressure moves by 1 input unit/s. Unit: 1, at least 0.
+    /// k: by which part thresholds are wider where the pressure moves by 1 input unit/s. Unit: 1,
+    /// at least 0.
     pub gain: T,
-    /// Radius of the play that the pressure goes through before its rate is taken: what it moves by unseen. Input unit, at
-    /// least 0.
+    /// Radius of the play that the pressure goes through before its rate is taken: what it moves by
+    /// unseen. Input unit, at least 0.
     pub resolution: T,
 }
 
@@ -140,8 +147,8 @@ impl<T: Real> RateDependentThresholds<T> {
         self.sliding.step(dt)
     }
 
-    /// At a pressure, with ρ and the output of the play as they were at the sample before: ρ, that output, and g. None where the
-    /// contraction's rate counts.
+    /// At a pressure, with ρ and the output of the play as they were at the sample before: ρ, that
+    /// output, and g. None where the contraction's rate counts.
     pub(super) fn at_pressure(
         &self,
         step: &SlidingStep<T>,

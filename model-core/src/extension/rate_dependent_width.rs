@@ -1,13 +1,15 @@
 //! A loop that widens with speed and does not lag at rest: h(y) ρᵃ s(u).
 //!
-//! s is the stop of radius r on the operator's input u, divided by r: from -1 on the way down to 1 on the way up. ρ is the
-//! speed of sliding, the positive part of s u', through a first-order filter.
+//! s is the stop of radius r on the operator's input u, divided by r: from -1 on the way down to 1
+//! on the way up. ρ is the speed of sliding, the positive part of s u', through a first-order
+//! filter.
 //!
 //! # Why of sliding
-//! While the stop still turns round, s and u' have opposite signs. Were their speed counted there, a faster move would
-//! ask for less pressure and the muscle could not be simulated: F of [`super::ExtendedModel`] would fall. And the present
-//! sample counts: with the speed of the sample before, the simulation is unstable from h a ρᵃ⁻¹ = filter_s on. As it is,
-//! the effect rises with u from every state.
+//! While the stop still turns round, s and u' have opposite signs. Were their speed counted there,
+//! a faster move would ask for less pressure and the muscle could not be simulated: F of
+//! [`super::ExtendedModel`] would fall. And the present sample counts: with the speed of the sample
+//! before, the simulation is unstable from h a ρᵃ⁻¹ = filter_s on. As it is, the effect rises with
+//! u from every state.
 
 use crate::convert;
 use crate::error::{Check, ParameterError};

@@ -1,8 +1,9 @@
 //! The root of a rising function of one variable, each evaluation of which is dear.
 //!
-//! Secants, kept within the bracket of the signs so far; where they do not get on, halving. The number of rounds is
-//! bounded, whatever the function. Two tries that are next to each other differ by little but roundings, and by those of a search
-//! inside: no slope is taken from them, lest one that is much too steep ends the search where it is, and the next one.
+//! Secants, kept within the bracket of the signs so far; where they do not get on, halving. The
+//! number of rounds is bounded, whatever the function. Two tries that are next to each other differ
+//! by little but roundings, and by those of a search inside: no slope is taken from them, since one
+//! that is much too steep would end this search, and the next one, where it is.
 
 use crate::real::Real;
 
@@ -22,8 +23,9 @@ pub(super) struct Point<T> {
     pub(super) f: T,
 }
 
-/// Searches from a point, whose `f` is not 0, with a guess of the function's slope (above 0). Answers the last argument that
-/// was evaluated, within `tolerance` of the root or thereabouts, and the last slope that was found, above 0.
+/// Searches from a point, whose `f` is not 0, with a guess of the function's slope (above 0).
+/// Answers the last argument that was evaluated, within `tolerance` of the root or thereabouts, and
+/// the last slope that was found, above 0.
 pub(super) fn root<T: Real>(
     from: Point<T>,
     mut slope: T,
@@ -73,7 +75,8 @@ fn is_between<T: Real>(value: T, one: T, other: T) -> bool {
 mod tests {
     use super::*;
 
-    /// A line of slope 2 with errors of size `noise` that look random, from a point before its root at 1.
+    /// A line of slope 2 with errors of size `noise` that look random, from a point before its root
+    /// at 1.
     fn searched(from: f64, slope: f64, noise: f64) -> (f64, f64) {
         let line = |u: f64| 2.0 * (u - 1.0) + noise * (u * 1e15).sin();
         root(Point { u: from, f: line(from) }, slope, 1e-11, line)

@@ -1,6 +1,7 @@
 //! A measured quantity that moves the curve: the load that the muscle carries, or its temperature.
 //!
-//! h(y) (x - reference): bar for each newton or kelvin away from the reference, at the contraction y.
+//! h(y) (x - reference): bar for each newton or kelvin away from the reference, at the contraction
+//! y.
 //!
 //! A value that is not measured is taken to be at its reference.
 
@@ -25,7 +26,8 @@ const FARTHEST: f64 = 1e6;
 pub struct ScheduleParameters<T> {
     /// The value at which the model needs no correction. Unit: N, or °C.
     pub reference: T,
-    /// What has to be added to the input, or behind the hysteresis to the output. Unit: that of either per N, or per K.
+    /// What has to be added to the input, or behind the hysteresis to the output. Unit: that of
+    /// either per N, or per K.
     pub offset: ProfileParameters<T>,
 }
 

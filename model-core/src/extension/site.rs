@@ -1,8 +1,8 @@
 //! Where an effect acts: before the hysteresis, on the pressure, or behind it, on the contraction.
 //!
-//! Both are found in muscles and models of them. Before it an effect goes through the loop like the pressure; behind it the
-//! loop does not know of it. What a profile multiplies is then in units of the contraction: what has to be added to the
-//! contraction for the operator's output.
+//! Both are found in muscles and models of them. Before it an effect goes through the loop like the
+//! pressure; behind it the loop does not know of it. What a profile multiplies is then in units of
+//! the contraction: what has to be added to the contraction for the operator's output.
 
 /// A side of the hysteresis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! The speed of sliding and its power, which a width that depends on the rate grows by: ρᵃ.
 //!
-//! ρ is the positive part of s times a speed, through a first-order filter; s, from -1 to 1, is the direction of the friction.
+//! ρ is the positive part of s times a speed, through a first-order filter; s, from -1 to 1, is the
+//! direction of the friction.
 
 use crate::error::{Check, ParameterError};
 use crate::real::Real;

@@ -1,12 +1,14 @@
 //! The reference of a muscle with a mass, without what no mass could follow.
 //!
-//! The compensation of an inertia takes the second derivative of the reference, and a valve's lag one more. So the rounding of
-//! a reference's last digit, and the corners between its rows, would come out as pressure: a ten-thousandth of a
-//! millimetre at 1 kHz is 100 mm/s². A second-order low pass goes before, and the reference is given as much earlier
-//! ([`super::preview`]), so what is left of its lag is of third order in the frequency.
+//! The compensation of an inertia takes the second derivative of the reference, and a valve's lag
+//! one more. So the rounding of a reference's last digit, and the corners between its rows, would
+//! come out as pressure: a ten-thousandth of a millimetre at 1 kHz is 100 mm/s². A second-order low
+//! pass goes before, and the reference is given as much earlier ([`super::preview`]), so what is
+//! left of its lag is of third order in the frequency.
 //!
 //! # Why Butterworth
-//! Its gain is flat to the fourth order: 1/√(1 + (ωT)⁴), at 1 Hz and 10 ms 8e-6 below 1. Two equal lags would take 4e-3.
+//! Its gain is flat to the fourth order: 1/√(1 + (ωT)⁴), at 1 Hz and 10 ms 8e-6 below 1. Two equal
+//! lags would take 4e-3.
 
 use crate::range::Range;
 use crate::real::Real;
@@ -65,7 +67,8 @@ impl<T: Real> Smoother<T> {
         Self { half_s, spring, damping, per_inertia, reach }
     }
 
-    /// The filter's output at the next sample, by the trapezoidal rule, whose lag at low frequencies is that of the filter.
+    /// The filter's output at the next sample, by the trapezoidal rule, whose lag at low
+    /// frequencies is that of the filter.
     #[inline(always)]
     pub(crate) fn step(&self, state: &mut Smoothed<T>, reference: T) -> T {
         let reference = self.reach.limit(reference);

@@ -1,5 +1,5 @@
-//! A sum that loses nothing to rounding: many small terms on a large value, as time and travel at a thousand samples a
-//! second are in `f32`. Kahan's compensation.
+//! A sum that loses nothing to rounding: many small terms on a large value, as time and travel at a
+//! thousand samples a second are in `f32`. Kahan's compensation.
 
 use crate::real::Real;
 

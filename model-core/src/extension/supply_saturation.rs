@@ -1,6 +1,7 @@
 //! A supply that the valve's pressure never exceeds.
 //!
-//! The inverse commands no more than the supply, and remembers what that leads to: nothing winds up.
+//! The inverse commands no more than the supply, and remembers what that leads to: nothing winds
+//! up.
 
 use crate::convert;
 use crate::error::{Check, ParameterError};

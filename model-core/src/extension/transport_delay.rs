@@ -1,10 +1,12 @@
 //! Dead time: what the muscle sees of the pressure is older than the present by the delay.
 //!
-//! Between samples the pressure is taken to move evenly; before the first one it was what it then is. The samples that
-//! are younger than the delay, and the next older one, have to fit into the line: [`DELAY_SAMPLES`].
+//! Between samples the pressure is taken to move evenly; before the first one it was what it then
+//! is. The samples that are younger than the delay, and the next older one, have to fit into the
+//! line: [`DELAY_SAMPLES`].
 //!
-//! The inverse cannot answer a reference earlier than it comes: it has to be given the reference ahead. The controller
-//! keeps it for its feedback as long as the delay lasts, see [`crate::tracking`].
+//! The inverse cannot answer a reference earlier than it comes: it has to be given the reference
+//! ahead. The controller keeps it for its feedback as long as the delay lasts, see
+//! [`crate::tracking`].
 
 use heapless::Deque;
 
@@ -36,7 +38,8 @@ impl<T: Real> TransportDelayParameters<T> {
     }
 }
 
-/// What was put in, with its time; the oldest is at or before the present less the delay, once there is one.
+/// What was put in, with its time; the oldest is at or before the present less the delay, once
+/// there is one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DelayLine<T> {
     samples: Deque<(T, T), DELAY_SAMPLES>,
@@ -51,13 +54,13 @@ impl<T: Real> DelayLine<T> {
     /// Makes room for the sample after a step of `dt`.
     ///
     /// # Errors
-    /// There is none; nothing has changed.
+    /// There is no room: [`InputError::DelayTooLong`], and nothing has changed.
     pub(super) fn make_room(&mut self, delay_s: T, dt: T) -> Result<(), InputError> {
         self.forget_before(self.now.value() + dt - delay_s);
         if self.samples.is_full() { Err(InputError::DelayTooLong) } else { Ok(()) }
     }
 
-    /// Puts in what is there after a step of `dt`, and answers what was there a delay ago.
+    /// Stores the value after a step of `dt`, and returns the value of a delay ago.
     pub(super) fn step(&mut self, delay_s: T, dt: T, value: T) -> T {
         self.now.add(dt);
         let then = self.now.value() - delay_s;

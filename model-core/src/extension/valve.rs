@@ -1,9 +1,10 @@
-//! The valve: dead band, supply, lag, from command to pressure, and the command that brings a pressure about.
+//! The valve: dead band, supply, lag, from command to pressure, and the command that brings a
+//! pressure about.
 //!
 //! # The inverse
-//! It asks lag and dead band for the command, limits that, and then lets the same valve take it: what it remembers is
-//! the pressure that a valve has which got this command, not the pressure that was wanted. So after a limit has bound
-//! it leads on from where the valve is.
+//! It asks lag and dead band for the command, limits that, and then lets the same valve take it:
+//! what it remembers is the pressure that a valve has which got this command, not the pressure that
+//! was wanted. So after a limit has bound it leads on from where the valve is.
 
 use crate::error::ParameterError;
 use crate::range::Range;
@@ -75,7 +76,8 @@ impl<T: Real> Valve<T> {
         pressure
     }
 
-    /// The command, within `limits`, that leads to the wanted pressure, or as near as limits and dead band allow.
+    /// The command, within `limits`, that leads to the wanted pressure, or as near as limits and
+    /// dead band allow.
     #[inline(always)]
     pub(super) fn command(
         &self,

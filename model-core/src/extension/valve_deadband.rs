@@ -5,10 +5,11 @@
 //! | hold | a command nearer than `band` to the last accepted one is ignored, else accepted whole | steps of at least 9/8 `band`, within 5/8 `band` of what is wanted |
 //! | backlash | its set point follows the command at a distance of at most `band` (a play) | exact |
 //!
-//! A held valve cannot be given a set point nearer than `band` to the one that it has. The inverse waits until the
-//! wanted one is 5/8 of the band away, and then goes past it, by 9/8 of the band: an eighth more than the valve asks for,
-//! so that neither rounding nor a converter's steps lose the move, and less than would take it back at once. With a
-//! lag behind it, the lag's inverse sees what was really accepted and makes up for the rest in the mean.
+//! A held valve cannot be given a set point nearer than `band` to the one that it has. The inverse
+//! waits until the wanted one is 5/8 of the band away, and then goes past it, by 9/8 of the band:
+//! an eighth more than the valve asks for, so that neither rounding nor a converter's steps lose
+//! the move, and less than would take it back at once. With a lag behind it, the lag's inverse sees
+//! what was really accepted and makes up for the rest in the mean.
 
 use crate::convert;
 use crate::error::{Check, ParameterError};
@@ -67,7 +68,8 @@ impl<T: Real> ValveDeadband<T> {
         }
     }
 
-    /// The command that leads from a set point to the wanted one, or as near as the form's table says.
+    /// The command that leads from a set point to the wanted one, or as near as the form's table
+    /// says.
     #[inline(always)]
     pub(super) fn command(&self, from: T, wanted: T) -> T {
         let way = wanted - from;

@@ -1,8 +1,8 @@
-//! A valve whose pressure follows its set point as a first-order lag: p += (s - p)(1 - exp(-dt/T)), exact for a set point
-//! that is held over the step.
+//! A valve whose pressure follows its set point as a first-order lag: p += (s - p)(1 - exp(-dt/T)),
+//! exact for a set point that is held over the step.
 //!
-//! The inverse leads, s = p₋ + (p - p₋)/(1 - exp(-dt/T)), by at most `lead_limit`: a jump of the reference would
-//! else ask for dt/T times as much pressure as there is.
+//! The inverse leads, s = p₋ + (p - p₋)/(1 - exp(-dt/T)), by at most `lead_limit`: a jump of the
+//! reference would else ask for dt/T times as much pressure as there is.
 
 use crate::convert;
 use crate::error::{Check, ParameterError};
@@ -19,7 +19,8 @@ pub const LEAD_LIMIT: f64 = 2.0;
 pub struct ValveLagParameters<T> {
     /// T. Unit: s, above 0.
     pub time_constant_s: T,
-    /// How far the inverse's set point may be from the pressure, see [`LEAD_LIMIT`]. Input unit, above 0.
+    /// How far the inverse's set point may be from the pressure, see [`LEAD_LIMIT`]. Input unit,
+    /// above 0.
     pub lead_limit: T,
 }
 

@@ -1,7 +1,7 @@
 //! Viscosity: h(y) y', the contraction follows its static curve late.
 //!
-//! As an equivalent input the lag is the longer, the flatter the curve; behind the hysteresis it is a first-order lag of the
-//! contraction.
+//! As an equivalent input the lag is the longer, the flatter the curve; behind the hysteresis it is
+//! a first-order lag of the contraction.
 
 use crate::error::ParameterError;
 use crate::real::Real;

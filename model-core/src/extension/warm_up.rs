@@ -1,4 +1,5 @@
-//! Warm-up: the first strokes need another pressure, and the difference wears off with the way that the muscle has gone.
+//! Warm-up: the first strokes need another pressure, and the difference wears off with the way that
+//! the muscle has gone.
 //!
 //! h(y) exp(-travel/λ), travel being the sum of all moves before the present one.
 
@@ -20,8 +21,8 @@ use super::term::Term;
 pub struct WarmUpParameters<T> {
     /// λ: the travel after which 1/e is left. Output unit, above 0.
     pub travel: T,
-    /// What has to be added to the input of a muscle that has not moved yet; behind the hysteresis to its output. Input
-    /// unit, or output unit.
+    /// What has to be added to the input of a muscle that has not moved yet; behind the hysteresis
+    /// to its output. Input unit, or output unit.
     pub offset: ProfileParameters<T>,
 }
 

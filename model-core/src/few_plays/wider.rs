@@ -1,8 +1,9 @@
 //! The bank with thresholds that change from sample to sample, all by the same factor.
 //!
-//! Each play stays within its present threshold of the input: zᵢ = limit(zᵢ, v - g rᵢ, v + g rᵢ). Where g falls plays follow on
-//! either side at once, so none of the order holds that [`FewPlays::drive`] halves by: every play is looked at. What u is over
-//! v, all else given, rises and bends where a play begins or ceases to follow; the inverse goes from bend to bend, of which
+//! Each play stays within its present threshold of the input: zᵢ = limit(zᵢ, v - g rᵢ, v + g rᵢ).
+//! Where g falls plays follow on either side at once, so none of the order holds that
+//! [`FewPlays::drive`] halves by: every play is looked at. What u is over v, all else given, rises
+//! and bends where a play begins or ceases to follow; the inverse goes from bend to bend, of which
 //! a sample usually passes none or one.
 
 use super::{FEW_PLAYS, FewPlays, Outputs};
@@ -30,8 +31,9 @@ impl<T: Real> FewPlays<T> {
         self.drive_wider(&mut state.clone(), v, times)
     }
 
-    /// What the plays hold back, over what they do where all follow a rise with thresholds as they are: from there (1), or with
-    /// thresholds that are wider beyond, to where all follow a fall (-1). Within these limits. Unit: 1.
+    /// What the plays hold back, over what they do where all follow a rise with thresholds as they
+    /// are: from there (1), or with thresholds that are wider beyond, to where all follow a fall
+    /// (-1). Within these limits. Unit: 1.
     pub(crate) fn held_back(&self, state: &Outputs<T>) -> T {
         let [.., all] = self.driven;
         if all.moment <= T::ZERO {

@@ -85,7 +85,8 @@ pub const EXACT: [Effect; 12] = [
     }),
 ];
 
-/// Those that act behind the hysteresis instead of before it, and creep the other way round. Exact too.
+/// Those that act behind the hysteresis instead of before it, and creep the other way round. Exact
+/// too.
 pub const ELSEWHERE: [Effect; 6] = [
     ("load behind", |all| {
         all.load = Some(ScheduleParameters { reference: 20.0, offset: profile([0.1, 0.2, 0.3]) });
@@ -145,8 +146,9 @@ pub fn names<'a>(effects: impl IntoIterator<Item = &'a Effect>) -> String {
     effects.into_iter().map(|(name, _)| *name).collect::<Vec<_>>().join(" + ")
 }
 
-/// The sets of either list, and those of [`ELSEWHERE`] with delay and drift. A kink (the tone's begin) or a root of the rate
-/// (the width's) is left out: behind an inertia the lead of a valve would follow it beyond all limits.
+/// The sets of either list, and those of [`ELSEWHERE`] with delay and drift. A kink (the tone's
+/// begin) or a root of the rate (the width's) is left out: behind an inertia the lead of a valve
+/// would follow it beyond all limits.
 pub fn exact_sets() -> Vec<Vec<Effect>> {
     let sideless = ["transport_delay", "drift"];
     let mixed = EXACT.into_iter().filter(|(name, _)| sideless.contains(name)).chain(ELSEWHERE);

@@ -1,6 +1,7 @@
 //! Random models of the family and random histories, for the tests of their properties.
 //!
-//! A further member of the family is a function that makes its random parameters, and a line in [`family`].
+//! A further member of the family is a function that makes its random parameters, and a line in
+//! [`family`].
 #![allow(dead_code, reason = "each file of tests uses a part of it")]
 
 use heapless::Vec as List;
@@ -57,7 +58,8 @@ fn zones(central: f64, side: &[(f64, f64)], sign: f64) -> Vec<(f64, f64)> {
     side.iter().map(&mut zone).collect()
 }
 
-/// Dead zones on both sides of 0, at most `negative` of them below it; all partial sums are positive.
+/// Dead zones on both sides of 0, at most `negative` of them below it; all partial sums are
+/// positive.
 fn dead_zones_with(negative: usize) -> impl Strategy<Value = DeadZoneParameters<f64, SIZE>> {
     (5.0..100.0, side(negative + 1), side(SIZE - negative), -20.0..20.0).prop_map(
         |(central, below, above, offset)| {
@@ -127,7 +129,8 @@ pub fn mgpi() -> impl Strategy<Value = Parameters> {
     })
 }
 
-/// The falling envelope is the rising one, shifted to the left and up, so little that most of the way is common.
+/// The falling envelope is the rising one, shifted to the left and up, so little that most of the
+/// way is common.
 fn two_envelopes() -> impl Strategy<Value = AgpiParameters<f64, SIZE>> {
     (tanh(), 0.0..0.1, 0.0..0.1, plays(), 5.0..100.0, -20.0..20.0).prop_map(
         |(curve, left, up, plays, gain, offset)| {
@@ -186,8 +189,8 @@ pub fn family() -> impl Strategy<Value = Parameters> {
     (member, any::<bool>()).prop_map(|(member, said)| member.with_preconditioned(said))
 }
 
-/// A history as shares of the input range. Half of them turn around in ever narrower bounds, which leaves
-/// corners in the memory: so that together they come near every admissible state.
+/// A history as shares of the input range. Half of them turn around in ever narrower bounds, which
+/// leaves corners in the memory: so that together they come near every admissible state.
 pub fn history() -> impl Strategy<Value = Vec<f64>> {
     let narrowing = prop::collection::vec(0.0..0.5, 1..30).prop_map(|steps| {
         // Each extremum lies between the two before it.
@@ -202,7 +205,8 @@ pub fn history() -> impl Strategy<Value = Vec<f64>> {
     prop_oneof![prop::collection::vec(anywhere, 1..40), narrowing]
 }
 
-/// Outputs that the plays can have at the input `v`, from how far each is from the one before, -1 to 1.
+/// Outputs that the plays can have at the input `v`, from how far each is from the one before, -1
+/// to 1.
 pub fn admissible_outputs(parameters: &PlayParameters<f64, SIZE>, v: f64, distances: &[f64]) -> Vec<f64> {
     let (mut output, mut last) = (v, 0.0);
     let mut next = |(threshold, distance): (&f64, &f64)| {

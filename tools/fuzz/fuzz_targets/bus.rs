@@ -17,7 +17,7 @@ thread_local! {
 }
 
 fuzz_target!(|bytes: &[u8]| {
-    let mut board = BOARD.take().map_or_else(BusBoard::new, BusBoard::anew);
+    let mut board = BOARD.take().map_or_else(BusBoard::new, BusBoard::reset);
     let Access::Write(_, highest_bar) = Id::CommandMax.register().access else {
         unreachable!("the highest command can be set");
     };

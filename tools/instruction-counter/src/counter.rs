@@ -6,7 +6,7 @@
 //!
 //! # An entry that nobody sees
 //! Where time is counted in instructions, QEMU stops at an access to a device in the middle of a block and begins that
-//! instruction anew, without showing it a second time. An interrupt may come first: then the instruction that was shown is
+//! instruction again, without showing it a second time. An interrupt may come first: then the instruction that was shown is
 //! not executed before it returns, and the handler's first one is not shown. So a handler is also known by its second.
 
 use crate::thumb::Flow;
@@ -315,8 +315,8 @@ mod tests {
 
     #[test]
     fn an_exception_whose_entry_is_not_seen_comes_before_the_instruction_that_was() {
-        let anew = [(WATCHED, OTHER), (0x202, CALL), (0x40, RETURN), (0x204, RETURN), (WATCHED, OTHER)];
-        let path = [&[(0, CALL)], &anew[..], &[(0x102, RETURN), (2, OTHER)]].concat();
+        let again = [(WATCHED, OTHER), (0x202, CALL), (0x40, RETURN), (0x204, RETURN), (WATCHED, OTHER)];
+        let path = [&[(0, CALL)], &again[..], &[(0x102, RETURN), (2, OTHER)]].concat();
         let counter = run(&path);
         assert_eq!(calls_and_sum(&counter, 0), (1, 2));
         assert_eq!(calls_and_sum(&counter, 1), (1, 4), "with the one that was not seen");

@@ -6,6 +6,7 @@ mod arrows;
 mod board_compiler;
 mod book;
 mod circles;
+mod comments;
 mod demo;
 mod emulated;
 mod faults;
@@ -66,25 +67,27 @@ enum Task {
     },
     /// Count instructions and bytes, look for panics, and hold the figures against gates.toml.
     Gates {
-        /// Write the bounds anew around what is measured.
+        /// Rewrite the bounds around the measured figures.
         #[arg(long)]
         bless: bool,
     },
     /// Hold the crates against the table of which may build on which.
     Arrows,
+    /// Hold comments to 100 columns and to plain words.
+    Comments,
     /// Give mutated inputs to every parser of bytes from outside.
     Fuzz {
         /// How long, all targets together. Unit: s.
         #[arg(long, default_value_t = 60)]
         seconds: u64,
     },
-    /// Write docs/faults.md anew from the firmware's tables.
+    /// Rewrite docs/faults.md from the firmware's tables.
     Faults {
         /// Write nothing; fail where the page is out of date.
         #[arg(long)]
         check: bool,
     },
-    /// Write docs/registers.md and docs/registers.csv anew from the table of registers.
+    /// Rewrite docs/registers.md and docs/registers.csv from the table of registers.
     Registers {
         /// Write nothing; fail where a file is out of date.
         #[arg(long)]
@@ -143,6 +146,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
         }
         Task::Game { arguments } => host::game(&arguments)?,
         Task::Arrows => arrows::check()?,
+        Task::Comments => comments::check()?,
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
         Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
         Task::Faults { check } => faults::faults(check)?,

@@ -37,7 +37,7 @@ All registers are holding registers, at the addresses that go over the wire, cou
 /// Writes both files, or only compares.
 ///
 /// # Errors
-/// One cannot be written, or differs from what is there.
+/// A file cannot be written, or differs from the table.
 pub fn registers(check: bool) -> Result<()> {
     for (name, text) in [("docs/registers.md", page()), ("docs/registers.csv", list())] {
         let path = run::root().join(name);

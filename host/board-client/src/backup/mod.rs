@@ -9,9 +9,9 @@
 //! | `transfer` | from a board, and to it |
 //!
 //! # Contract
-//! A file that is damaged, of another version, or with a key that is unknown or missing is refused before a board is asked
-//! for anything. A backup reads back as the same numbers. A board that has been restored was compared with the file; one that
-//! refuses has what it had before.
+//! A file that is damaged, of another version, or with a key that is unknown or missing is refused
+//! before a board is asked for anything. A backup reads back as the same numbers. A board that has
+//! been restored was compared with the file; one that refuses has what it had before.
 
 mod differences;
 mod file;

@@ -1,8 +1,9 @@
 //! A backup from a board, and to it.
 //!
 //! # To a board
-//! The configuration is staged first: it stands in the board's buffer, read back, and does nothing. Then the limits of the plant are
-//! written, at once, and the configuration is committed. A board that does not take it gets its former limits back.
+//! The configuration is staged first: it stands in the board's buffer, read back, and does nothing.
+//! Then the limits of the plant are written, at once, and the configuration is committed. A board
+//! that does not take it gets its former limits back.
 
 use wire::Protection;
 use wire::registers::{Access, Id, Register, fields};
@@ -36,7 +37,8 @@ pub fn read(board: &mut Board) -> Result<Backup, BoardError> {
 /// how many are done.
 ///
 /// # Errors
-/// The board does not take it, and has what it had before; or it does not answer any more, and the error says what it has.
+/// The board does not take it, and has what it had before; or it does not answer any more, and the
+/// error says what it has.
 pub fn restore(
     board: &mut Board,
     backup: &Backup,

@@ -143,7 +143,8 @@ impl Board {
         Ok((block.state(), Fault::of_code(block.whole(Id::Fault) as u8)))
     }
 
-    /// Gives an order whose effect is the state `then`. An order whose answer was lost is looked up.
+    /// Gives an order whose effect is the state `then`. An order whose answer was lost is looked
+    /// up.
     ///
     /// # Errors
     /// A refusal, or no answer.
@@ -163,7 +164,7 @@ impl Board {
         self.write(Id::Command, &[Command::Stop.number()])
     }
 
-    /// Releases the latched fault; the board tests itself anew.
+    /// Releases the latched fault; the board repeats its self-test.
     ///
     /// # Errors
     /// A refusal, or no answer.

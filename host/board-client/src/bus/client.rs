@@ -1,14 +1,15 @@
 //! Registers read and written: a Modbus RTU client.
 //!
 //! # Lost answers
-//! A question whose answer does not come, or comes damaged, is asked again, `TRIES` times in all. That does no harm where
-//! a question leads to the same state however often it is heard: readings, and writings of values. What counts what it
-//! hears (a command, a push into a queue) is written by [`Client::write_once`], and whoever asks finds out by a reading
-//! whether it was heard ([`BusError::is_lost`]).
+//! A question whose answer does not come, or comes damaged, is asked again, `TRIES` times in all.
+//! That does no harm where a question leads to the same state however often it is heard: readings,
+//! and writings of values. What counts what it hears (a command, a push into a queue) is written by
+//! [`Client::write_once`], and whoever asks finds out by a reading whether it was heard
+//! ([`BusError::is_lost`]).
 //!
 //! # Limits
-//! The port is emptied before each question, and of late answers after one that was asked again; one that is later still is
-//! taken for noise as long as it differs in unit, function or length.
+//! The port is emptied before each question, and of late answers after one that was asked again;
+//! one that is later still is taken for noise as long as it differs in unit, function or length.
 
 use std::path::PathBuf;
 use std::thread;
@@ -21,8 +22,8 @@ use wire::registers::Register;
 
 use super::port::{Line, Port, PortError};
 
-/// How often a question is asked. Each time is a sign of life for the board, which vents where its host is silent for longer
-/// than its limit: so a question is asked often rather than long.
+/// How often a question is asked. Each time is a sign of life for the board, which vents where its
+/// host is silent for longer than its limit: so a question is asked often rather than long.
 const TRIES: usize = 16;
 /// What comes after so long a silence is no answer to a question before.
 const LATE: Duration = Duration::from_millis(30);
@@ -104,7 +105,8 @@ pub struct Address {
     pub limit: Duration,
 }
 
-/// The least silence between two frames, however fast the line (Modbus over serial line 1.02, 2.5.1.1).
+/// The least silence between two frames, however fast the line (Modbus over serial line 1.02,
+/// 2.5.1.1).
 const LEAST_SILENCE: Duration = Duration::from_micros(1750);
 /// The same for slow lines, in bits: 3.5 characters.
 const SILENCE_BITS: f64 = 3.5 * 11.0;
@@ -153,7 +155,8 @@ impl Client {
         self.put(address, values, TRIES, self.address.limit)
     }
 
-    /// Writes values that must not be written twice; waits `patience` times as long for the answer as usual.
+    /// Writes values that must not be written twice; waits `patience` times as long for the answer
+    /// as usual.
     ///
     /// # Errors
     /// A refusal: then nothing was written; or no answer: then perhaps.
@@ -232,8 +235,8 @@ impl Client {
         Ok(())
     }
 
-    /// What comes until an answer is whole: as long as expected, or an exception. What came until the deadline, if that
-    /// is first.
+    /// What comes until an answer is whole: as long as expected, or an exception. What came until
+    /// the deadline, if that is first.
     fn answer(&mut self, expected: usize, deadline: Instant) -> Result<Vec<u8>, PortError> {
         let mut answer = Vec::with_capacity(expected);
         let mut buffer = [0; 256];

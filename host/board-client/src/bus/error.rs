@@ -75,13 +75,13 @@ pub enum BoardError {
     Stopped,
 }
 
-/// What is wrong with the part of a recording that is to be gone on with.
+/// What is wrong with the part of a recording that is to be resumed.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants are")]
 pub enum PartProblem {
     #[error("{0}")]
     Io(#[from] io::Error),
-    #[error("there is a part of a recording already; --resume goes on with it, --force begins anew")]
+    #[error("there is a part of a recording already; --resume continues it, --force replaces it")]
     Exists,
     #[error("no part of a recording to go on with")]
     Missing,

@@ -1,12 +1,15 @@
-//! What `mgpi capture` plays where nobody says what: slow triangles of falling height, two fast swings, holds.
+//! What `mgpi capture` plays where nobody says what: slow triangles of falling height, two fast
+//! swings, holds.
 
 use recording::course::{Course, Limits};
 
-/// Peaks of the triangles, as shares of the range: the loop and its inner loops, as in Fig. 8 of the paper.
+/// Peaks of the triangles, as shares of the range: the loop and its inner loops, as in Fig. 8 of
+/// the paper.
 const PEAKS: [f64; 6] = [1.0, 5.0 / 6.0, 4.0 / 6.0, 3.0 / 6.0, 2.0 / 6.0, 1.0 / 6.0];
 /// The time that the triangles take. Unit: share.
 const TRIANGLES: f64 = 0.55;
-/// Swings over the whole range, and how much faster they are than the triangles: what depends on speed shows.
+/// Swings over the whole range, and how much faster they are than the triangles: what depends on
+/// speed shows.
 const SWINGS: f64 = 2.0;
 const FASTER: f64 = 3.0;
 /// Levels that are held, in the time that is left: what goes on where nothing moves.

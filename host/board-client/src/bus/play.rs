@@ -1,8 +1,10 @@
-//! Plays set points and records what becomes of them, to the end, a stop or a fault. However it ends, the valve is vented.
+//! Plays set points and records what becomes of them, to the end, a stop or a fault. However it
+//! ends, the valve is vented.
 //!
 //! # How time is kept
-//! By the board: set points are pushed ahead into its queue, and played at equal intervals of its ticks; every recorded
-//! tick carries its number. So neither the bus's timing nor this program's shows in a recording.
+//! By the board: set points are pushed ahead into its queue, and played at equal intervals of its
+//! ticks; every recorded tick carries its number. So neither the bus's timing nor this program's
+//! shows in a recording.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -20,7 +22,8 @@ use super::client::BusError;
 use super::error::BoardError;
 use crate::child::Stop;
 
-/// Set points a second. Slow enough for the bus to keep the queue full, fast enough for a straight line between two.
+/// Set points a second. Slow enough for the bus to keep the queue full, fast enough for a straight
+/// line between two.
 pub const POINTS_PER_S: f64 = 100.0;
 /// How long the muscle is held at the first reference before it moves on.
 const APPROACH: Duration = Duration::from_secs(1);
@@ -83,7 +86,8 @@ pub struct Played {
 /// Plays a piece; `heard` is given the recorded ticks as they come.
 ///
 /// # Errors
-/// The board is in no state for it, trips, does not answer, has run out of points; a stop; `heard` has failed.
+/// The board is in no state for it, trips, does not answer, has run out of points; a stop; `heard`
+/// has failed.
 pub fn play(
     board: &mut Board,
     piece: &Piece,
@@ -227,7 +231,8 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Pushes as many points as there are places; behind the last one of a piece that plays, says so.
+    /// Pushes as many points as there are places; behind the last one of a piece that plays, says
+    /// so.
     fn push(&mut self, board: &mut Board, mut free: u32) -> Result<(), BoardError> {
         while self.pushed < self.piece.points.len() {
             let left = &self.piece.points[self.pushed..];
@@ -329,7 +334,8 @@ fn stream(board: &mut Board) -> Result<Block, BoardError> {
     Ok(board.read(Id::StreamState, Id::StreamStart)?)
 }
 
-/// The smallest distance of recorded ticks that the bus keeps up with, by the time of a reading of a window.
+/// The smallest distance of recorded ticks that the bus keeps up with, by the time of a reading of
+/// a window.
 fn carried(board: &mut Board, period_s: f64) -> Result<u16, BoardError> {
     let begin = Instant::now();
     board.set(Id::CaptureFrom, 0.0)?;

@@ -1,8 +1,9 @@
 //! A serial port by its name: raw bytes, every wait with an end.
 //!
 //! # Contract
-//! One program has the port at a time: an advisory lock on it, which others that lock (`pyserial` with `exclusive`,
-//! `picocom`) respect too. Eight bits, no flow control; a pseudo terminal takes rate and parity and ignores them.
+//! One program has the port at a time: an advisory lock on it, which others that lock (`pyserial`
+//! with `exclusive`, `picocom`) respect too. Eight bits, no flow control; a pseudo terminal takes
+//! rate and parity and ignores them.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -92,7 +93,8 @@ impl Port {
     /// Opens a port: a path, or its name under `/dev`.
     ///
     /// # Errors
-    /// There is no such port, another program has it, the user may not use it, or it is none.
+    /// There is no such port, another program has it, the user may not use it, or it is no serial
+    /// port.
     pub fn open(name: &Path, line: Line) -> Result<Self, PortError> {
         let under_dev = Path::new("/dev").join(name);
         let path = if !name.exists() && under_dev.exists() { &under_dev } else { name };

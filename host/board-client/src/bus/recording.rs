@@ -1,9 +1,10 @@
-//! A recording that grows in a file beside its place, so that an interruption costs nothing but the way back.
+//! A recording that grows in a file beside its place, so that an interruption costs nothing but the
+//! way back.
 //!
 //! # Going on
-//! An interruption vents the muscle, and what it did before matters for what it does after. So a recording goes on from the
-//! last moment at which the excitation was at its lowest command, where a vented muscle is anyway; what was recorded after
-//! that is played again.
+//! An interruption vents the muscle, and what it did before matters for what it does after. So a
+//! recording goes on from the last moment at which the excitation was at its lowest command, where
+//! a vented muscle is anyway; what was recorded after that is played again.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -39,7 +40,8 @@ impl Growing {
         Ok(Self { part, file: Part::path(recording), from_s: 0.0 })
     }
 
-    /// Goes on with a part that begins with the same comments, of the excitation with these points (bar).
+    /// Goes on with a part that begins with the same comments, of the excitation with these points
+    /// (bar).
     ///
     /// # Errors
     /// There is no part, it is another excitation's, or cannot be written.
@@ -63,7 +65,7 @@ impl Growing {
             .map(|line| format!("{line}\n"))
             .collect();
         let seam =
-            if from_s > 0.0 { format!("# interrupted, and gone on at {from_s} s\n") } else { String::new() };
+            if from_s > 0.0 { format!("# interrupted, resumed at {from_s} s\n") } else { String::new() };
         Ok(Self { part: Part::write(recording, &(kept + &seam))?, file, from_s })
     }
 
@@ -149,7 +151,7 @@ mod tests {
         assert_eq!((growing.from_s(), growing.from_point()), (0.5, 50));
         growing.add(&[Tick { command_bar: 1.0, ..Tick::default() }]).expect("written");
         let whole = growing.finish().expect("read").content;
-        let expected = begin(&head) + "0,0,0,1\n# interrupted, and gone on at 0.5 s\n0.5,1,0,0\n";
+        let expected = begin(&head) + "0,0,0,1\n# interrupted, resumed at 0.5 s\n0.5,1,0,0\n";
         assert_eq!(String::from_utf8(whole).expect("UTF-8"), expected);
         assert!(Growing::resume(&recording, &["excitation: two".to_owned()], &points).is_err());
     }

@@ -69,7 +69,8 @@ impl std::fmt::Display for Setting {
 /// model's range. `installed` is what the board has, `asked` what options say.
 ///
 /// # Errors
-/// What is asked for is outside the register's limits, or the lowest command is not below the highest.
+/// What is asked for is outside the register's limits, or the lowest command is not below the
+/// highest.
 pub fn settle(
     new: &mut BoardParameters,
     installed: Option<&BoardParameters>,

@@ -2,7 +2,8 @@
 //! after.
 //!
 //! Broken off anywhere, the old configuration stays: the board takes a new one only at the commit,
-//! and only if length and checksum fit what has arrived. A repeat begins anew.
+//! and only if length and checksum fit what has arrived. A repeated upload begins from the first
+//! block.
 
 use wire::Configuration;
 use wire::registers::{
@@ -34,8 +35,8 @@ fn encode(configuration: &Configuration, capacity: usize) -> Result<Vec<u8>, Boa
 /// of both ways.
 ///
 /// # Errors
-/// Versions differ, the board refuses or does not answer. The old configuration is still installed, but for
-/// [`BoardError::NotInstalled`].
+/// Versions differ, the board refuses or does not answer. The old configuration is still installed,
+/// but for [`BoardError::NotInstalled`].
 pub fn deploy(
     board: &mut Board,
     configuration: &Configuration,
@@ -75,7 +76,8 @@ pub fn stage(
 /// Commits what was staged, and verifies.
 ///
 /// # Errors
-/// The board refuses or does not answer. The old configuration is still installed, but for [`BoardError::NotInstalled`].
+/// The board refuses or does not answer. The old configuration is still installed, but for
+/// [`BoardError::NotInstalled`].
 pub fn commit(board: &mut Board, bytes: &[u8]) -> Result<(), BoardError> {
     let sum = Value::U32(checksum(bytes));
     let head: Vec<u16> = std::iter::once(bytes.len() as u16).chain(sum.words()).collect();

@@ -1,4 +1,5 @@
-//! Where the firmware for the emulator is found: named, in the target directory, or in this program.
+//! Where the firmware for the emulator is found: named, in the target directory, or in this
+//! program.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -47,8 +48,8 @@ impl Deref for Image {
     }
 }
 
-/// The firmware's ELF file: the named one, else that of the environment, else the one built beside this program, else the one
-/// in this program.
+/// The firmware's ELF file: the named one, else that of the environment, else the one built beside
+/// this program, else the one in this program.
 ///
 /// # Errors
 /// There is none.

@@ -1,9 +1,11 @@
-//! A serial port of this machine whose other end is the emulated board: a pseudo terminal under a name.
+//! A serial port of this machine whose other end is the emulated board: a pseudo terminal under a
+//! name.
 //!
 //! # Contract
-//! The name is a symbolic link, which goes with the [`Line`] and leads to the terminal by way of this program: left behind by
-//! a program that was killed it leads nowhere, not to a terminal that another board has meanwhile, and is replaced. Any number of programs may use the port one after the other. What the board sends while nobody reads
-//! is lost as soon as the terminal is full.
+//! The name is a symbolic link, which goes with the [`Line`] and leads to the terminal by way of
+//! this program: left behind by a program that was killed it leads nowhere, not to a terminal that
+//! another board has meanwhile, and is replaced. Any number of programs may use the port one after
+//! the other. What the board sends while nobody reads is lost as soon as the terminal is full.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read, Write};
@@ -78,7 +80,8 @@ impl Line {
         let is_closing = Arc::new(AtomicBool::new(false));
         let closing = is_closing.clone();
         let pump = thread::spawn(move || {
-            // An end that fails has nothing more to say; the emulator tells its own end over the link.
+            // An end that fails has nothing more to say; the emulator tells its own end over the
+            // link.
             let _ = pump(terminal.end(), &board, &closing);
         });
         let has_replaced = owner.is_some();
@@ -98,7 +101,8 @@ impl Line {
 
 impl Drop for Line {
     fn drop(&mut self) {
-        // First, since the terminal goes with the pump. Somebody else may have put something else there.
+        // First, since the terminal goes with the pump. Somebody else may have put something else
+        // there.
         if fs::read_link(&self.name).is_ok_and(|target| target == self.link) {
             let _ = fs::remove_file(&self.name);
         }

@@ -1,4 +1,5 @@
-//! The firmware's log: numbers that defmt sends, and the strings in the firmware's ELF file that they stand for.
+//! The firmware's log: numbers that defmt sends, and the strings in the firmware's ELF file that
+//! they stand for.
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -38,7 +39,8 @@ impl LogDecoder {
         }
     }
 
-    /// Shows the entries of a log as they come, until its end. An entry that is cut off or damaged is left out.
+    /// Shows the entries of a log as they come, until its end. An entry that is cut off or damaged
+    /// is left out.
     ///
     /// # Errors
     /// The log cannot be read.

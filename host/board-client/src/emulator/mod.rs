@@ -1,16 +1,19 @@
 //! The board's firmware in an emulator: QEMU's `netduinoplus2`, an STM32F405.
 //!
 //! # Design
-//! The emulated serial port is one end of a pair of connected sockets, handed over as QEMU's standard input: no name
-//! in the file system, nothing left behind. QEMU's standard output is the firmware's log (defmt over semihosting),
-//! kept in an unnamed file and decoded when it is asked for.
+//! The emulated serial port is one end of a pair of connected sockets, handed over as QEMU's
+//! standard input: no name in the file system, nothing left behind. QEMU's standard output is the
+//! firmware's log (defmt over semihosting), kept in an unnamed file and decoded when it is asked
+//! for.
 //!
-//! The users' bus is another pair, by a name in a directory of its own that goes at once; [`mod@line`] makes a serial port of it,
-//! by a [`terminal`], and [`real_time`] runs the board for those who use that.
+//! The users' bus is another pair, by a name in a directory of its own that goes at once;
+//! [`mod@line`] makes a serial port of it, by a [`terminal`], and [`real_time`] runs the board for
+//! those who use that.
 //!
 //! # Contract
-//! [`Emulator::request`] sends one request and waits for its response, for ever only if the firmware keeps talking.
-//! When the emulator ends, or does not answer within [`ANSWER_LIMIT`], the error carries the firmware's log.
+//! [`Emulator::request`] sends one request and waits for its response, for ever only if the
+//! firmware keeps talking. When the emulator ends, or does not answer within [`ANSWER_LIMIT`], the
+//! error carries the firmware's log.
 //!
 //! # Limits
 //! Time in the emulator is not real time: results repeat, durations say nothing about the board.
@@ -35,8 +38,9 @@ use wire::{FRAME_BYTES, FrameError, Receiver, Request, Response};
 use crate::child::{ChildGroup, Stop, WAIT_SLICE, contents};
 use log::{LogDecoder, LogError};
 
-/// How long the firmware may take for an answer, its start included. It takes a quarter of a millisecond; on a machine
-/// that is kept busy by others, where each of a configuration's bytes waits its turn, some ten seconds.
+/// How long the firmware may take for an answer, its start included. It takes a quarter of a
+/// millisecond; on a machine that is kept busy by others, where each of a configuration's bytes
+/// waits its turn, some ten seconds.
 pub const ANSWER_LIMIT: Duration = Duration::from_secs(60);
 
 /// The program.
@@ -72,8 +76,8 @@ pub enum EmulatorError {
     Stopped,
 }
 
-/// The options that every use of the emulator has in common. The link is the character device `link`; `bus`: where the
-/// users' bus goes.
+/// The options that every use of the emulator has in common. The link is the character device
+/// `link`; `bus`: where the users' bus goes.
 pub fn qemu(elf: &Path, bus: &str) -> Command {
     let mut command = Command::new(QEMU);
     command
@@ -99,7 +103,7 @@ impl Emulator {
     /// Starts the firmware and waits for its greeting.
     ///
     /// # Errors
-    /// The firmware's file is none, or the emulator cannot be started, dies or is silent.
+    /// The firmware's file is not valid, or the emulator cannot be started, dies or is silent.
     pub fn start(elf: &Path, stop: &Stop) -> Result<Self, EmulatorError> {
         Self::launch(elf, qemu(elf, "null"), stop)
     }

@@ -1,9 +1,10 @@
-//! The emulated board as a board is: ticks that come by themselves, a plant at its valve, set points from its bus.
+//! The emulated board as a board is: ticks that come by themselves, a plant at its valve, set
+//! points from its bus.
 //!
-//! The lock-step of the link, paced by the clock: a tick that is a little late is made up for at once, so that the ticks keep
-//! the time of the machine as long as that is fast enough. What is later than 50 ms is not made up for: the board's
-//! time then slips, which nobody on the bus notices, while a burst of ticks would run it out of set points. How late they
-//! came is told.
+//! The lock-step of the link, paced by the clock: a tick that is a little late is made up for at
+//! once, so that the ticks keep the time of the machine as long as that is fast enough. What is
+//! later than 50 ms is not made up for: the board's time then slips, which nobody on the bus
+//! notices, while a burst of ticks would run it out of set points. How late they came is told.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -22,8 +23,8 @@ const WATCHED_TICKS: u32 = 10_000;
 /// What is made up for, and not worth telling.
 const NOT_LATE: Duration = Duration::from_millis(50);
 
-/// Runs board and plant until a stop is requested. `late` is told once, ten seconds after a tick was late, the longest delay
-/// until then.
+/// Runs board and plant until a stop is requested. `late` is told once, ten seconds after a tick
+/// was late, the longest delay until then.
 ///
 /// # Errors
 /// Board or plant do not answer as they should.
@@ -65,7 +66,8 @@ pub fn run(
     Ok(())
 }
 
-/// A tick without a reference: that is the bus's. Beyond what a sensor measures it shows the end of its range.
+/// A tick without a reference: that is the bus's. Beyond what a sensor measures it shows the end of
+/// its range.
 fn request(hello: &Hello, measured: Measurement) -> Request {
     let Measurement { pressure_bar, contraction_mm, surroundings } = measured;
     Request::Tick(TickRequest {

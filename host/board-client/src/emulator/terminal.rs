@@ -44,8 +44,8 @@ impl PseudoTerminal {
         &self.path
     }
 
-    /// The same by way of this program, so that it leads nowhere as soon as this program has ended: the terminal's own path
-    /// may be another terminal's by then.
+    /// The same by way of this program, so that it leads nowhere as soon as this program has ended:
+    /// the terminal's own path may be another terminal's by then.
     pub fn path_of_this_program(&self) -> PathBuf {
         format!("/proc/{}/fd/{}", std::process::id(), self.port.as_raw_fd()).into()
     }

@@ -7,8 +7,8 @@ use super::results::figures;
 use recording::numbers::{range, root_mean_square};
 
 /// A run has followed its reference up to an RMSE of this share of the reference's range: as much
-/// as a model may be off that drives a valve ([`recording::worth::DEPLOYABLE`]). The same share of a
-/// signal's range counts as much in the reasons below.
+/// as a model may be off that drives a valve ([`recording::worth::DEPLOYABLE`]). The same share of
+/// a signal's range counts as much in the reasons below.
 const MUCH: f64 = recording::worth::DEPLOYABLE;
 
 /// What is said of a run that has not followed its reference; `limits` are the lowest and the

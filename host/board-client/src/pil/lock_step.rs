@@ -1,14 +1,16 @@
 //! One run, tick by tick.
 //!
 //! # Timing
-//! At the time of a tick the plant, which has held the command of the tick before until then, is measured; the
-//! measurement goes to the board as ADC codes, and its DAC code is the next command. Before the first tick the valve is
-//! vented: the plant is measured at rest until the board's self-test is over, in which its time stands still.
+//! At the time of a tick the plant, which has held the command of the tick before until then, is
+//! measured; the measurement goes to the board as ADC codes, and its DAC code is the next command.
+//! Before the first tick the valve is vented: the plant is measured at rest until the board's
+//! self-test is over, in which its time stands still.
 //!
-//! A model with a delay is given the reference ahead: at each tick the one that is due after the delay. With a tick's
-//! measurement goes the reference of the next tick, whose feed-forward the board prepares meanwhile; that of the first goes
-//! with a measurement that the board, not started yet, only looks at. Load and temperature go to the board as the plant
-//! answers them, and count from the next tick on; one that does not is taken to be at the model's references.
+//! A model with a delay is given the reference ahead: at each tick the one that is due after the
+//! delay. With a tick's measurement goes the reference of the next tick, whose feed-forward the
+//! board prepares meanwhile; that of the first goes with a measurement that the board, not started
+//! yet, only looks at. Load and temperature go to the board as the plant answers them, and count
+//! from the next tick on; one that does not is taken to be at the model's references.
 
 use model_core::{Mode, Surroundings};
 use wire::{

@@ -1,4 +1,5 @@
-//! The processor in the loop: the firmware, in the emulator, tracks a reference with a plant that is a program.
+//! The processor in the loop: the firmware, in the emulator, tracks a reference with a plant that
+//! is a program.
 //!
 //! # Design
 //! | file | what it does |
@@ -9,12 +10,13 @@
 //! | [`mod@reference`] | what is to be tracked |
 //! | [`results`] | log, figures |
 //!
-//! Three runs, each of the firmware from its start with a plant of its own: feed-forward and feedback, feed-forward
-//! only, feedback only. They go on side by side; the first that fails stops the others.
+//! Three runs, each of the firmware from its start with a plant of its own: feed-forward and
+//! feedback, feed-forward only, feedback only. They go on side by side; the first that fails stops
+//! the others.
 //!
 //! # Contract
-//! Lock-step: neither board nor plant goes on before the other has answered, so that the results do not depend on
-//! how fast either is. The same inputs give the same results, bit for bit.
+//! Lock-step: neither board nor plant goes on before the other has answered, so that the results do
+//! not depend on how fast either is. The same inputs give the same results, bit for bit.
 
 pub mod followed;
 pub mod lock_step;
@@ -41,8 +43,8 @@ use recording::table::DataError;
 use recording::unit::Unit;
 use reference::{MOST_TICKS, Reference};
 
-/// Fastest change of the command: an eighth of a second through the whole range, faster than proportional
-/// regulators of this size are. Unit: bar/s.
+/// Fastest change of the command: an eighth of a second through the whole range, faster than
+/// proportional regulators of this size are. Unit: bar/s.
 const SLEW_BAR_PER_S: f32 = 50.0;
 
 /// Why a run of the firmware does not come to its end.
@@ -120,13 +122,13 @@ fn in_words(refusal: &Refusal) -> String {
     }
 }
 
-/// The integral gain by default. The paper's 0.01 takes tens of seconds to mend an offset; ten times that settles in
-/// seconds and still lies far below what a regulator's lag allows beside the paper's proportional gain. Unit:
-/// bar/(mm s).
+/// The integral gain by default. The paper's 0.01 takes tens of seconds to mend an offset; ten
+/// times that settles in seconds and still lies far below what a regulator's lag allows beside the
+/// paper's proportional gain. Unit: bar/(mm s).
 const INTEGRAL_GAIN: f32 = 0.1;
 
-/// A model with the default gains and limits for a board that ticks `rate_hz` times a second. The valve's range is the
-/// model's.
+/// A model with the default gains and limits for a board that ticks `rate_hz` times a second. The
+/// valve's range is the model's.
 ///
 /// # Errors
 /// The model, read from `file`, has other units than the board or is too large for it.

@@ -1,8 +1,8 @@
-//! A plant that is a program. Once a tick it gets a line `time_s command_bar` on its standard input and answers
-//! `pressure_bar contraction_mm [load_n temperature_c]` on its standard output.
+//! A plant that is a program. Once a tick it gets a line `time_s command_bar` on its standard input
+//! and answers `pressure_bar contraction_mm [load_n temperature_c]` on its standard output.
 //!
-//! The first line finds the plant at rest; every further one says: this command, from the time before to this one. Its
-//! time-out, or an answer that is none, is an error that quotes it.
+//! The first line finds the plant at rest; every further one says: this command, from the time
+//! before to this one. Its time-out, or an answer that cannot be read, is an error that quotes it.
 
 use std::io::{self, Read, Write};
 use std::os::fd::AsFd;
@@ -51,7 +51,7 @@ enum Problem {
 }
 
 impl PlantError {
-    /// Whether it is none of the plant: a stop was requested.
+    /// Whether it is not an error of the plant: a stop was requested.
     pub fn is_stop(&self) -> bool {
         matches!(self.problem, Problem::Stopped)
     }

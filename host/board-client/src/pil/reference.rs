@@ -1,5 +1,5 @@
-//! What is to be tracked or played: `time_s, reference_mm` (or another column) from a file, linearly interpolated at the
-//! instants of the ticks.
+//! What is to be tracked or played: `time_s, reference_mm` (or another column) from a file,
+//! linearly interpolated at the instants of the ticks.
 
 use std::path::Path;
 
@@ -27,11 +27,12 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Reads a reference that is sampled `rate_hz` (above 0) times a second, from its first time to its last. `choice`: what is
-    /// said of the file's columns.
+    /// Reads a reference that is sampled `rate_hz` (above 0) times a second, from its first time to
+    /// its last. `choice`: what is said of the file's columns.
     ///
     /// # Errors
-    /// The file is no table, lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
+    /// The file is no table, lacks a column, its time does not increase, or it has more than
+    /// [`MOST_TICKS`] ticks.
     pub fn read(file: &Path, choice: Choice, rate_hz: f64) -> Result<Self, PilError> {
         let reference = Self::of(&choice.table(file)?, COLUMN, choice, rate_hz)?;
         reference.say_notes(file);
@@ -48,11 +49,13 @@ impl Reference {
     /// Takes a column of a table, which has been named.
     ///
     /// # Errors
-    /// The table lacks a column, its time does not increase, or it has more than [`MOST_TICKS`] ticks.
+    /// The table lacks a column, its time does not increase, or it has more than [`MOST_TICKS`]
+    /// ticks.
     pub fn of(table: &Table, column: &str, choice: Choice, rate_hz: f64) -> Result<Self, PilError> {
         let choice = Choice { input: Some(column.to_owned()), may_be_sparse: true, ..choice };
         let Drive { file, time_s, input, notes, .. } = Drive::of(table, &choice)?;
-        // A table has at least one row. The margin is for a last tick that rounding puts behind the last row.
+        // A table has at least one row. The margin is for a last tick that rounding puts behind the
+        // last row.
         let duration_s = time_s[time_s.len() - 1] - time_s[0];
         let ticks = (duration_s * rate_hz + 1e-6).floor() + 1.0;
         if ticks > MOST_TICKS as f64 {

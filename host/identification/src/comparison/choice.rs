@@ -1,8 +1,8 @@
 //! The choice of a model for a recording: what is tried, and which of it is taken.
 //!
-//! Held-out error with a penalty: each unknown has to pay for itself with a thousandth of the error, so that of two
-//! models that do equally well on what they have not seen the smaller one is taken. Without a held-out part the
-//! error on the recording itself takes its place.
+//! Held-out error with a penalty: each unknown has to pay for itself with a thousandth of the
+//! error, so that of two models that do equally well on what they have not seen the smaller one is
+//! taken. Without a held-out part the error on the recording itself takes its place.
 
 use model_core::Kind;
 
@@ -25,8 +25,8 @@ pub fn penalised(error: f64, options: &Options) -> f64 {
     error * (1.0 + PENALTY * options.unknowns() as f64)
 }
 
-/// Every model of the family in the sizes of `base`; the richest ones also with a piecewise-linear envelope of `knots`
-/// knots, with free weights, and with twice the plays.
+/// Every model of the family in the sizes of `base`; the richest ones also with a piecewise-linear
+/// envelope of `knots` knots, with free weights, and with twice the plays.
 pub fn candidates(base: &Options, knots: usize) -> Vec<Options> {
     let plain = Options { knots: None, weights: Weights::Exponential, ..*base };
     let piecewise = Options { model: Kind::Mgpi, knots: Some(knots), ..plain };

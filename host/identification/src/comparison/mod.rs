@@ -1,7 +1,8 @@
 //! Models by sizes on one recording: Tables 3 and 4 of the paper for any recording.
 //!
-//! Every model is identified by the same search, from the same seed, and tried on the same held-out rows. One that
-//! cannot be made (an extended model without an inverse, say) keeps its row, which says why.
+//! Every model is identified by the same search, from the same seed, and tried on the same held-out
+//! rows. One that cannot be made (an extended model without an inverse, say) keeps its row, which
+//! says why.
 
 pub mod choice;
 mod table;
@@ -44,7 +45,8 @@ pub struct Row {
     pub options: Options,
     /// Duration of the search. Unit: s.
     pub seconds: f64,
-    /// The most instructions of a tick on the board with this model; None where that has not been measured.
+    /// The most instructions of a tick on the board with this model; None where that has not been
+    /// measured.
     pub tick_instructions: Option<u64>,
     /// The identified model's figures, or why there is none.
     pub outcome: Result<Outcome, IdentificationError>,
@@ -63,8 +65,9 @@ pub struct Outcome {
 }
 
 impl<'a> Comparison<'a> {
-    /// Identifies each model. `tick_instructions` tells the most instructions of a tick on the board with the model of a
-    /// name as [`Row::name`] has it; None where that has not been measured. `progress` is told the share of the work on all models that is done.
+    /// Identifies each model. `tick_instructions` tells the most instructions of a tick on the
+    /// board with the model of a name as [`Row::name`] has it; None where that has not been
+    /// measured. `progress` is told the share of the work on all models that is done.
     ///
     /// # Errors
     /// That of the first model, if none can be made.
@@ -152,7 +155,8 @@ impl Row {
         Self { options: *options, seconds, tick_instructions: None, outcome }
     }
 
-    /// The model's name, with [`PIECEWISE_LINEAR`] and [`FREE_WEIGHTS`] at its end where it has them.
+    /// The model's name, with [`PIECEWISE_LINEAR`] and [`FREE_WEIGHTS`] at its end where it has
+    /// them.
     pub fn model(&self) -> String {
         let envelope = if self.options.knots.is_some() { PIECEWISE_LINEAR } else { "" };
         let weights = if self.options.weights == Weights::Free { FREE_WEIGHTS } else { "" };

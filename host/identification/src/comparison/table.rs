@@ -13,12 +13,17 @@ const NOTHING: &str = "–";
 const DIGITS: f64 = 6.0;
 
 impl Comparison<'_> {
-    /// The headings of the columns of [`Comparison::cells`], in groups: the group's name, and its headings.
+    /// The headings of the columns of [`Comparison::cells`], in groups: the group's name, and its
+    /// headings.
     pub fn headings(&self) -> Vec<(&'static str, Vec<String>)> {
         let unit = self.unit();
-        let figures =
-            [format!("ME {unit}"), format!("MAE {unit}"), format!("RMSE {unit}"), "RMSE %".to_owned()]
-                .to_vec();
+        let figures = [
+            format!("ME ({unit})"),
+            format!("MAE ({unit})"),
+            format!("RMSE ({unit})"),
+            "RMSE (%)".to_owned(),
+        ]
+        .to_vec();
         let mut groups = vec![
             ("", ["model", "n", "m", "parameters"].map(str::to_owned).to_vec()),
             ("training", figures.clone()),
@@ -26,7 +31,7 @@ impl Comparison<'_> {
         if self.has_heldout() {
             groups.push(("held out", figures));
         }
-        groups.push(("", vec!["seconds".to_owned(), "tick".to_owned()]));
+        groups.push(("", ["search (s)", "tick (instructions)"].map(str::to_owned).to_vec()));
         groups
     }
 

@@ -26,7 +26,8 @@ const COLUMN: &str = "command_bar";
 /// Plays an excitation through a board and records the muscle, tick by tick. Ctrl-C vents.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// What is played: time_s, command_bar, from `mgpi plan` for instance [default: triangles of falling height, two fast swings, holds]
+    /// What is played: time_s, command_bar, from `mgpi plan` for instance [default: triangles of
+    /// falling height, two fast swings, holds]
     #[arg(long, value_name = "EXC.csv", conflicts_with_all = ["max_bar", "duration_s"])]
     excitation: Option<PathBuf>,
     #[command(flatten)]
@@ -59,7 +60,8 @@ pub struct Arguments {
 /// Captures.
 ///
 /// # Errors
-/// The excitation is none, the board does not play it, the recording cannot be written, or the user interrupts.
+/// The excitation is not valid, the board does not play it, the recording cannot be written, or the
+/// user interrupts.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { excitation, recording: file, every, resume, force, .. } = arguments;
     let inputs: Vec<_> = excitation.iter().map(PathBuf::as_path).collect();
@@ -94,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         Ok(played) => played,
         Err(error) => {
             if let Some(part) = growing.abandon() {
-                eprintln!("what was recorded is kept in {}; --resume goes on with it", part.display());
+                eprintln!("what was recorded is kept in {}; --resume continues it", part.display());
             }
             return Err(error.into());
         }

@@ -21,7 +21,8 @@ pub struct Arguments {
     /// The recording
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
-    /// Models; -pl: with a piecewise-linear envelope (mgpi, sgpi); -free: with free weights of the plays
+    /// Models; -pl: with a piecewise-linear envelope (mgpi, sgpi); -free: with free weights of the
+    /// plays
     #[arg(
         long,
         value_name = "MODEL,…",
@@ -36,7 +37,8 @@ pub struct Arguments {
     /// Number of knots of piecewise-linear envelopes
     #[arg(long, default_value_t = 12, value_name = "K")]
     knots: usize,
-    /// Another recording that the models are tried on [default: hold out the second half of the cycles]
+    /// Another recording that the models are tried on [default: hold out the second half of the
+    /// cycles]
     #[arg(long, value_name = "REC2.csv")]
     validate: Option<PathBuf>,
     /// Hold nothing out where there is no other recording
@@ -94,7 +96,8 @@ fn size(text: &str) -> Result<(usize, usize), String> {
 /// Compares.
 ///
 /// # Errors
-/// A recording is not what it should be, no model can be made of it, or an output cannot be written.
+/// A recording is not what it should be, no model can be made of it, or an output cannot be
+/// written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { table, report, json, .. } = arguments;
     let inputs: Vec<&Path> =

@@ -39,7 +39,8 @@ pub struct Arguments {
 /// Deploys.
 ///
 /// # Errors
-/// The model is not for the board, or is off too far; an option is outside its limits; the board does not take it.
+/// The model is not for the board, or is off too far; an option is outside its limits; the board
+/// does not take it.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { model: file, port, gains, dry_run, force } = arguments;
     let model = board_model::read(file)?;

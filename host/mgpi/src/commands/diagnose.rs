@@ -24,16 +24,20 @@ use report::diagnosed;
 /// Shows what a simulation gets wrong about a recording, and names the cause.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// The recording; load_n, temperature_c and, beside pressure_bar, command_bar are used where they are there
+    /// The recording; load_n, temperature_c and, beside pressure_bar, command_bar are used where
+    /// they are there
     #[arg(value_name = "REC.csv")]
     recording: PathBuf,
-    /// Also write the model, extended by the named causes where that is better, for simulate, pil and the board
+    /// Also write the model, extended by the named causes where that is better, for simulate, pil
+    /// and the board
     #[arg(short = 'o', value_name = "EXTENDED.toml")]
     model_file: Option<PathBuf>,
-    /// An operator model to begin with; one of too poor a form, or of another muscle, is said to be that
+    /// An operator model to begin with; one of too poor a form, or of another muscle, is said to be
+    /// that
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
-    /// Another recording of the same muscle that the gain is counted on [default: the last third of the rows]
+    /// Another recording of the same muscle that the gain is counted on [default: the last third of
+    /// the rows]
     #[arg(long, value_name = "REC2.csv")]
     validate: Option<PathBuf>,
     /// Also write a page that shows it: one HTML file
@@ -133,7 +137,8 @@ fn to_file(recording: &Recording, written: &Written, other: Option<&Recording>) 
     .with_usual_lead_limit())
 }
 
-/// The columns of a recording that a diagnosis looks at, a noisy input smoothed, and the recording that they are from.
+/// The columns of a recording that a diagnosis looks at, a noisy input smoothed, and the recording
+/// that they are from.
 ///
 /// # Errors
 /// The recording is not what it should be.

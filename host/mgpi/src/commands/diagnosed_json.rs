@@ -13,8 +13,9 @@ use diagnosis::{Diagnosis, Named, Smoothing};
 use recording::Recording;
 use recording::model_file::names::Names;
 
-/// A diagnosis; the keys of errors carry the output's unit. The errors are those of simulated models: `heldout` on the rows behind
-/// the split, or on another recording; `written` is the model that `-o` writes, beside the plain one.
+/// A diagnosis; the keys of errors carry the output's unit. The errors are those of simulated
+/// models: `heldout` on the rows behind the split, or on another recording; `written` is the model
+/// that `-o` writes, beside the plain one.
 pub fn to_json(
     diagnosis: &Diagnosis,
     (extended, gain, written): (&Extended, &HeldOutGain, &Written),

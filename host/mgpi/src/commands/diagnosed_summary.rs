@@ -77,7 +77,8 @@ pub fn print(
     say!("{seconds:.1} s");
 }
 
-/// The errors of the simulated models: with and without the named causes, or of the one that is written.
+/// The errors of the simulated models: with and without the named causes, or of the one that is
+/// written.
 fn errors(
     (diagnosis, recording): (&Diagnosis, &Recording),
     (extended, gain, written): (&Extended, &HeldOutGain, &Written),

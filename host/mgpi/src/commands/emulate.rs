@@ -24,8 +24,9 @@ const READY: &str = "ready";
 /// How long an emulator may take to end.
 const END: Duration = Duration::from_secs(10);
 
-/// Runs the firmware in the emulator until Ctrl-C: as a board with a plant, in real time, whose bus is a serial port of this
-/// machine; or, without --port, with its service link open to other programs and its log shown.
+/// Runs the firmware in the emulator until Ctrl-C: as a board with a plant, in real time, whose bus
+/// is a serial port of this machine; or, without --port, with its service link open to other
+/// programs and its log shown.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Makes the board's bus a serial port of this name, a path
@@ -33,10 +34,12 @@ pub struct Arguments {
     port: Option<PathBuf>,
     #[command(flatten)]
     plant: PlantArguments,
-    /// The firmware's ELF file [default: that of MGPI_FIRMWARE, else the one built beside this program, else the one in it]
+    /// The firmware's ELF file [default: that of MGPI_FIRMWARE, else the one built beside this
+    /// program, else the one in it]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
-    /// Go on in the background: the command returns as soon as the board answers, and --stop ends the emulator
+    /// Go on in the background: the command returns as soon as the board answers, and --stop ends
+    /// the emulator
     #[arg(long, requires = "port")]
     background: bool,
     /// End the emulator that has this port
@@ -151,7 +154,8 @@ fn by_link(elf: &Path) -> Result<(), Error> {
     let stop = Stop::on_signals();
     let mut emulator = qemu(elf, "null");
     emulator.args(["-chardev", "pty,id=link"]);
-    // QEMU names the port in the first line of its standard output, which it keeps back when that is no terminal.
+    // QEMU names the port in the first line of its standard output, which it keeps back when that
+    // is no terminal.
     let mut command = Command::new("stdbuf");
     command.arg("-oL").arg(emulator.get_program()).args(emulator.get_args());
     command.stdin(Stdio::null()).stdout(Stdio::piped());

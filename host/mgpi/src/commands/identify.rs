@@ -62,7 +62,8 @@ pub struct Arguments {
     loss: ResidualLoss,
     #[command(flatten)]
     columns: Columns,
-    /// Another recording that the model is tried on [default: hold out the second half of the cycles]
+    /// Another recording that the model is tried on [default: hold out the second half of the
+    /// cycles]
     #[arg(long, value_name = "REC2.csv")]
     validate: Option<PathBuf>,
     /// Hold nothing out where there is no other recording
@@ -157,7 +158,8 @@ impl Model {
 /// Identifies.
 ///
 /// # Errors
-/// A recording is not what it should be, no model can be made of it, or an output cannot be written.
+/// A recording is not what it should be, no model can be made of it, or an output cannot be
+/// written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { model_file, report, json, .. } = arguments;
     arguments.check_choices()?;
@@ -225,7 +227,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
 }
 
 impl Arguments {
-    /// A choice of envelope or weights for a model that has none, or has it chosen, would be ignored.
+    /// A choice of envelope or weights for a model that has none, or has it chosen, would be
+    /// ignored.
     fn check_choices(&self) -> Result<(), Error> {
         let refused = |option: &str, has: &str| {
             Err(Error::Usage(format!("{option} is for the models mgpi and sgpi; {has}")))
@@ -243,7 +246,8 @@ impl Arguments {
         }
     }
 
-    /// Tries the family, on the part of the recording that is not held out, and says how all of it did.
+    /// Tries the family, on the part of the recording that is not held out, and says how all of it
+    /// did.
     fn choose(&self, recording: &Recording) -> Result<Options, Error> {
         let seen = if self.validate.is_some() || self.no_holdout {
             recording.clone()

@@ -34,7 +34,8 @@ const RUNS: [(&str, Mode); 3] = [
 /// The progress bar is moved once in so many ticks.
 const TICKS_A_MOVE: u64 = 250;
 
-/// Runs the firmware in the loop: three times, with feed-forward and feedback, and with either alone.
+/// Runs the firmware in the loop: three times, with feed-forward and feedback, and with either
+/// alone.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// The model, from `mgpi identify`
@@ -50,7 +51,8 @@ pub struct Arguments {
     /// Ticks a second
     #[arg(long, default_value_t = 1000.0, value_name = "HZ", value_parser = positive)]
     rate_hz: f64,
-    /// Where the log of the combined run goes; a run that does not come to its end leaves LOG.csv.part
+    /// Where the log of the combined run goes; a run that does not come to its end leaves
+    /// LOG.csv.part
     #[arg(short = 'o', value_name = "LOG.csv")]
     log: Option<PathBuf>,
     /// Where the log of the run with feed-forward only goes
@@ -65,7 +67,8 @@ pub struct Arguments {
     /// Also write the figures as JSON
     #[arg(long, value_name = "FIGURES.json")]
     json: Option<PathBuf>,
-    /// The firmware's ELF file [default: that of MGPI_FIRMWARE, else the one built beside this program]
+    /// The firmware's ELF file [default: that of MGPI_FIRMWARE, else the one built beside this
+    /// program]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
     /// Also show what firmware and plants have to say
@@ -81,8 +84,8 @@ pub struct Arguments {
 /// Tracks.
 ///
 /// # Errors
-/// A file is not what it should be, firmware or plant do not do their work, an output cannot be written, or the user
-/// interrupts.
+/// A file is not what it should be, firmware or plant do not do their work, an output cannot be
+/// written, or the user interrupts.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { log: main_log, feedforward_log, feedback_log, json: json_file, rate_hz, .. } = arguments;
     let logs = [main_log, feedforward_log, feedback_log];

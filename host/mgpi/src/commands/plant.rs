@@ -14,14 +14,16 @@ pub struct PlantArguments {
     /// The built-in plant, with effects hidden in it or without [default: rig]; --help lists them
     #[arg(long, value_name = "rig[:EFFECT]", value_parser = rig, long_help = effects())]
     plant: Option<Rig>,
-    /// Any plant: a command line that answers `time_s command_bar` with `pressure_bar contraction_mm`, line by line
+    /// Any plant: a command line that answers `time_s command_bar` with `pressure_bar
+    /// contraction_mm`, line by line
     #[arg(long, value_name = "COMMAND", conflicts_with = "plant")]
     plant_command: Option<String>,
     /// Longest time for an answer of the plant in s
     #[arg(long, default_value_t = 5.0, value_name = "S", value_parser = positive)]
     plant_timeout_s: f64,
-    /// Run the board without the monitors of its plant: pressure, stuck or spiking sensors, a contraction that does not go
-    /// with the pressure, a valve that does not follow, too much feedback, a silent bus
+    /// Run the board without the monitors of its plant: pressure, stuck or spiking sensors, a
+    /// contraction that does not go with the pressure, a valve that does not follow, too much
+    /// feedback, a silent bus
     #[arg(long)]
     no_monitors: bool,
 }

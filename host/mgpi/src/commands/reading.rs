@@ -1,4 +1,5 @@
-//! The options of every command that reads a recording or a reference: which column is which, in what unit.
+//! The options of every command that reads a recording or a reference: which column is which, in
+//! what unit.
 
 use clap::Args;
 
@@ -12,7 +13,8 @@ pub struct Reading {
     /// Column of the times [default: time_s]
     #[arg(long, value_name = "COLUMN")]
     time: Option<String>,
-    /// Columns of the file under our names, with the unit if its own name does not say: time=t:ms,pressure=p:psi
+    /// Columns of the file under our names, with the unit if its own name does not say:
+    /// time=t:ms,pressure=p:psi
     #[arg(long, value_name = "NAME=COLUMN,…", value_delimiter = ',')]
     columns: Vec<Renamed>,
     /// Units of columns: time=ms,contraction=nm

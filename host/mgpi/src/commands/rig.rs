@@ -1,6 +1,7 @@
 //! `mgpi rig`: the simulated muscle's own commands, so that an installed `mgpi` brings it along.
 //!
-//! Nothing but this and `plant` knows the rig: what identifies a muscle must not know how this one is made.
+//! Nothing but this and `plant` knows the rig: what identifies a muscle must not know how this one
+//! is made.
 
 use ::rig::command::Command;
 

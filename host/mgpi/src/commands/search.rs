@@ -1,4 +1,5 @@
-//! What the commands that search for models share: columns, effort, progress, and words where it went badly.
+//! What the commands that search for models share: columns, effort, progress, and words where it
+//! went badly.
 
 use std::path::Path;
 
@@ -57,7 +58,8 @@ impl Columns {
         }
     }
 
-    /// The same columns as those of a recording, also where the choice was left open and another file offers others.
+    /// The same columns as those of a recording, also where the choice was left open and another
+    /// file offers others.
     pub fn choice_of(&self, recording: &Recording) -> Choice {
         self.choice().like(&recording.drive.input.channel, &recording.output.channel)
     }

@@ -16,7 +16,8 @@ pub const ROW: Duration = Duration::from_millis(40);
 /// Time between two looks at all the rest.
 const STATUS: Duration = Duration::from_millis(500);
 
-/// How long a browser has to hear that the run has ended: the streams of events are written at once.
+/// How long a browser has to hear that the run has ended: the streams of events are written at
+/// once.
 const FAREWELL: Duration = Duration::from_millis(200);
 
 /// The page, as long as the program runs; when this is dropped, it says that the run has ended.
@@ -44,7 +45,8 @@ impl Show {
         Ok(Self { feed, due: Instant::now(), last_s: f64::NEG_INFINITY })
     }
 
-    /// Shows rows, as many as an eye needs, and the board's status if that is due; answers what the page asks for.
+    /// Shows rows, as many as an eye needs, and the board's status if that is due; answers what the
+    /// page asks for.
     ///
     /// # Errors
     /// The board does not answer.
@@ -87,7 +89,8 @@ impl Drop for Show {
     }
 }
 
-/// Shows recorded ticks with what was wanted (mm), if there is a page; a stop that it asks for is requested.
+/// Shows recorded ticks with what was wanted (mm), if there is a page; a stop that it asks for is
+/// requested.
 ///
 /// # Errors
 /// The board does not answer.

@@ -21,7 +21,8 @@ pub struct Arguments {
     /// temperature_c where an extension needs them
     #[arg(long, value_name = "REC.csv")]
     input: PathBuf,
-    /// Where the answer goes: time, input, simulated output; if the recording has the output, it and the error
+    /// Where the answer goes: time, input, simulated output; if the recording has the output, it
+    /// and the error
     #[arg(short, long, value_name = "OUT.csv")]
     output: PathBuf,
     /// The muscle's length at rest in mm, if the recording has length_mm

@@ -87,7 +87,8 @@ impl ModeName {
 /// Tracks.
 ///
 /// # Errors
-/// The reference is none, the board does not track, an output cannot be written, or the user interrupts.
+/// The reference is not valid, the board does not track, an output cannot be written, or the user
+/// interrupts.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { port, reference: file, reading, model, mode, log, json, report, every, http, force } =
         arguments;
@@ -163,7 +164,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     Ok(())
 }
 
-/// A tick in the log: what was wanted is the reference (mm) at its time, not what was handed to the board ahead of it.
+/// A tick in the log: what was wanted is the reference (mm) at its time, not what was handed to the
+/// board ahead of it.
 fn sample((tick, reference_mm): (&Tick, &f64)) -> Sample {
     Sample {
         time_s: tick.time_s,

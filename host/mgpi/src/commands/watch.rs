@@ -18,7 +18,8 @@ use board_client::child::Stop;
 /// How long a board that does not answer is left alone.
 const RETRY: Duration = Duration::from_millis(500);
 
-/// Serves a page that shows a board as it runs: loop, traces, faults, a stop. Loopback only unless --http says otherwise.
+/// Serves a page that shows a board as it runs: loop, traces, faults, a stop. Loopback only unless
+/// --http says otherwise.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Where the page is served

@@ -1,5 +1,5 @@
-//! What is shown: the last minutes of the loop and the board's status, from the thread that speaks with the board to those
-//! that speak with browsers; and orders the other way.
+//! What is shown: the last minutes of the loop and the board's status, from the thread that speaks
+//! with the board to those that speak with browsers; and orders the other way.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -76,7 +76,8 @@ impl Feed {
         self.0.is_new.notify_all();
     }
 
-    /// Shows a status, as `mgpi status --json` has it, or `{"problem": words}`, or `{"ended": true}`.
+    /// Shows a status, as `mgpi status --json` has it, or `{"problem": words}`, or `{"ended":
+    /// true}`.
     pub fn status(&self, status: Value) {
         let mut shown = self.lock();
         shown.status = status;
@@ -99,7 +100,8 @@ impl Feed {
         std::mem::take(&mut self.lock().orders)
     }
 
-    /// What there is beyond what was seen, as soon as there is something; none within `limit` is `None`.
+    /// What there is beyond what was seen, as soon as there is something; none within `limit` is
+    /// `None`.
     pub fn news(&self, seen: &mut Seen, limit: Duration) -> Option<Value> {
         let shown = self.lock();
         let is_old = |shown: &mut Shown| shown.next == seen.next && shown.changes == seen.changes;

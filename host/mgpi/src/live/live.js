@@ -1,4 +1,4 @@
-// Shows what the stream of events brings: rows [time, wanted, contraction, pressure, command], and the status.
+// Shows what the stream of events brings: rows [time, reference, contraction, pressure, command], and the status.
 "use strict";
 const SPAN_S = 30, LEAST_SPAN_S = 5, AIR = 0.05;
 const KEPT_S = 60 * Number(document.currentScript.dataset.keptMinutes);
@@ -21,8 +21,8 @@ const ends = (values, least) => {
   const air = Math.max(AIR * (high - low), (least - (high - low)) / 2);
   return [low - air, high + air];
 };
-// Errors of the rows that have a reference, less null where there is none.
-const errorOf = row => row[1] === null ? null : row[2] - row[1];
+// Reference less contraction, as the controller has it; null where there is no reference.
+const errorOf = row => row[1] === null ? null : row[1] - row[2];
 const rootMeanSquare = rows => {
   const errors = rows.map(errorOf).filter(error => error !== null);
   return errors.length ? Math.sqrt(errors.reduce((sum, error) => sum + error * error, 0) / errors.length) : null;
@@ -32,11 +32,11 @@ const show = () => {
   isDue = false;
   if (!rows.length || isPaused) return;
   const last = rows[rows.length - 1], recent = rows.slice(rows.findIndex(row => row[0] >= last[0] - SPAN_S));
-  const [time, wanted, contraction, pressure, command] = [0, 1, 2, 3, 4].map(index => recent.map(row => row[index]));
+  const [time, reference, contraction, pressure, command] = [0, 1, 2, 3, 4].map(index => recent.map(row => row[index]));
   const window = [time[0], Math.max(time[0] + LEAST_SPAN_S, last[0])], error = recent.map(errorOf);
   const draw = (plot, x, endsX, lines, least) =>
     plot.set({ x: endsX, y: ends(lines.flat(), least) }, lines.map(y => ({ x, y })));
-  draw(plots.contraction, time, window, [contraction, wanted], 1);
+  draw(plots.contraction, time, window, [contraction, reference], 1);
   draw(plots.pressure, time, window, [pressure, command], 0.2);
   draw(plots.loop, pressure, ends(pressure, 0.2), [contraction], 1);
   draw(plots.error, time, window, [error], 1);
@@ -64,7 +64,7 @@ const end = () => {
   hasEnded = true;
   events.close();
   hear(false);
-  id("pause").disabled = true;
+  for (const button of ["stop", "acknowledge", "pause"]) id(button).hidden = true;
   setState("Ended", "ended");
   problem("The run has ended: this page no longer shows or stops the board. What it has seen can still be saved.");
 };

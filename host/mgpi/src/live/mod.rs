@@ -1,4 +1,5 @@
-//! A board on a page of this machine's browser: its loop and traces as they come, its faults, and a stop.
+//! A board on a page of this machine's browser: its loop and traces as they come, its faults, and a
+//! stop.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -7,9 +8,10 @@
 //! | [`page`] | the page |
 //!
 //! # Contract
-//! The page loads nothing from outside, and is served to this machine alone unless another address is asked for. A page of
-//! another origin can neither read the stream nor give an order: requests need a host that is an address or `localhost`, so
-//! that no name can be bent to it, and orders a header that a foreign page may not send.
+//! The page loads nothing from outside, and is served to this machine alone unless another address
+//! is asked for. A page of another origin can neither read the stream nor give an order: requests
+//! need a host that is an address or `localhost`, so that no name can be bent to it, and orders a
+//! header that a foreign page may not send.
 
 pub mod feed;
 pub mod page;

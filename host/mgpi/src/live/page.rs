@@ -45,9 +45,9 @@ const PRESSURE: &str = "pressure (bar)";
 
 /// The whole page.
 pub fn page() -> String {
-    let contraction = [("measured", Style::Measured), ("wanted", Style::Model)];
+    let contraction = [("measured", Style::Measured), ("reference", Style::Model)];
     let pressure = [("measured", Style::Measured), ("command", Style::Model)];
-    let error = [("measured less wanted", Style::Error)];
+    let error = [("reference less measured", Style::Error)];
     // Without the icon a browser would ask for one that is not there.
     let beyond = html! { link rel="icon" href="data:,"; style { (PreEscaped(LIVE_STYLE)) } };
     html! {
@@ -73,7 +73,7 @@ pub fn page() -> String {
                 div.plots {
                     (plot("contraction", "Contraction", [TIME, CONTRACTION], &contraction))
                     (plot("pressure", "Pressure", [TIME, PRESSURE], &pressure))
-                    (plot("loop", "Loop of the last 30 s", [PRESSURE, CONTRACTION], &[("loop", Style::Measured)]))
+                    (plot("loop", "Loop of the last 30 s", [PRESSURE, CONTRACTION], &[("", Style::Measured)]))
                     (plot("error", "Error", [TIME, "error (mm)"], &error))
                 }
                 h2 { "Faults" }

@@ -1,8 +1,8 @@
 //! HTTP for one page: as little of it as a browser needs, a thread each connection.
 //!
 //! # Limits
-//! At most `MOST` connections at once, requests of at most `LONGEST` bytes that come within `LIMIT`; each connection
-//! serves one request.
+//! At most `MOST` connections at once, requests of at most `LONGEST` bytes that come within
+//! `LIMIT`; each connection serves one request.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
@@ -35,7 +35,8 @@ pub struct LiveError {
     problem: io::Error,
 }
 
-/// Serves the page until the program ends; answers the address, whose port is a free one if 0 was asked for.
+/// Serves the page until the program ends; answers the address, whose port is a free one if 0 was
+/// asked for.
 ///
 /// # Errors
 /// The address is taken, or not this machine's.
@@ -84,7 +85,8 @@ fn answer(stream: &TcpStream, feed: &Feed) -> io::Result<()> {
     }
 }
 
-/// Whether a header (lower case) says that the browser was sent here by an address, not by a name that may be anybody's.
+/// Whether a header (lower case) says that the browser was sent here by an address, not by a name
+/// that may be anybody's.
 fn is_own_host(header: &str) -> bool {
     header.strip_prefix("host:").is_some_and(|host| {
         let host = host.trim();

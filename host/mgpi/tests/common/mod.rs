@@ -75,7 +75,8 @@ impl Bench {
         String::from_utf8(output.stdout).expect("UTF-8")
     }
 
-    /// Runs the command, which must fail with status 2 and leave the directory as it was; answers its message.
+    /// Runs the command, which must fail with status 2 and leave the directory as it was; answers
+    /// its message.
     pub fn refuses(&self, arguments: &str) -> String {
         let before = self.files();
         let output = self.mgpi(arguments);
@@ -86,7 +87,8 @@ impl Bench {
     }
 }
 
-/// A recording: triangles of falling height (6 to 1 bar) and the paper's model's answer, 20 rows a second.
+/// A recording: triangles of falling height (6 to 1 bar) and the paper's model's answer, 20 rows a
+/// second.
 pub fn recording(bench: &Bench, name: &str) {
     let mut text = "time_s,pressure_bar\n".to_owned();
     for row in 0..1200 {

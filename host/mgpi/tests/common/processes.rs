@@ -16,7 +16,8 @@ pub fn missing() -> Option<String> {
     image::find(None).err().map(|error| error.to_string())
 }
 
-/// No program may be left. One that a plant had started is no child of ours: killed, it takes a moment to be gone.
+/// No program may be left. One that a plant had started is no child of ours: killed, it takes a
+/// moment to be gone.
 pub fn assert_none_is_left(bench: &Bench) {
     let deadline = Instant::now() + Duration::from_secs(10);
     while !processes(bench).is_empty() {

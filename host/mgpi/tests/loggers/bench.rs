@@ -60,8 +60,8 @@ pub fn read(bytes: &[u8], options: &str) -> Result<Recording, String> {
     read.map_err(|error| error.to_string())
 }
 
-/// The file is read with these columns, and values that are so many times bar and mm; all that was done to it is said by
-/// notes that hold these words.
+/// The file is read with these columns, and values that are so many times bar and mm; all that was
+/// done to it is said by notes that hold these words.
 pub fn reads(bytes: impl AsRef<[u8]>, options: &str, columns: [(&str, f64); 2], notes: &[&str]) {
     let recording = read(bytes.as_ref(), options).expect("it is read");
     assert_eq!(recording.drive.time_s.len(), ROWS);
@@ -106,7 +106,8 @@ pub fn said(recording: &Recording, notes: &[&str]) {
     }
 }
 
-/// The file is refused with a message that has these words; with the options that it names it is read, if there are any.
+/// The file is refused with a message that has these words; with the options that it names it is
+/// read, if there are any.
 pub fn refuses(bytes: impl AsRef<[u8]>, words: &str, cure: &str, columns: [(&str, f64); 2]) {
     let message = read(bytes.as_ref(), "").expect_err("it is refused");
     assert!(message.contains(words), "{message}");

@@ -18,9 +18,10 @@
 //! one value, or a range far outside that of the other samples.
 //!
 //! # Limits
-//! A drop-out that is no larger than the muscle's own steps (a recording of one sample a second), or
-//! that begins or ends where the driving signal jumps or where rows are missing, is not told from
-//! the muscle. An unrecorded load that is taken off and put back within two samples is called one.
+//! A drop-out that is no larger than the muscle's own steps (a recording of one sample a second),
+//! or that begins or ends where the driving signal jumps or where rows are missing, is not told
+//! from the muscle. An unrecorded load that is taken off and put back within two samples is called
+//! one.
 
 use std::ops::Range;
 

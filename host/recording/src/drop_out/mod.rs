@@ -17,8 +17,8 @@
 //! 1 to 50 samples that are off by a tenth of the stroke at least, about 94 % of those of one value
 //! are found; of those that scatter about a value 72 to 91 %, of those anywhere in the range 90 %
 //! of single samples and 26 % of fifty. Where they begin and end in more than one of a hundred
-//! samples, only values far outside the range are found; a drop-out that lasts to the end of a short
-//! recording hides the others.
+//! samples, only values far outside the range are found; a drop-out that lasts to the end of a
+//! short recording hides the others.
 
 mod driven;
 mod find;
@@ -122,7 +122,8 @@ fn bridge_over(
 fn bridge(time_s: &[f64], values: &[f64], run: &Range<usize>, at: usize) -> f64 {
     match (run.start.checked_sub(1), Some(run.end).filter(|&end| end < values.len())) {
         (Some(before), Some(after)) => {
-            // Neither the times nor the values may be so far apart that their difference is no number.
+            // Neither the times nor the values may be so far apart that their difference is no
+            // number.
             let share = (time_s[at] - time_s[before]) / (time_s[after] - time_s[before]);
             let share = if share.is_finite() { share } else { 0.0 };
             (1.0 - share) * values[before] + share * values[after]

@@ -1,4 +1,4 @@
-//! Drop-outs that are found, and what is none.
+//! Drop-outs that are found, and steps of the muscle that are not taken for one.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,8 +13,8 @@ struct Recorded {
     output: Series,
 }
 
-/// A muscle that follows an input, a value each `step_s`, through a play of 0.5 bar, by 10 mm/bar; with a
-/// sensor's noise of 0.03 mm.
+/// A muscle that follows an input, a value each `step_s`, through a play of 0.5 bar, by 10 mm/bar;
+/// with a sensor's noise of 0.03 mm.
 fn muscle(step_s: f64, input: Vec<f64>) -> Recorded {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut played: f64 = 0.0;

@@ -1,4 +1,5 @@
-//! Models on the host: sizes for which any model of the family has room, and what a model says of an input.
+//! Models on the host: sizes for which any model of the family has room, and what a model says of
+//! an input.
 
 pub mod named;
 

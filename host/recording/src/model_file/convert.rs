@@ -5,7 +5,8 @@
 //! the rate's power is taken along (see the extensions' table).
 //!
 //! # Limits
-//! Only rates below 1e-9 units a second, which extensions count as none, are told apart by the unit.
+//! Only rates below 1e-9 units a second, which extensions count as none, are told apart by the
+//! unit.
 
 use model_core::ParameterError;
 use model_core::envelope::EnvelopeParameters;

@@ -22,7 +22,8 @@ pub fn to_table(parameters: &HostParameters, extensions: &ExtensionParameters<f6
 /// The model of a table.
 ///
 /// # Errors
-/// A key that is missing, unknown or of another kind. Whether a controller can be made of the model is left to the board.
+/// A key that is missing, unknown or of another kind. Whether a controller can be made of the model
+/// is left to the board.
 pub fn of_section(mut section: Section) -> Result<(HostParameters, ExtensionParameters<f64>), Problem> {
     let kind = read::kind(&mut section)?;
     let (limits, preconditioned) = read::validity(section.section("validity")?, Names::BOARD.input)?;

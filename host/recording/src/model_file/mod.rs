@@ -2,10 +2,10 @@
 //!
 //! # Design
 //! Keys carry their units, which are those of the model's input and output columns (`c1_per_bar`,
-//! `weights_mm`; for a force over a position `c1_per_mm`, `weights_n`). Numbers are written so that they read
-//! back as the same bits. Reading is strict: an unknown, missing or mistyped key, another format, a number
-//! that is not finite, or parameters that no invertible model can be made of are refused by a
-//! [`ModelFileError`] that names file and key.
+//! `weights_mm`; for a force over a position `c1_per_mm`, `weights_n`). Numbers are written so that
+//! they read back as the same bits. Reading is strict: an unknown, missing or mistyped key, another
+//! format, a number that is not finite, or parameters that no invertible model can be made of are
+//! refused by a [`ModelFileError`] that names file and key.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -95,7 +95,8 @@ pub struct Identification {
     pub starts: usize,
     /// How the best start ended.
     pub termination: String,
-    /// Standard errors by parameter name, without those of parameters at a bound. The parameter's unit.
+    /// Standard errors by parameter name, without those of parameters at a bound. The parameter's
+    /// unit.
     pub standard_errors: Vec<(String, f64)>,
 }
 
@@ -112,8 +113,8 @@ impl Identification {
 pub struct HeldOut {
     /// The recording: another one, or that of the model.
     pub recording: Source,
-    /// Of the model's own recording: the rows from this time on, by a model of the rows before. None for another
-    /// recording. Unit: s.
+    /// Of the model's own recording: the rows from this time on, by a model of the rows before.
+    /// None for another recording. Unit: s.
     pub from_s: Option<f64>,
     /// The figures. Output unit.
     pub figures: Figures,
@@ -171,8 +172,9 @@ impl ModelFile {
         write::to_toml(self)
     }
 
-    /// The stroke that percentages refer to: that of the recording that the model was identified from; of a
-    /// model without a recording, from the lowest to the highest input, coming from rest. Output unit.
+    /// The stroke that percentages refer to: that of the recording that the model was identified
+    /// from; of a model without a recording, from the lowest to the highest input, coming from
+    /// rest. Output unit.
     pub fn stroke(&self) -> f64 {
         self.identification.as_ref().map_or_else(
             || {
@@ -195,8 +197,8 @@ impl ModelFile {
         HostExtendedModel::try_new(&self.parameters, &extensions)
     }
 
-    /// The same, with the usual lead limit in the model's unit where a valve's lag has it in bar, as one
-    /// that was found in a recording has.
+    /// The same, with the usual lead limit in the model's unit where a valve's lag has it in bar,
+    /// as one that was found in a recording has.
     #[must_use]
     pub fn with_usual_lead_limit(mut self) -> Self {
         let usual = extensions::lead_limit(&self.names());

@@ -1,4 +1,5 @@
-//! Keys and units of the raw parameters, with the units that they take over from the model's input and output.
+//! Keys and units of the raw parameters, with the units that they take over from the model's input
+//! and output.
 
 use crate::Recording;
 use crate::model::named::Dimension;

@@ -235,7 +235,8 @@ pub fn numbers(section: &mut Section, key: &str, most: usize) -> Result<Vec<f64>
     Ok(numbers)
 }
 
-/// Puts the stages of a model into the file's top level; the plays as they are, where they come from no density.
+/// Puts the stages of a model into the file's top level; the plays as they are, where they come
+/// from no density.
 pub fn write(parameters: &HostParameters, density: Option<&Density>, names: &Names, top: &mut Table) {
     let stage = |cascade: &CascadeParameters<f64, PLAYS, DEAD_ZONES>, inner: &Inner| {
         let CascadeParameters { dead_zones, .. } = cascade;

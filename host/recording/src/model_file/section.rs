@@ -1,5 +1,5 @@
-//! Strict reading of a table of a TOML file: every key is asked for by name and taken out, and what is left at
-//! the end is an unknown key.
+//! Strict reading of a table of a TOML file: every key is asked for by name and taken out, and what
+//! is left at the end is an unknown key.
 
 use std::fmt;
 

@@ -144,8 +144,8 @@ pub fn input(table: &Table, choice: &Choice) -> Result<Chosen, DataError> {
     Err(table.missing(&names.join(" or "), cure))
 }
 
-/// The output: the one that is named, else the contraction; with the muscle's length at rest, if it is to be made of its
-/// length (mm).
+/// The output: the one that is named, else the contraction; with the muscle's length at rest, if it
+/// is to be made of its length (mm).
 pub fn output(table: &Table, choice: &Choice) -> Result<(Chosen, Option<f64>), DataError> {
     let name = choice.output.as_deref().unwrap_or(CONTRACTION);
     let length = || table.find(LENGTH);
@@ -163,8 +163,9 @@ pub fn output(table: &Table, choice: &Choice) -> Result<(Chosen, Option<f64>), D
     Err(table.missing(name, cure(table, "--output", name)))
 }
 
-/// The option that would name a column instead of a missing one, if the file has one that may be meant: one of the same
-/// quantity, else of a quantity that is measured so, else one without a unit.
+/// The option that would name a column instead of a missing one, if the file has one that may be
+/// meant: one of the same quantity, else of a quantity that is measured so, else one without a
+/// unit.
 fn cure(table: &Table, option: &str, wanted: &str) -> String {
     let Some(channel) = Channel::of_column(wanted) else { return String::new() };
     let (stem, unit) = (channel.stem(), channel.unit.suffix());
@@ -222,7 +223,8 @@ pub fn not_used(table: &Table, time: usize) -> Option<String> {
     (!unused.is_empty()).then(|| format!("not used, without a unit: {}", unused.join(", ")))
 }
 
-/// Whether the values that there are come at even distances: no hole is longer than twice the usual one.
+/// Whether the values that there are come at even distances: no hole is longer than twice the usual
+/// one.
 pub fn is_sampled_slowly(values: &[f64]) -> bool {
     let mut lengths: Vec<usize> = holes(values).iter().map(ExactSizeIterator::len).collect();
     lengths.sort_unstable();

@@ -51,8 +51,8 @@ impl Cell {
     }
 }
 
-/// Whether the comma of a field may stand between thousands: one to three digits before it, of which the first is no
-/// zero, and three behind.
+/// Whether the comma of a field may stand between thousands: one to three digits before it, of
+/// which the first is no zero, and three behind.
 pub fn may_be_thousands(field: &str) -> bool {
     let Some((whole, rest)) = field.trim().trim_start_matches(['-', '+']).split_once(',') else {
         return false;

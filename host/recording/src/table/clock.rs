@@ -1,13 +1,14 @@
 //! Times that increase, out of what a logger's clock said.
 //!
 //! # Design
-//! A clock that is coarser than the rows gives several rows the same stamp. Where at least half of the stamps have several
-//! rows, the rows come so often that their order tells more than the clock:
+//! A clock that is coarser than the rows gives several rows the same stamp. Where at least half of
+//! the stamps have several rows, the rows come so often that their order tells more than the clock:
 //!
 //! - if one steady rate explains every stamp to within the clock's step, that rate gives the times;
-//! - else, if the rows of a stamp differ by no more than one from what the time to the next stamp lets expect, in all but
-//!   one of twenty stamps, they are spread evenly over that time;
-//! - else nobody knows where between two stamps a row lies, and the rows of a stamp become their mean.
+//! - else, if the rows of a stamp differ by no more than one from what the time to the next stamp
+//!   lets expect, in all but one of twenty stamps, they are spread evenly over that time;
+//! - else nobody knows where between two stamps a row lies, and the rows of a stamp become their
+//!   mean.
 //!
 //! Where fewer stamps come twice the logger has stuttered, and its rows become their mean too.
 
@@ -91,7 +92,8 @@ impl Runs<'_> {
         (1..self.begins.len()).map(|run| self.stamp_s(run) - self.stamp_s(run - 1)).collect()
     }
 
-    /// Evenly spaced times of which each stamp is the time, cut to the clock's step, and their distance (s).
+    /// Evenly spaced times of which each stamp is the time, cut to the clock's step, and their
+    /// distance (s).
     fn at_a_steady_rate(&self) -> Option<(Vec<f64>, f64)> {
         let steps_s = self.steps_s();
         let clock_s = steps_s.iter().copied().fold(f64::INFINITY, f64::min);

@@ -56,7 +56,7 @@ impl Column {
             return;
         }
         let value = match Cell::of(field, self.may_have_comma) {
-            // Among times of a clock a number is none.
+            // Among times of a clock a number is no time.
             Cell::Number(_) | Cell::Comma(_) if self.clock.is_some() => None,
             Cell::Number(number) => {
                 // Only where there may be commas does it matter.

@@ -79,7 +79,8 @@ impl Heading {
         }
     }
 
-    /// Whether it is written as in our own files, in small letters with a unit at the end, or said by options.
+    /// Whether it is written as in our own files, in small letters with a unit at the end, or said
+    /// by options.
     pub fn is_ours(&self) -> bool {
         let is_said = self.is_named || self.is_said;
         self.raw == super::VALID || is_said || (self.known().is_some() && self.name() == self.raw)
@@ -130,7 +131,8 @@ fn strip_brackets(text: &str) -> &str {
     BRACKETS.iter().find_map(within).unwrap_or(text)
 }
 
-/// A symbol that stands alone, where `nm` is no torque and `in` no inlet: symbols are written with care.
+/// A symbol that stands alone, where `nm` is no torque and `in` no inlet: symbols are written with
+/// care.
 fn in_brackets(text: &str) -> Option<Meaning> {
     match text.trim() {
         "-" => Unit::of_symbol("1").map(Meaning::Known),
@@ -139,7 +141,8 @@ fn in_brackets(text: &str) -> Option<Meaning> {
     }
 }
 
-/// A name up to an underscore, and the unit behind it; units that have an underscore themselves are longer.
+/// A name up to an underscore, and the unit behind it; units that have an underscore themselves are
+/// longer.
 fn after_underscore(raw: &str) -> Option<(&str, Meaning)> {
     raw.match_indices('_').find_map(|(place, _)| Some((&raw[..place], meaning(&raw[place + 1..])?)))
 }

@@ -87,7 +87,8 @@ impl<'a> Layout<'a> {
         Ok(Self { separator, header_line: line.number, headings, header, rows, notes })
     }
 
-    /// The layout of a file that begins with a row: its last comment before may be the header, as NumPy writes it.
+    /// The layout of a file that begins with a row: its last comment before may be the header, as
+    /// NumPy writes it.
     fn of_comment(
         mut lines: Lines<'a>,
         first: &Seen<'a>,
@@ -147,7 +148,8 @@ fn header(seen: &[Seen<'_>]) -> Option<(usize, u8)> {
     found.min_by_key(|(place, _)| *place)
 }
 
-/// Whether a row is as wide as a header: a separator at its end does no harm, and a last column may be left out.
+/// Whether a row is as wide as a header: a separator at its end does no harm, and a last column may
+/// be left out.
 fn fits(names: usize, row: &[Cow<'_, str>]) -> bool {
     row.len() == names
         || row.len() + 1 == names

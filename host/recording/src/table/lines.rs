@@ -55,12 +55,13 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// What a comment says; `None` of what is none.
+/// The text of a comment; `None` for any other line.
 pub fn comment(line: &str) -> Option<&str> {
     COMMENTS.iter().find_map(|mark| line.strip_prefix(mark))
 }
 
-/// The lines that count as a stream for the reader of separated values, which remembers where they stand in the file.
+/// The lines that count as a stream for the reader of separated values, which remembers where they
+/// stand in the file.
 #[derive(Debug)]
 pub struct Stream<'a> {
     lines: Lines<'a>,
@@ -84,7 +85,8 @@ impl<'a> Stream<'a> {
     }
 }
 
-/// The number in the file of the line that is so many lines behind the first; `jumps` are those of a [`Stream`].
+/// The number in the file of the line that is so many lines behind the first; `jumps` are those of
+/// a [`Stream`].
 pub fn number(jumps: &[(usize, usize)], place: usize) -> usize {
     match jumps[..jumps.partition_point(|(from, _)| *from <= place)].last() {
         Some((from, number)) => number + place - from,

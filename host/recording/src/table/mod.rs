@@ -1,11 +1,13 @@
-//! Tables of numbers as loggers write them: read where there is no doubt, with a note on what was done.
+//! Tables of numbers as loggers write them: read where there is no doubt, with a note on what was
+//! done.
 //!
 //! # Contract
-//! The first line that is neither empty nor a comment is the header; every name in it is in small letters and ends in
-//! its unit ([`crate::unit::Unit`]), or is `valid`; fields are separated by commas, and every field is a finite number. What
-//! differs from that is read too where it has one meaning, and leaves a note; what has two is an error that says which
-//! option answers it. Nothing is guessed. A column is looked at when it is asked for ([`Table::find`],
-//! [`Table::numbers`]): what is wrong with another one harms nobody.
+//! The first line that is neither empty nor a comment is the header; every name in it is in small
+//! letters and ends in its unit ([`crate::unit::Unit`]), or is `valid`; fields are separated by
+//! commas, and every field is a finite number. What differs from that is read too where it has one
+//! meaning, and leaves a note; what has two is an error that says which option answers it. Nothing
+//! is guessed. A column is looked at when it is asked for ([`Table::find`], [`Table::numbers`]):
+//! what is wrong with another one harms nobody.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -212,7 +214,8 @@ impl Table {
         indices.iter().any(has_commas).then(|| "numbers were read with decimal commas".to_owned())
     }
 
-    /// The values of the first of our own columns that the file has, with its name; none is missing.
+    /// The values of the first of our own columns that the file has, with its name; none is
+    /// missing.
     ///
     /// # Errors
     /// The file has none of the columns, or a field is no finite number.
@@ -229,7 +232,8 @@ impl Table {
         Err(self.missing(&names.join(" or "), String::new()))
     }
 
-    /// That there is no such column; `cure` says how to name it, and begins with a semicolon if it is not empty.
+    /// That there is no such column; `cure` says how to name it, and begins with a semicolon if it
+    /// is not empty.
     pub fn missing(&self, wanted: &str, cure: String) -> DataError {
         let present: Vec<&str> = self.columns.iter().map(|column| column.heading.shown()).collect();
         let (wanted, present) = (wanted.to_owned(), present.join(", "));
@@ -260,7 +264,8 @@ impl Table {
             .map(|(index, column)| (index, column.heading.shown()))
     }
 
-    /// The columns with a unit of this quantity: the name without the unit, and as it is shown to people.
+    /// The columns with a unit of this quantity: the name without the unit, and as it is shown to
+    /// people.
     pub fn of_quantity(&self, quantity: Quantity) -> impl Iterator<Item = (&str, &str)> {
         let headings = self.columns.iter().map(|column| &column.heading);
         let of_it = headings.filter(move |heading| heading.measures(quantity));

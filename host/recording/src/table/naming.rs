@@ -160,8 +160,8 @@ impl Table {
         Ok(None)
     }
 
-    /// The column of one of our names, or that of the same words in another unit of the same quantity; `None` if there is no
-    /// such column.
+    /// The column of one of our names, or that of the same words in another unit of the same
+    /// quantity; `None` if there is no such column.
     ///
     /// # Errors
     /// There are two, or the unit is not known, or may be two.

@@ -12,7 +12,8 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// The rows where all columns have a value; each column has a value a row, NaN where it is missing.
+    /// The rows where all columns have a value; each column has a value a row, NaN where it is
+    /// missing.
     pub fn whole(columns: &[&[f64]]) -> Self {
         let is_whole = |row: &usize| columns.iter().all(|column| !column[*row].is_nan());
         let rows = columns.first().map_or(0, |column| column.len());
@@ -31,8 +32,8 @@ impl Rows {
         self.kept.as_ref().map_or(place, |kept| kept[place])
     }
 
-    /// A column of the recording out of one of its table: the mean of the values that are brought together, without those
-    /// that are missing; NaN where all are.
+    /// A column of the recording out of one of its table: the mean of the values that are brought
+    /// together, without those that are missing; NaN where all are.
     pub fn take(&self, column: &[f64]) -> Vec<f64> {
         let kept: Vec<f64> = match &self.kept {
             Some(kept) => kept.iter().map(|&row| column[row]).collect(),
@@ -63,8 +64,8 @@ pub fn holes(values: &[f64]) -> Vec<Range<usize>> {
     found
 }
 
-/// Puts straight lines over the holes, and the nearest value before the first and behind the last one; `false`, and
-/// nothing done, where there is no value.
+/// Puts straight lines over the holes, and the nearest value before the first and behind the last
+/// one; `false`, and nothing done, where there is no value.
 pub fn fill(time_s: &[f64], values: &mut [f64]) -> bool {
     for hole in holes(values) {
         let before = hole.start.checked_sub(1).map(|row| (time_s[row], values[row]));

@@ -25,7 +25,8 @@ enum Format {
     Zoned,
     /// One of the formats with a date.
     Dated(&'static str),
-    /// A time of day behind a date that stays the same: whether the day or the month comes first does not matter.
+    /// A time of day behind a date that stays the same: whether the day or the month comes first
+    /// does not matter.
     OfDay { date: String },
 }
 

@@ -7,8 +7,8 @@
 //! | `limit` | what limits a model, found where it is identified and kept in the model file |
 //! | `shape` | the output over the input, by direction: whether it rises, falls, turns, or leads |
 //!
-//! The error is the larger of that on held-out samples, if there are any, and that on the samples of the fit: a
-//! model has to do on both.
+//! The error is the larger of that on held-out samples, if there are any, and that on the samples
+//! of the fit: a model has to do on both.
 
 mod limit;
 mod shape;
@@ -64,7 +64,8 @@ impl Grade {
 pub struct Worth {
     /// Root mean square error. Unit: share of stroke.
     pub share: f64,
-    /// Whether the error is that on samples that took no part in the fit, which is the larger one then.
+    /// Whether the error is that on samples that took no part in the fit, which is the larger one
+    /// then.
     pub is_heldout: bool,
     /// What limits the model; None where that is not known.
     pub limit: Option<Limit>,

@@ -10,7 +10,8 @@ use crate::plot::Style;
 use diagnosis::{Columns, Verdict};
 use recording::numbers::range;
 
-/// What two models simulate, a value a scored row as [`View`] has them, and how they err. Output unit.
+/// What two models simulate, a value a scored row as [`View`] has them, and how they err. Output
+/// unit.
 struct Compared {
     names: [String; 2],
     /// Name and unit of the input that both simulate from, and its values.
@@ -119,7 +120,7 @@ pub fn section(view: &View<'_>, columns: &Columns, gained: Option<&Gained<'_>>) 
         p {
             (gain_in_words([errors[0][1], errors[1][1]], noise))
             @if let Some(Gained { gain, .. }) = gained {
-                " (the difference is sure within " (with_unit(gain.gain_error, view.unit())) ")"
+                " (standard error of the difference " (with_unit(gain.gain_error, view.unit())) ")"
             }
             "."
             @if gained.is_some_and(|gained| !gained.gain.is_sure()) {

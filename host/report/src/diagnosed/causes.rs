@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::are_causes_named;
+use crate::table::{Row, table};
 use diagnosis::shown::quantity;
 use diagnosis::{Diagnosis, Named, Verdict};
 use recording::model_file::names::Names;
@@ -23,17 +24,11 @@ pub fn section(diagnosis: &Diagnosis, units: Names) -> Markup {
             dl { @for named in listed {
                 dt.best[are_causes_named(diagnosis.verdict)] { (named.cause.name()) }
                 dd {
-                    (named.cause.meaning()) ". It takes away " (significant(100.0 * share(named, diagnosis.heldout.1)))
-                    " % of the square of the error that is there without it."
+                    (named.cause.meaning()) ". It takes away " (percent(share(named, diagnosis.heldout.1)))
+                    " % of the square of the error " @if diagnosis.is_judged_at_the_valve(named.cause) { "of the pressure " }
+                    "that is there without it."
                     @if !named.parameters.is_empty() {
-                        div.wide { table {
-                            thead { tr { th { "parameter" } th { "value (unit of the row)" } th { "unit" } } }
-                            tbody { @for same in named.parameters.chunk_by(|one, other| one.0 == other.0) {
-                            @let (words, unit) = quantity(same[0].0, units);
-                            @let values: Vec<String> = same.iter().map(|(_, value)| significant(*value)).collect();
-                                tr { td { (words) } td { (values.join(", ")) } td { (unit) } }
-                            } }
-                        } }
+                        (parameters(named, units))
                     }
                     ul { @for words in &named.evidence { li { (words) } } }
                 }
@@ -42,8 +37,28 @@ pub fn section(diagnosis: &Diagnosis, units: Names) -> Markup {
     }
 }
 
-/// The share of the square of the error without a cause that goes with it, from 0 to 1. `heldout`: the error with all causes on
-/// held-out rows, output unit.
+/// Its parameters; those of one name in one row.
+fn parameters(named: &Named, units: Names) -> Markup {
+    let row = |same: &[(&'static str, f64)]| {
+        let (words, unit) = quantity(same[0].0, units);
+        let values: Vec<String> = same.iter().map(|(_, value)| significant(*value)).collect();
+        vec![format!("{words} ({unit})"), values.join(", ")].into()
+    };
+    let rows: Vec<Row> = named.parameters.chunk_by(|one, other| one.0 == other.0).map(row).collect();
+    table(&["parameter (unit)", "value"].map(str::to_owned), &rows)
+}
+
+/// A share in percent; what is not all does not look like it.
+fn percent(share: f64) -> String {
+    const ALMOST_ALL: f64 = 0.9995;
+    if (ALMOST_ALL..1.0).contains(&share) {
+        return "more than 99.9".to_owned();
+    }
+    significant(100.0 * share)
+}
+
+/// The share of the square of the error without a cause that goes with it, from 0 to 1. `heldout`:
+/// the error with all causes on held-out rows, output unit.
 fn share(named: &Named, heldout: f64) -> f64 {
     let share =
         named.without.as_ref().map_or(named.share, |without| 1.0 - (heldout / without.heldout).powi(2));

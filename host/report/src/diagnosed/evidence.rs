@@ -1,4 +1,5 @@
-//! The named causes against none, against each cause alone, without each of themselves, and against their rivals.
+//! The named causes against none, against each cause alone, without each of themselves, and against
+//! their rivals.
 
 use maud::{Markup, html};
 
@@ -10,6 +11,8 @@ use recording::unit::Unit;
 /// The section of the report.
 pub fn section(diagnosis: &Diagnosis, unit: Unit) -> Markup {
     let contest = contest(diagnosis);
+    let causes = diagnosis.causes.iter().map(|named| named.cause);
+    let at_the_valve: Vec<Cause> = causes.filter(|cause| diagnosis.is_judged_at_the_valve(*cause)).collect();
     let groups: Vec<Bar<'_>> = contest
         .iter()
         .map(|entry| Bar { name: &entry.name, values: &entry.values, is_chosen: entry.is_chosen })
@@ -19,10 +22,14 @@ pub fn section(diagnosis: &Diagnosis, unit: Unit) -> Markup {
     html! {
         h2 { "The evidence, for and against" }
         p { "Each set of causes was fitted together with the model, and tried on blocks of time that its fit had not seen: there \
-            a cause that is not at work gains nothing. Bold: what the verdict names. The causes that are not listed promised less." }
+            a cause that is not at work gains nothing. Bold: what the verdict names. Causes without a bar gain less, by a first estimate."
+            @if !at_the_valve.is_empty() {
+                " " (name(&at_the_valve)) ": found between command and pressure, with the bars of the valve below."
+            }
+        }
         (bars(&format!("Error of the model with … ({unit})"), &names, &groups, Some(&noise)))
-        p { "The second line compares visits of the muscle to the same state, far apart in time. An error of shape is the same at \
-            both, and cancels; what differs, a missing cause has done, or a disturbance." }
+        p { "The lower bar compares visits of the muscle to the same state, far apart in time. An error of shape is the same at \
+            both visits, and cancels; a difference comes from a missing cause, or from a disturbance." }
     }
 }
 

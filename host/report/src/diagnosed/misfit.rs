@@ -1,4 +1,5 @@
-//! The anatomy of the error, as pictures: where it is worst, what it goes with, its frequencies, and the noise.
+//! The anatomy of the error, as pictures: where it is worst, what it goes with, its frequencies,
+//! and the noise.
 
 use maud::{Markup, html};
 
@@ -7,6 +8,7 @@ use super::with_unit;
 use crate::bars::{Bar, bars};
 use crate::page::explained;
 use crate::plot::{Line, Plot, Point, Scale, Style};
+use crate::table::{Row, table};
 use diagnosis::anatomy::axis::{Axis, AxisMean};
 use diagnosis::anatomy::spectrum::{Peak, Spectrum};
 use diagnosis::anatomy::stretches::Stretch;
@@ -139,7 +141,7 @@ impl<'a> OverAxis<'a> {
                 Axis::Output | Axis::Travel => format!("{axis} ({})", view.unit()),
                 Axis::Load => "load (N)".to_owned(),
                 Axis::Temperature => "temperature (°C)".to_owned(),
-                Axis::Direction => "falling (-1), held (0), rising (1)".to_owned(),
+                Axis::Direction => "direction of the input: -1 falls, 0 held, 1 rises".to_owned(),
                 Axis::Rate => format!("{axis} ({}/s)", view.input_unit()),
                 Axis::Cycle => format!("{axis} (1)"),
             },
@@ -216,26 +218,32 @@ impl Frequencies {
 
 fn stretches(stretches: &[Stretch], view: &View<'_>) -> Markup {
     let (unit, input_unit) = (view.unit(), view.input_unit());
+    let headings = [
+        "from … to (s)".to_owned(),
+        format!("error ({unit})"),
+        "share of its energy (%)".to_owned(),
+        format!("input from … to ({input_unit})"),
+        "input at rest (% of the time)".to_owned(),
+        format!("fastest rate of the input ({input_unit}/s)"),
+    ];
+    let row = |stretch: &Stretch| {
+        vec![
+            format!("{:.1} … {:.1}", stretch.from_s, stretch.to_s),
+            significant(stretch.rms),
+            format!("{:.0}", 100.0 * stretch.share),
+            format!("{} … {}", significant(stretch.lowest_input), significant(stretch.highest_input)),
+            format!("{:.0}", 100.0 * stretch.held_share),
+            significant(stretch.fastest_rate),
+        ]
+        .into()
+    };
+    let rows: Vec<Row> = stretches.iter().map(row).collect();
     html! {
         @if stretches.is_empty() {
             p { "The error is about the same everywhere: there is no worst stretch." }
         } @else {
             h3 { "Where it is worst" }
-            div.wide { table {
-                thead { tr {
-                    th { "from … to (s)" } th { "error (" (unit) ")" } th { "share of its energy (%)" }
-                    th { "input from … to (" (input_unit) ")" } th { "input at rest (% of the time)" }
-                    th { "fastest rate of the input (" (input_unit) "/s)" }
-                } }
-                tbody { @for stretch in stretches { tr {
-                    td { (format!("{:.1} … {:.1}", stretch.from_s, stretch.to_s)) }
-                    td { (significant(stretch.rms)) }
-                    td { (format!("{:.0}", 100.0 * stretch.share)) }
-                    td { (significant(stretch.lowest_input)) " … " (significant(stretch.highest_input)) }
-                    td { (format!("{:.0}", 100.0 * stretch.held_share)) }
-                    td { (significant(stretch.fastest_rate)) }
-                } } }
-            } }
+            (table(&headings, &rows))
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Report of a diagnosis: before, the misfit, the causes with the evidence for and against them, after.
+//! Report of a diagnosis: before, the misfit, the causes with the evidence for and against them,
+//! after.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -44,7 +45,7 @@ pub struct Gained<'a> {
     pub other: Option<String>,
 }
 
-/// The report as an HTML file; `gained` where there is a model that runs free.
+/// The report as an HTML file; `gained` where the extended model can be simulated.
 pub fn to_html(
     diagnosis: &Diagnosis,
     columns: &Columns,

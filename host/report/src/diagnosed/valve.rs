@@ -1,4 +1,5 @@
-//! The valve between command and pressure: what was recorded, and what the found valve makes of the command.
+//! The valve between command and pressure: what was recorded, and what the found valve makes of the
+//! command.
 
 use maud::{Markup, html};
 

@@ -4,7 +4,8 @@ use crate::plot::{Line, Plot, Style};
 use diagnosis::Diagnosis;
 use recording::Recording;
 
-/// A diagnosis beside its recording. Lists have a value a scored row, and a NaN where rows between are not scored.
+/// A diagnosis beside its recording. Lists have a value a scored row, and a NaN where rows between
+/// are not scored.
 pub struct View<'a> {
     /// The diagnosis.
     pub diagnosis: &'a Diagnosis,

@@ -5,21 +5,15 @@
 //! with `exclusive`, `picocom`) respect too. Eight bits, no flow control; a pseudo terminal takes
 //! rate and parity and ignores them.
 
-use std::fs;
-use std::io::{self, Read, Write};
-use std::os::fd::AsFd;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::fs::{FlockOperation, Mode, OFlags, flock};
+use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
-use rustix::termios::{ControlModes, OptionalActions, QueueSelector, tcflush, tcgetattr, tcsetattr};
+use serial2::{FlowControl, KeepSettings, SerialPort};
 use thiserror::Error;
-
-/// Where an operating system lists its serial ports, the lasting names first.
-const DIRECTORIES: [(&str, &str); 3] = [("/dev/serial/by-id", ""), ("/dev", "ttyUSB"), ("/dev", "ttyACM")];
 
 /// How the bytes go over the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,15 +63,9 @@ fn known(present: &[PathBuf]) -> String {
     }
 }
 
-/// The serial ports of this machine that an adapter makes.
+/// The serial ports of this machine.
 fn present() -> Vec<PathBuf> {
-    let entries = |(directory, prefix): (&str, &'static str)| {
-        let entries = fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path());
-        entries.filter(move |path| {
-            path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(prefix.as_bytes()))
-        })
-    };
-    let mut ports: Vec<PathBuf> = DIRECTORIES.into_iter().flat_map(entries).collect();
+    let mut ports = SerialPort::available_ports().unwrap_or_default();
     ports.sort();
     ports
 }
@@ -86,7 +74,7 @@ fn present() -> Vec<PathBuf> {
 #[derive(Debug)]
 pub struct Port {
     name: PathBuf,
-    file: fs::File,
+    serial: SerialPort,
 }
 
 impl Port {
@@ -98,22 +86,21 @@ impl Port {
     pub fn open(name: &Path, line: Line) -> Result<Self, PortError> {
         let under_dev = Path::new("/dev").join(name);
         let path = if !name.exists() && under_dev.exists() { &under_dev } else { name };
-        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
-        let file = rustix::fs::open(path, flags, Mode::empty()).map_err(|error| refused(name, error))?;
-        flock(&file, FlockOperation::NonBlockingLockExclusive).map_err(|error| refused(name, error))?;
-        let mut settings = tcgetattr(&file).map_err(|_| PortError::NotSerial(name.to_owned()))?;
-        settings.make_raw();
-        let (set, parity) = match line.parity {
-            Parity::None => (ControlModes::empty(), ControlModes::empty()),
-            Parity::Even => (ControlModes::PARENB, ControlModes::PARENB),
-            Parity::Odd => (ControlModes::PARENB | ControlModes::PARODD, ControlModes::PARENB),
-        };
-        settings.control_modes -= ControlModes::PARENB | ControlModes::PARODD | ControlModes::CRTSCTS;
-        settings.control_modes |= set | parity | ControlModes::CLOCAL | ControlModes::CREAD;
-        let set =
-            settings.set_speed(line.baud).and_then(|()| tcsetattr(&file, OptionalActions::Now, &settings));
-        set.map_err(|error| refused(name, error))?;
-        Ok(Self { name: name.to_owned(), file: file.into() })
+        let refused = |error| refused(name, error);
+        let mut serial = SerialPort::open(path, KeepSettings).map_err(refused)?;
+        let lock = flock(&serial, FlockOperation::NonBlockingLockExclusive);
+        lock.map_err(|error| refused(error.into()))?;
+        let mut settings = serial.get_configuration().map_err(refused)?;
+        settings.set_raw();
+        settings.set_flow_control(FlowControl::None);
+        settings.set_parity(line.parity.into());
+        settings.set_baud_rate(line.baud).map_err(refused)?;
+        match serial.set_configuration(&settings) {
+            // It has no parity, and that is not applied.
+            Err(_) if is_pseudo_terminal(path) => {}
+            applied => applied.map_err(refused)?,
+        }
+        Ok(Self { name: name.to_owned(), serial })
     }
 
     /// What the port was opened by.
@@ -126,7 +113,7 @@ impl Port {
     /// # Errors
     /// The port is gone.
     pub fn discard(&self) -> Result<(), PortError> {
-        tcflush(&self.file, QueueSelector::IFlush).map_err(|error| self.lost(error.into()))
+        self.serial.discard_input_buffer().map_err(|error| self.lost(error))
     }
 
     /// Sends all of the bytes.
@@ -135,12 +122,10 @@ impl Port {
     /// The port does not take them by the deadline, or is gone.
     pub fn send(&mut self, mut bytes: &[u8], deadline: Instant) -> Result<(), PortError> {
         while !bytes.is_empty() {
-            if !self.wait(PollFlags::OUT, deadline)? {
-                return Err(self.lost(io::ErrorKind::TimedOut.into()));
-            }
-            match self.file.write(bytes) {
+            self.serial.set_write_timeout(left(deadline)).map_err(|error| self.lost(error))?;
+            match self.serial.write(bytes) {
                 Ok(count) => bytes = &bytes[count..],
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                Err(error) if is_passing(&error) && Instant::now() < deadline => {}
                 Err(error) => return Err(self.lost(error)),
             }
         }
@@ -152,26 +137,15 @@ impl Port {
     /// # Errors
     /// The port is gone.
     pub fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, PortError> {
-        while self.wait(PollFlags::IN, deadline)? {
-            match self.file.read(buffer) {
+        loop {
+            self.serial.set_read_timeout(left(deadline)).map_err(|error| self.lost(error))?;
+            match self.serial.read(buffer) {
                 Ok(0) => return Err(PortError::Gone(self.name.clone())),
                 Ok(count) => return Ok(count),
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                Err(error) if error.kind() == ErrorKind::TimedOut => return Ok(0),
+                Err(error) if is_passing(&error) && Instant::now() < deadline => {}
+                Err(error) if is_passing(&error) => return Ok(0),
                 Err(error) => return Err(self.lost(error)),
-            }
-        }
-        Ok(0)
-    }
-
-    /// Whether the port is ready before the deadline.
-    fn wait(&self, what: PollFlags, deadline: Instant) -> Result<bool, PortError> {
-        loop {
-            let left = deadline.saturating_duration_since(Instant::now());
-            let left = Timespec { tv_sec: left.as_secs() as i64, tv_nsec: left.subsec_nanos().into() };
-            match poll(&mut [PollFd::from_borrowed_fd(self.file.as_fd(), what)], Some(&left)) {
-                Err(Errno::INTR) => {}
-                Ok(ready) => return Ok(ready > 0),
-                Err(error) => return Err(self.lost(error.into())),
             }
         }
     }
@@ -185,15 +159,41 @@ impl Port {
     }
 }
 
-fn refused(port: &Path, error: Errno) -> PortError {
+impl From<Parity> for serial2::Parity {
+    fn from(parity: Parity) -> Self {
+        match parity {
+            Parity::None => Self::None,
+            Parity::Even => Self::Even,
+            Parity::Odd => Self::Odd,
+        }
+    }
+}
+
+/// The time to a deadline, in the whole milliseconds that a port waits for.
+fn left(deadline: Instant) -> Duration {
+    let left = deadline.saturating_duration_since(Instant::now());
+    Duration::from_millis(left.as_micros().div_ceil(1000) as u64)
+}
+
+/// Whether a read or write may be repeated: a signal came, or another program was faster.
+fn is_passing(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::Interrupted | ErrorKind::WouldBlock)
+}
+
+/// Whether a path leads to a terminal whose other end is a program.
+fn is_pseudo_terminal(path: &Path) -> bool {
+    path.canonicalize().is_ok_and(|path| path.starts_with("/dev/pts"))
+}
+
+fn refused(port: &Path, error: io::Error) -> PortError {
     let port = port.to_owned();
-    match error {
+    match Errno::from_io_error(&error) {
         // A link that leads nowhere is left of an emulator that was killed.
-        Errno::NOENT if port.is_symlink() => PortError::Gone(port),
-        Errno::NOENT | Errno::NODEV | Errno::NXIO => PortError::Missing { port, present: present() },
-        Errno::BUSY | Errno::WOULDBLOCK => PortError::Busy(port),
-        Errno::ACCESS | Errno::PERM => PortError::Denied(port),
-        Errno::NOTTY | Errno::ISDIR => PortError::NotSerial(port),
-        error => PortError::Io { port, problem: error.into() },
+        Some(Errno::NOENT) if port.is_symlink() => PortError::Gone(port),
+        Some(Errno::NOENT | Errno::NODEV | Errno::NXIO) => PortError::Missing { port, present: present() },
+        Some(Errno::BUSY | Errno::WOULDBLOCK) => PortError::Busy(port),
+        Some(Errno::ACCESS | Errno::PERM) => PortError::Denied(port),
+        Some(Errno::NOTTY | Errno::ISDIR) => PortError::NotSerial(port),
+        _ => PortError::Io { port, problem: error },
     }
 }

@@ -43,6 +43,7 @@ fn columns(case: &Case) -> Columns {
         temperature_c: Some(of(|row| row.measured.temperature_c)),
         past_unknown_until_s: None,
         smoothing: None,
+        measured_input: None,
         drop_outs: Vec::new(),
     }
 }

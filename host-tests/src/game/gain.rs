@@ -70,6 +70,7 @@ fn columns(rows: &[Row]) -> Columns {
         scored: vec![true; rows.len()],
         past_unknown_until_s: None,
         smoothing: None,
+        measured_input: None,
         drop_outs: Vec::new(),
     }
 }

@@ -1,9 +1,10 @@
-//! What the controller costs on the board with a model: the most instructions in a tick, as `cargo xtask gates --bless`
-//! measures them. A model that it does not drive has none.
+//! What the controller costs on the board with a model: the most instructions in a tick, as `cargo
+//! xtask gates --bless` measures them. A model that it does not drive has none.
 
 const MEASURED: &str = include_str!("../../instructions.toml");
 
-/// The instructions of a tick with the model of that name, `mgpi 10/10`; None where they have not been measured.
+/// The instructions of a tick with the model of that name, `mgpi 10/10`; None where they have not
+/// been measured.
 pub fn of_tick(model: &str) -> Option<u64> {
     let measured: toml::Table = MEASURED.parse().ok()?;
     u64::try_from(measured.get(model)?.as_integer()?).ok()

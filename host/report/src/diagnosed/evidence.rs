@@ -22,13 +22,13 @@ pub fn section(diagnosis: &Diagnosis, unit: Unit) -> Markup {
     html! {
         h2 { "The evidence, for and against" }
         p { "Each set of causes was fitted together with the model, and tried on blocks of time that its fit had not seen: there \
-            a cause that is not at work gains nothing. Bold: what the verdict names. Causes without a bar gain less, by a first estimate."
+            a cause that is not at work gains nothing. Bold: what the verdict names. Causes that are not drawn gain less, by a first estimate."
             @if !at_the_valve.is_empty() {
                 " " (name(&at_the_valve)) ": found between command and pressure, with the bars of the valve below."
             }
         }
         (bars(&format!("Error of the model with … ({unit})"), &names, &groups, Some(&noise)))
-        p { "The lower bar compares visits of the muscle to the same state, far apart in time. An error of shape is the same at \
+        p { "The lower of the two compares visits of the muscle to the same state, far apart in time. An error of shape is the same at \
             both visits, and cancels; a difference comes from a missing cause, or from a disturbance." }
     }
 }

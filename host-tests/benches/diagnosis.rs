@@ -1,6 +1,6 @@
-//! How long a diagnosis of 12,000 rows takes, extended model included, where nothing is hidden and where something is:
-//! a strong fast effect beside another one takes longest. Run with `cargo bench -p host-tests --bench diagnosis`,
-//! on quiet cores.
+//! How long a diagnosis of 12,000 rows takes, extended model included, where nothing is hidden and
+//! where something is: a strong fast effect beside another one takes longest. Run with `cargo bench
+//! -p host-tests --bench diagnosis`, on quiet cores.
 
 use std::time::Duration;
 

@@ -1,6 +1,8 @@
-//! How long an identification takes by the number of rows: cycles of falling height of the paper's model with noise on both columns,
-//! 12,000 to a million rows. The claim: beyond some hundred thousand rows no more than in proportion, since searches are made on a
-//! thinned recording and only their ends on all rows. Run with `cargo bench -p host-tests --bench identification`, on quiet cores.
+//! How long an identification takes by the number of rows: cycles of falling height of the paper's
+//! model with noise on both columns, 12,000 to a million rows. The claim: beyond some hundred
+//! thousand rows no more than in proportion, since searches are made on a thinned recording and
+//! only their ends on all rows. Run with `cargo bench -p host-tests --bench identification`, on
+//! quiet cores.
 
 use std::time::Duration;
 

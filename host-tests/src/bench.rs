@@ -1,5 +1,6 @@
-//! A board on a bench: the control code as the production image runs it, tick by tick, with a muscle that is the paper's
-//! model behind a valve with a lag, and with everything at hand that can go wrong.
+//! A board on a bench: the control code as the production image runs it, tick by tick, with a
+//! muscle that is the paper's model behind a valve with a lag, and with everything at hand that can
+//! go wrong.
 
 use firmware::faults::black_box::Reset;
 use firmware::order::prepare;
@@ -161,7 +162,8 @@ impl Bench {
         self.control().close_tick(TickEnd { elapsed_cycles, is_overrun: false });
     }
 
-    /// Ends the program, and restarts it after a reset: `crash` is what has sealed the record before, if anything.
+    /// Ends the program, and restarts it after a reset: `crash` is what has sealed the record
+    /// before, if anything.
     ///
     /// # Panics
     /// Never.

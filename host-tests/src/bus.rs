@@ -122,7 +122,8 @@ impl BusBoard {
         self.bus.take(byte, tick, &mut self.node).to_vec()
     }
 
-    /// Ticks in which nothing is on the bus, enough for a frame to begin; answers what the board sends meanwhile.
+    /// Ticks in which nothing is on the bus, enough for a frame to begin; answers what the board
+    /// sends meanwhile.
     pub fn be_silent(&mut self) -> Vec<u8> {
         (0..SILENCE_TICKS)
             .flat_map(|_| {
@@ -143,8 +144,9 @@ impl BusBoard {
         self.send_all(bytes).concat()
     }
 
-    /// Sends a request (function and data) to the board, and answers function and data of its response; an empty one is
-    /// none. The first byte of an exception is its function with the highest bit.
+    /// Sends a request (function and data) to the board, and answers function and data of its
+    /// response; an empty one is none. The first byte of an exception is its function with the
+    /// highest bit.
     ///
     /// # Panics
     /// The response is no frame of the board.
@@ -233,8 +235,8 @@ pub fn refused<T>(exception: Exception) -> Result<T, u8> {
     Err(exception.number() as u8)
 }
 
-/// What is no request, for ever: three in four are bytes, the rest whole frames to the board that ask for something that
-/// it does not have.
+/// What is no request, for ever: three in four are bytes, the rest whole frames to the board that
+/// ask for something that it does not have.
 pub fn random_frames(seed: u64) -> impl Iterator<Item = Vec<u8>> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     (0..).map(move |number| {

@@ -1,4 +1,5 @@
-//! A board on a desk: its bus on a pseudo terminal, the rig's muscle at its valve, time at a pace of its own.
+//! A board on a desk: its bus on a pseudo terminal, the rig's muscle at its valve, time at a pace
+//! of its own.
 
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -27,8 +28,8 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// A board whose time passes `pace` times as fast as ours; `disturb` may change the bytes of either direction, the
-    /// board's own first.
+    /// A board whose time passes `pace` times as fast as ours; `disturb` may change the bytes of
+    /// either direction, the board's own first.
     ///
     /// # Panics
     /// There is no pseudo terminal.

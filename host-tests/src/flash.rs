@@ -1,11 +1,13 @@
-//! A NOR flash of two sectors in memory, which can lose its power at any byte, wear out, and count what is done to it.
+//! A NOR flash of two sectors in memory, which can lose its power at any byte, wear out, and count
+//! what is done to it.
 //!
 //! # The loss of power
-//! Programming a byte and erasing a byte each take one unit of work; the power goes after a given number of them. What
-//! is being done at that moment is left undone in one of the ways of [`Tear`]; from then on every access fails, until
-//! [`MockFlash::power_up`].
+//! Programming a byte and erasing a byte each take one unit of work; the power goes after a given
+//! number of them. What is being done at that moment is left undone in one of the ways of [`Tear`];
+//! from then on every access fails, until [`MockFlash::power_up`].
 //!
-//! Programming clears bits and never sets any, as in the STM32F405; whether a word is blank is not asked.
+//! Programming clears bits and never sets any, as in the STM32F405; whether a word is blank is not
+//! asked.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
@@ -16,13 +18,17 @@ use rand_chacha::ChaCha8Rng;
 /// What an interrupted operation leaves behind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tear {
-    /// Some bits of the byte being programmed; a sector erased from its beginning up to some bits of a byte.
+    /// Some bits of the byte being programmed; a sector erased from its beginning up to some bits
+    /// of a byte.
     Rising,
-    /// Some bits of the byte being programmed; a sector erased from its end down to some bits of a byte.
+    /// Some bits of the byte being programmed; a sector erased from its end down to some bits of a
+    /// byte.
     Falling,
-    /// Some bits of the word being programmed; a sector of which each bit is erased or not, the likelier the later.
+    /// Some bits of the word being programmed; a sector of which each bit is erased or not, the
+    /// likelier the later.
     Scattered,
-    /// A word of any bits; a sector that is first programmed to zeros from its beginning, then erased likewise.
+    /// A word of any bits; a sector that is first programmed to zeros from its beginning, then
+    /// erased likewise.
     Undefined,
 }
 

@@ -1,8 +1,9 @@
 //! Closed loops of the shipped control code against plants, on the host and at full speed.
 //!
-//! [`HostBoard`] is a board without hardware: the same [`firmware::Control`] as in the images, behind the same
-//! requests, in the same lock-step as `mgpi pil`. The tests of this package hold its figures within bounds
-//! on both sides, so that a drift to the better, which is as suspect as one to the worse, fails too.
+//! [`HostBoard`] is a board without hardware: the same [`firmware::Control`] as in the images,
+//! behind the same requests, in the same lock-step as `mgpi pil`. The tests of this package hold
+//! its figures within bounds on both sides, so that a drift to the better, which is as suspect as
+//! one to the worse, fails too.
 
 pub mod bench;
 pub mod bus;
@@ -72,7 +73,8 @@ impl Board for HostBoard {
     }
 }
 
-/// A plant that is a function of the command (bar), called once a tick: pressure (bar), contraction (mm).
+/// A plant that is a function of the command (bar), called once a tick: pressure (bar), contraction
+/// (mm).
 pub struct FunctionPlant<F>(pub F);
 
 impl<F: FnMut(f64) -> (f64, f64)> Plant for FunctionPlant<F> {
@@ -124,8 +126,8 @@ pub fn identified(options: &Options) -> HostParameters {
     identify(&problem, options, &|_| ()).expect("identified").parameters
 }
 
-/// Raised cosines from `floor_mm`, a period of 20 s each, after a smooth approach of 2 s; at the board's tick.
-/// Unit: mm.
+/// Raised cosines from `floor_mm`, a period of 20 s each, after a smooth approach of 2 s; at the
+/// board's tick. Unit: mm.
 pub fn raised_cosines(floor_mm: f64, amplitudes_mm: &[f64]) -> Vec<f64> {
     let rise = |share: f64| (1.0 - (std::f64::consts::PI * share).cos()) / 2.0;
     let approach = (0..2000).map(|k| floor_mm * rise(f64::from(k) / 2000.0));
@@ -136,8 +138,8 @@ pub fn raised_cosines(floor_mm: f64, amplitudes_mm: &[f64]) -> Vec<f64> {
     approach.chain(amplitudes_mm.iter().flat_map(swing)).collect()
 }
 
-/// Runs a board from rest against a plant, a reference value (mm) a tick, which the board is given ahead by the delay of its
-/// model, in whole ticks.
+/// Runs a board from rest against a plant, a reference value (mm) a tick, which the board is given
+/// ahead by the delay of its model, in whole ticks.
 ///
 /// # Errors
 /// Board or plant do not do their part.

@@ -1,12 +1,15 @@
-//! One part fails, on the host: the control code with the rig at its valve, and a dump valve behind the regulator.
+//! One part fails, on the host: the control code with the rig at its valve, and a dump valve behind
+//! the regulator.
 //!
-//! What a part does when it fails is in [`Failure`]; what is promised then is in `docs/safety.md`. A run tracks by
-//! feed-forward, lets the part fail at a random moment, and measures until the muscle is empty.
+//! What a part does when it fails is in [`Failure`]; what is promised then is in `docs/safety.md`.
+//! A run tracks by feed-forward, lets the part fail at a random moment, and measures until the
+//! muscle is empty.
 //!
 //! # Limits
-//! The dump valve empties the rig as fast as its regulator does, time constant 50 ms: how fast a real one is has to be measured.
-//! The rig's regulator gives 6 bar at most, which is below the limits of overpressure: one that lets the supply through is told
-//! by what it differs from the command, or by nothing before the host stops.
+//! The dump valve empties the rig as fast as its regulator does, time constant 50 ms: how fast a
+//! real one is has to be measured. The rig's regulator gives 6 bar at most, which is below the
+//! limits of overpressure: one that lets the supply through is told by what it differs from the
+//! command, or by nothing before the host stops.
 
 use firmware::faults::black_box::Reset;
 use firmware::order::prepare;
@@ -24,11 +27,14 @@ use wire::{Fault, Protection, Request, Response};
 
 use crate::{PERIOD_S, configuration};
 
-/// How long the charge pump keeps the dump valve closed behind the last change of its input. Unit: tick.
+/// How long the charge pump keeps the dump valve closed behind the last change of its input. Unit:
+/// tick.
 const PUMP_TICKS: u32 = 10;
-/// The longest that the hardware watchdog waits while the valve is driven: 50 ms by an oscillator of 17 kHz. Unit: tick.
+/// The longest that the hardware watchdog waits while the valve is driven: 50 ms by an oscillator
+/// of 17 kHz. Unit: tick.
 const WATCHDOG_TICKS: u32 = 94;
-/// From 6 bar to [`EMPTY_BAR`] by the rig's time constant of 50 ms, 170, and the noise of its sensor. Unit: tick.
+/// From 6 bar to [`EMPTY_BAR`] by the rig's time constant of 50 ms, 170, and the noise of its
+/// sensor. Unit: tick.
 const EMPTYING_TICKS: u32 = 190;
 /// The pressure below which docs/safety.md calls the muscle empty. Unit: bar.
 pub const EMPTY_BAR: f64 = 0.2;
@@ -69,12 +75,14 @@ impl Failure {
         Self::TickHung,
     ];
 
-    /// Whether nothing may tell it before the valve is to be vented; the time counts from there then.
+    /// Whether nothing may tell it before the valve is to be vented; the time counts from there
+    /// then.
     pub fn may_be_hidden(self) -> bool {
         matches!(self, Self::ConverterStuck | Self::AmplifierHigh | Self::RegulatorOpen | Self::SensorStuck)
     }
 
-    /// The most ticks until the muscle is empty, from the failure, or of a hidden one from the stop or the fault.
+    /// The most ticks until the muscle is empty, from the failure, or of a hidden one from the stop
+    /// or the fault.
     pub fn within_ticks(self) -> u32 {
         let seen = match self {
             // By a pressure that does not fall.
@@ -250,7 +258,8 @@ fn start(black_box: &'static mut BlackBox, capture: &'static mut Capture, reset:
     Control::new(Protection::STANDARD, Some(clock), black_box, capture)
 }
 
-/// A run: which part fails, when, at which course of the pressure, and when the host stops, by the seed.
+/// A run: which part fails, when, at which course of the pressure, and when the host stops, by the
+/// seed.
 ///
 /// # Panics
 /// The board does not take the orders of the host before anything has failed.

@@ -1,5 +1,5 @@
-//! The commands of the bench against the board's own code on a serial line: deploy, capture, track, status. Time passes
-//! faster here than on a bench.
+//! The commands of the bench against the board's own code on a serial line: deploy, capture, track,
+//! status. Time passes faster here than on a bench.
 
 use host_tests::desk::Way;
 use host_tests::desk_commands::DeskBench as Bench;

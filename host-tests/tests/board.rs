@@ -1,5 +1,6 @@
-//! What surrounds the control on a board: the record that survives a reset, soft start, capture, telemetry, the watchdog's
-//! logic, outputs on embedded-hal; and that nothing of it raises an alarm where nothing is wrong.
+//! What surrounds the control on a board: the record that survives a reset, soft start, capture,
+//! telemetry, the watchdog's logic, outputs on embedded-hal; and that nothing of it raises an alarm
+//! where nothing is wrong.
 
 use embedded_hal_mock::eh1::pwm::{Mock as Pwm, Transaction as PwmCall};
 use embedded_hal_mock::eh1::spi::{Mock as Spi, Transaction as SpiCall};
@@ -185,7 +186,8 @@ fn a_board_whose_model_fails_its_test_tracks_by_feedback_alone_if_the_protection
     bench.demand(&Request::Start(Mode::Both));
     bench.reference_mm = 40.0;
     (0..100).for_each(|_| bench.tick());
-    // The feed-forward alone would ask for 1.8 bar: what is out is the gain times the error, and the soft start.
+    // The feed-forward alone would ask for 1.8 bar: what is out is the gain times the error, and
+    // the soft start.
     assert!(bench.command_bar() < 1.2, "{} bar", bench.command_bar());
 }
 

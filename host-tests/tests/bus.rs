@@ -1,4 +1,5 @@
-//! The bus against the control it speaks for: every register, every exception, and frames that are none.
+//! The bus against the control it speaks for: every register, every exception, and frames that are
+//! none.
 
 use std::collections::HashSet;
 

@@ -1,16 +1,18 @@
-//! Modbus clients that others have written, against the emulated board in real time: `host-tests/bus/clients.py`.
+//! Modbus clients that others have written, against the emulated board in real time:
+//! `host-tests/bus/clients.py`.
 //!
-//! Skipped, in so many words, where emulator, firmware or clients are missing; `cargo xtask test` provides them.
+//! Skipped, in so many words, where emulator, firmware or clients are missing; `cargo xtask test`
+//! provides them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 
-use board_client::child::Stop;
 use board_client::emulator::line::Line;
 use board_client::emulator::{Emulator, image, real_time};
 use board_client::pil::lock_step::protect;
+use board_client::stop::Stop;
 use board_models::{extended_parameters, paper_parameters};
 use host_tests::rig;
 use libtest_mimic::{Arguments, Failed, Trial};

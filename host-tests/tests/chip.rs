@@ -1,6 +1,8 @@
-//! The unmodified production image in a model of its chip: `host-tests/chip`, a test of Python's `unittest` each.
+//! The unmodified production image in a model of its chip: `host-tests/chip`, a test of Python's
+//! `unittest` each.
 //!
-//! Skipped, in so many words, where the model's Python or the firmware are missing; `cargo xtask test` provides both.
+//! Skipped, in so many words, where the model's Python or the firmware are missing; `cargo xtask
+//! test` provides both.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -22,7 +24,8 @@ const IMAGE: &str = "MGPI_CHIP_IMAGE";
 const STORE: &str = "MGPI_CHIP_STORE";
 /// The one by which it finds requests and responses of the link, as frames.
 const FRAMES: &str = "MGPI_CHIP_FRAMES";
-/// The one that names a program of the model to be run in place of the tests: `mutants.py`, `long_runs.py`.
+/// The one that names a program of the model to be run in place of the tests: `mutants.py`,
+/// `long_runs.py`.
 const PROGRAM: &str = "MGPI_CHIP_PROGRAM";
 /// Unit: byte.
 const SECTOR: usize = 16 * 1024;

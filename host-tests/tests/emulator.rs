@@ -1,14 +1,15 @@
 //! The emulated firmware against the same control code on the host: bit for bit.
 //!
-//! Skipped, in so many words, where emulator or firmware are missing; `cargo xtask test` provides both.
+//! Skipped, in so many words, where emulator or firmware are missing; `cargo xtask test` provides
+//! both.
 
 use std::process::Command;
 
-use board_client::child::Stop;
 use board_client::emulator::{Emulator, image};
 use board_client::pil::PilError;
 use board_client::pil::lock_step::{Measurement, Plant, protect};
 use board_client::pil::results::log;
+use board_client::stop::Stop;
 use board_models::extended_parameters;
 use host_tests::{HostBoard, configuration, identified, raised_cosines, rig, run};
 use identification::{CONVERGED, Loss, Options, Weights};
@@ -83,7 +84,8 @@ fn every_mode() -> Result<(), Failed> {
 }
 
 fn every_model() -> Result<(), Failed> {
-    // Every third sample: the tick's arithmetic is what counts here, and an extended model takes many steps.
+    // Every third sample: the tick's arithmetic is what counts here, and an extended model takes
+    // many steps.
     let reference_mm: Vec<f64> = reference_mm().into_iter().step_by(3).collect();
     let models = Kind::ALL.map(|model| (model, None)).into_iter().chain([(Kind::Mgpi, Some(12))]);
     for (model, knots) in models {

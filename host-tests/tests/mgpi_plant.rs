@@ -1,4 +1,5 @@
-//! The control code against a plant that is an MGPI model: with the board's model matched, then wrong.
+//! The control code against a plant that is an MGPI model: with the board's model matched, then
+//! wrong.
 //!
 //! `cargo test -p host-tests --test mgpi_plant -- --nocapture` prints the figures.
 
@@ -24,8 +25,8 @@ fn rmse_percent<const N: usize, const M: usize>(model: &ModelParameters<f64, N, 
     let (_, full) = plant_model.output_range();
     let stroke = full - plant_model.output_range().0;
     let mut state = plant_model.rest_state();
-    // With feedback the pressure follows within a few ticks, as behind every valve: around a plant without
-    // any lag the sample time alone makes a proportional loop of this gain oscillate.
+    // With feedback the pressure follows within a few ticks, as behind every valve: around a plant
+    // without any lag the sample time alone makes a proportional loop of this gain oscillate.
     let follow = if mode == Mode::FeedforwardOnly { 1.0 } else { 1.0 - (-PERIOD_S / LAG_S).exp() };
     let mut pressure = 0.0;
     let mut plant = FunctionPlant(|command: f64| {

@@ -1,4 +1,5 @@
-//! A part fails while the rig is driven; `cargo run --release -p host-tests --bin single` is the same with 1,000 runs.
+//! A part fails while the rig is driven; `cargo run --release -p host-tests --bin single` is the
+//! same with 1,000 runs.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,5 @@
-//! The state machine, every state with every event: the table by itself, and the control through its orders.
+//! The state machine, every state with every event: the table by itself, and the control through
+//! its orders.
 
 use firmware::state_machine::{Event, Next, next};
 use host_tests::bench::Bench;
@@ -6,8 +7,8 @@ use host_tests::configuration;
 use model_core::{Mode, ModelParameters, paper};
 use wire::{Configuration, Fault, Protection, Refusal, Request, Response, State};
 
-/// A row a state, a column an event in the order of [`Event::ALL`]: the first letters of the state that follows, `home`,
-/// or `-` for refused.
+/// A row a state, a column an event in the order of [`Event::ALL`]: the first letters of the state
+/// that follows, `home`, or `-` for refused.
 const EXPECTED: [(State, &str); 7] = [
     (State::Off, "Self - - - - Off Serv Off Faul"),
     (State::SelfTest, "Self Read - - - Self - Self Faul"),
@@ -30,7 +31,8 @@ fn configuration_of_paper() -> Configuration {
     configuration(&ModelParameters::Cascade(paper::mgpi().expect("valid")))
 }
 
-/// A bench whose control is in a state, with or without a configuration before; none where that cannot be.
+/// A bench whose control is in a state, with or without a configuration before; none where that
+/// cannot be.
 fn bench_in(state: State, is_configured: bool) -> Option<Bench> {
     let mut bench = Bench::new(1);
     if is_configured {

@@ -57,7 +57,8 @@ fn a_set_that_is_not_of_numbers_is_refused_and_the_old_one_kept() {
     assert_eq!(store.load(), Ok(paper_set()));
 }
 
-/// Records that nothing led to come to light when the space before them is filled; found by mutated contents.
+/// Records that nothing led to come to light when the space before them is filled; found by mutated
+/// contents.
 #[test]
 fn a_record_behind_a_gap_does_not_outlive_a_save() {
     let mut store = store();

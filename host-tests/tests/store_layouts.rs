@@ -1,7 +1,9 @@
-//! Stored sets of this version and of the one before, as boards have written them: `golden/store_layout_*.bin`.
+//! Stored sets of this version and of the one before, as boards have written them:
+//! `golden/store_layout_*.bin`.
 //!
-//! A failure here says that a stored set would be read otherwise than it was written. Once a layout has been released,
-//! the answer is a new one (`firmware::store`); before that, `BLESS=1` rewrites the file of the present layout.
+//! A failure here says that a stored set would be read otherwise than it was written. Once a layout
+//! has been released, the answer is a new one (`firmware::store`); before that, `BLESS=1` rewrites
+//! the file of the present layout.
 
 use std::path::{Path, PathBuf};
 

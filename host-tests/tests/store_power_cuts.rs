@@ -1,4 +1,5 @@
-//! The parameter store loses power at every byte of a save, in every way that a word or a sector can be left.
+//! The parameter store loses power at every byte of a save, in every way that a word or a sector
+//! can be left.
 
 use firmware::store::{ParameterStore, Parameters, RECORD_BYTES};
 use host_tests::flash::{MockFlash, Tear};
@@ -29,7 +30,8 @@ fn history<const SECTOR: usize>(saves: usize) -> MockFlash<SECTOR> {
     store.into_flash()
 }
 
-/// What a board that starts finds; after a first save that was broken off that is the factory's set.
+/// What a board that starts finds; after a first save that was broken off that is the factory's
+/// set.
 fn found<const SECTOR: usize>(store: &mut ParameterStore<MockFlash<SECTOR>>) -> Parameters {
     store.load().unwrap_or(Parameters::FACTORY)
 }
@@ -58,7 +60,8 @@ fn cut<const SECTOR: usize>(
     assert_eq!(store.load(), Ok(further), "{}", at());
 }
 
-/// Cuts save number `number` at every byte of its work, or every some bytes, in every way; the number of cuts.
+/// Cuts save number `number` at every byte of its work, or every some bytes, in every way; the
+/// number of cuts.
 fn cut_everywhere<const SECTOR: usize>(number: usize, every: usize) -> usize {
     let flash = history::<SECTOR>(number);
     let old = number.checked_sub(1).map_or(Parameters::FACTORY, set);

@@ -1,5 +1,5 @@
-//! Holds the gain of found extensions against that of the hidden parameters, for every cause of the list at full strength
-//! on both plants, and fails where one is below the bound.
+//! Holds the gain of found extensions against that of the hidden parameters, for every cause of the
+//! list at full strength on both plants, and fails where one is below the bound.
 
 use std::process::ExitCode;
 

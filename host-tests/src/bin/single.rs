@@ -1,5 +1,5 @@
-//! Single failures by the thousand: a part of the board or of its valves fails while the rig is driven, and the muscle has to be
-//! empty in the time that `docs/safety.md` promises.
+//! Single failures by the thousand: a part of the board or of its valves fails while the rig is
+//! driven, and the muscle has to be empty in the time that `docs/safety.md` promises.
 
 use std::process::ExitCode;
 
@@ -7,7 +7,8 @@ use clap::Parser;
 use host_tests::single::{EMPTY_BAR, End, Failure, run};
 use rayon::prelude::*;
 
-/// Runs the rig with one part that fails, once a seed, and tells the longest time until the muscle was empty.
+/// Runs the rig with one part that fails, once a seed, and tells the longest time until the muscle
+/// was empty.
 #[derive(Parser)]
 struct Cli {
     /// Number of runs

@@ -1,5 +1,5 @@
-//! How each fault is brought about on the bench, and when what detects it begins: one arm a fault, so that a new fault
-//! without one does not compile.
+//! How each fault is brought about on the bench, and when what detects it begins: one arm a fault,
+//! so that a new fault without one does not compile.
 
 use firmware::faults::black_box::Reset;
 use firmware::scaling::{CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
@@ -38,7 +38,8 @@ pub fn mode_for(fault: Fault) -> Mode {
     }
 }
 
-/// A model that cannot be inverted in single precision: a range far beyond where the muscle still moves.
+/// A model that cannot be inverted in single precision: a range far beyond where the muscle still
+/// moves.
 pub fn model_without_round_trip() -> Configuration {
     let mut parameters = paper::mgpi().expect("valid");
     parameters.input_max = 26.0;

@@ -68,7 +68,8 @@ fn assert_stays_vented(bench: &mut Bench, fault: Fault) {
     }
 }
 
-/// The time that the table allows: the reaction to what is seen between ticks comes with the next one.
+/// The time that the table allows: the reaction to what is seen between ticks comes with the next
+/// one.
 fn allowed(row: &Row) -> u32 {
     row.within_ticks.max(1)
 }
@@ -76,7 +77,8 @@ fn allowed(row: &Row) -> u32 {
 #[test]
 fn every_row_of_the_table_ends_as_it_says_by_its_own_fault() {
     for row in &TABLE {
-        // Each fault by itself: a slipped sensor is also implausible, a pressure that a stuck valve holds looks stuck.
+        // Each fault by itself: a slipped sensor is also implausible, a pressure that a stuck valve
+        // holds looks stuck.
         let on = Protection::STANDARD;
         let protection = match row.fault {
             Fault::Authority | Fault::PressureStuck => {
@@ -148,8 +150,8 @@ fn in_a_thousand_runs_with_a_fault_at_a_random_moment_none_ends_with_the_valve_o
     assert_eq!(counts.len(), RUNS as usize);
 }
 
-/// A run whose fault, moment and course depend on the seed; whether it has ended by its own fault, and not by another one
-/// that the same damage shows.
+/// A run whose fault, moment and course depend on the seed; whether it has ended by its own fault,
+/// and not by another one that the same damage shows.
 fn random_run(seed: u64) -> bool {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let row = &TABLE[random.next_u32() as usize % TABLE.len()];

@@ -1,4 +1,5 @@
-//! A headless Chromium that is driven over its debugging pipe: real clicks, and what the page says of itself.
+//! A headless Chromium that is driven over its debugging pipe: real clicks, and what the page says
+//! of itself.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -104,7 +105,8 @@ impl Browser {
         }
     }
 
-    /// Keeps a picture of the page, as base64 of a PNG, in the directory that `MGPI_SCREENSHOTS` names.
+    /// Keeps a picture of the page, as base64 of a PNG, in the directory that `MGPI_SCREENSHOTS`
+    /// names.
     pub fn picture(&mut self, name: &str) {
         if let Some(directory) = std::env::var_os("MGPI_SCREENSHOTS") {
             let whole = json!({"format": "png", "captureBeyondViewport": true});

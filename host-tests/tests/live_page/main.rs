@@ -1,5 +1,5 @@
-//! The live page in a real browser, clicked through: it draws the loop as it comes, stops the board, shows a fault with its
-//! cure and releases it. Skipped, in so many words, without Chromium.
+//! The live page in a real browser, clicked through: it draws the loop as it comes, stops the
+//! board, shows a fault with its cure and releases it. Skipped, in so many words, without Chromium.
 
 mod browser;
 

@@ -59,7 +59,8 @@ impl Bench {
         self.muscle = muscle(seed);
     }
 
-    /// A tick: the muscle under the last command, then the image with what `sensors` makes of the samples.
+    /// A tick: the muscle under the last command, then the image with what `sensors` makes of the
+    /// samples.
     pub fn tick(&mut self, sensors: impl FnOnce(Samples) -> Option<Samples>) -> Result<(), Failed> {
         self.measured = (self.muscle)(COMMAND.value(self.output))?;
         let Measurement { pressure_bar, contraction_mm, .. } = self.measured;

@@ -18,7 +18,8 @@ const ANSWER_TICKS: u32 = 10_000;
 /// What has to remain of the stack. Unit: byte.
 const STACK_LEFT: u32 = 8 * 1024;
 
-/// Random frames, the bytes of one that the image takes in a tick at the least, and the ticks of silence behind it.
+/// Random frames, the bytes of one that the image takes in a tick at the least, and the ticks of
+/// silence behind it.
 const FRAMES: usize = 200;
 const BYTES_OF_A_TICK: usize = 4;
 const SILENCE_TICKS: usize = 5;
@@ -62,7 +63,8 @@ impl OnBus {
         }
     }
 
-    /// The same of what the board keeps, which the emulated flash does not: carried out, and answered by an exception.
+    /// An order that the board keeps in its flash, which the emulator does not have: carried out,
+    /// and answered by an exception.
     fn set_unstored(&mut self, id: Id, number: f64) -> Result<(), Failed> {
         match self.set(id, number) {
             Err(error) if error.message().is_some_and(|message| message.ends_with("[90, 04]")) => Ok(()),
@@ -75,8 +77,8 @@ impl OnBus {
     }
 }
 
-/// On a vented board: the emulator's bytes have no bit times, and whole frames of them interrupt a tick; those that do not are for
-/// the model of the chip (`host-tests/chip/test_link.py`).
+/// On a vented board: the emulator's bytes have no bit times, and whole frames of them interrupt a
+/// tick; those that do not are for the model of the chip (`host-tests/chip/test_link.py`).
 pub fn meets_random_frames_with_exceptions() -> Result<(), Failed> {
     let (bench, bus) = Bench::with_bus(1)?;
     let mut image = OnBus { bench, bus };

@@ -1,10 +1,11 @@
 //! The production image beside the emulated one, on the same muscle with the same noise.
 //!
-//! The production image gets its reference over its link, while it ticks: it takes effect when the bytes are through, some
-//! ticks later. The emulated image then gets, tick by tick, the reference that the other has acknowledged.
+//! The production image gets its reference over its link, while it ticks: it takes effect when the
+//! bytes are through, some ticks later. The emulated image then gets, tick by tick, the reference
+//! that the other has acknowledged.
 
-use board_client::child::Stop;
 use board_client::emulator::{Emulator, image};
+use board_client::stop::Stop;
 use host_tests::{configuration, rig, run};
 use libtest_mimic::Failed;
 use model_core::{Mode, ModelParameters, paper};

@@ -1,8 +1,8 @@
-//! The unmodified production image in the emulator: closed loop on the rig beside the emulated image, and faults injected
-//! at its converter, its link and its registers.
+//! The unmodified production image in the emulator: closed loop on the rig beside the emulated
+//! image, and faults injected at its converter, its link and its registers.
 //!
-//! Skipped, in so many words, where emulator or firmware are missing; `cargo xtask test` provides both.
-//! `cargo test -p host-tests --test production -- --nocapture` prints the figures.
+//! Skipped, in so many words, where emulator or firmware are missing; `cargo xtask test` provides
+//! both. `cargo test -p host-tests --test production -- --nocapture` prints the figures.
 
 mod bench;
 mod bus;

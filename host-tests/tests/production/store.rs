@@ -1,5 +1,5 @@
-//! What the production image makes of its parameter store. The emulated flash is read-only: what stands in it was written
-//! by the same store on the host, with the board's sectors.
+//! What the production image makes of its parameter store. The emulated flash is read-only: what
+//! stands in it was written by the same store on the host, with the board's sectors.
 
 use firmware::store::{ParameterStore, Parameters};
 use host_tests::flash::MockFlash;
@@ -24,7 +24,8 @@ fn stored(sets: impl IntoIterator<Item = Parameters>) -> Result<Vec<u8>, Failed>
 }
 
 pub fn starts_with_what_is_stored() -> Result<(), Failed> {
-    // Enough to have filled a sector, and begun the other. Only the last set lets the host be silent while it looks on.
+    // Enough to have filled a sector, and begun the other. Only the last set lets the host be
+    // silent while it looks on.
     let sets = (1..60).map(|number| numbered(number, paper_set())).chain([numbered(1000, paper_set())]);
     let mut bench = Bench::with_store(5, &stored(sets)?)?;
     bench.make_ready(None)?;
@@ -51,7 +52,8 @@ pub fn faults() -> Result<(), Failed> {
 }
 
 pub fn saves_in_time() -> Result<(), Failed> {
-    // Both sectors with as many records as there is room for, so that all there is to be read is read.
+    // Both sectors with as many records as there is room for, so that all there is to be read is
+    // read.
     let full = (1..90).map(|number| numbered(number, paper_set())).chain([numbered(1000, paper_set())]);
     let mut bench = Bench::with_store(5, &stored(full)?)?;
     bench.make_ready(None)?;

@@ -10,8 +10,6 @@ use std::io::{self, Write};
 use std::os::unix::fs::FileExt;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process_group};
@@ -21,31 +19,6 @@ const GRACE: Duration = Duration::from_millis(500);
 
 /// How often a wait for a program looks whether it is still wanted.
 pub const WAIT_SLICE: Duration = Duration::from_millis(100);
-
-/// Asks all that share it to stop.
-#[derive(Clone, Debug, Default)]
-pub struct Stop(Arc<AtomicBool>);
-
-impl Stop {
-    /// One that Ctrl-C requests, and what else asks a program to end.
-    pub fn on_signals() -> Self {
-        let stop = Self::default();
-        let requested = stop.clone();
-        // Fails where a handler is installed already; the program then ends by the signal itself.
-        let _ = ctrlc::set_handler(move || requested.request());
-        stop
-    }
-
-    /// Asks.
-    pub fn request(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether somebody has asked.
-    pub fn is_requested(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
 
 /// Waits for a line of the owner. A pipe that is closed without one is that of an owner who was
 /// killed.

@@ -6,14 +6,22 @@
 //! |---|---|
 //! | [`bus`] | a board at a serial port: settings, models, runs, logs |
 //! | [`backup`] | all that a board keeps, as one readable file |
-//! | [`emulator`] | the firmware in QEMU |
+//! | `emulator` | the firmware in QEMU |
 //! | [`pil`] | that firmware in a loop with a plant, tick by tick |
-//! | [`child`] | programs that are started, and end with us |
+//! | `child` | programs that are started, and end with us |
+//! | [`stop`] | the request to stop |
 //! | [`part`] | logs that grow, and are kept if the run breaks off |
+//!
+//! # Systems
+//! A board at a serial port is used on Linux, macOS and Windows. Emulator and plants are programs
+//! that end with us, in groups as only Unix has them.
 
 pub mod backup;
 pub mod bus;
+#[cfg(unix)]
 pub mod child;
+#[cfg(unix)]
 pub mod emulator;
 pub mod part;
 pub mod pil;
+pub mod stop;

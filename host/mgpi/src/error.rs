@@ -9,8 +9,8 @@ use crate::live::LiveError;
 use crate::output::OutputError;
 use board_client::backup::BackupFileError;
 use board_client::bus::BoardError;
-use board_client::emulator::EmulatorError;
-use board_client::emulator::image::ImageError;
+#[cfg(unix)]
+use board_client::emulator::{EmulatorError, image::ImageError};
 use board_client::part::PartError;
 use board_client::pil::PilError;
 use diagnosis::DiagnosisError;
@@ -45,9 +45,11 @@ pub enum Error {
     #[error("{0}")]
     Rig(String),
     /// There is no firmware.
+    #[cfg(unix)]
     #[error(transparent)]
     Image(#[from] ImageError),
     /// The emulator does not do its work.
+    #[cfg(unix)]
     #[error(transparent)]
     Emulator(#[from] EmulatorError),
     /// A run of the firmware does not come to its end.

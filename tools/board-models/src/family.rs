@@ -1,4 +1,5 @@
-//! A model of each kind, made of the paper's parameters, in the sizes that comparisons of models have. What a controller costs the board depends on kind and sizes, hardly on the parameters.
+//! A model of each kind, made of the paper's parameters, in the sizes that comparisons of models
+//! have. What a controller costs the board depends on kind and sizes, hardly on the parameters.
 
 use model_core::agpi::AgpiParameters;
 use model_core::dead_zone::DeadZoneParameters;
@@ -37,7 +38,8 @@ pub fn models() -> Result<Vec<(String, BoardParameters)>, ParameterError> {
     Ok(models)
 }
 
-/// The model with the paper's envelope, a density of the plays and slopes of the dead zones like its.
+/// The model with the paper's envelope, a density of the plays and slopes of the dead zones like
+/// its.
 fn model(kind: Kind, plays: usize, dead_zones: usize) -> Result<Model, ParameterError> {
     let [q, rho, tau, alpha] = paper::PLAYS.map(|number| number as f32);
     let TanhParameters { c0, c1, c2, c3 } = paper::ENVELOPE;

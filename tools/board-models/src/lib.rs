@@ -1,5 +1,5 @@
-//! What boards are measured and tested with: the paper's model with its gains, the same with a piecewise-linear envelope
-//! and with every extension, and one model of each kind ([`family`]).
+//! What boards are measured and tested with: the paper's model with its gains, the same with a
+//! piecewise-linear envelope and with every extension, and one model of each kind ([`family`]).
 
 pub mod family;
 
@@ -22,7 +22,8 @@ const MEASURED_PERIOD_S: f32 = 1e-3;
 /// Knots of the piecewise-linear envelope that is measured.
 const MEASURED_KNOTS: usize = 8;
 
-/// The paper's model and gains on a proportional valve, at the board's tick: what the law is measured with.
+/// The paper's model and gains on a proportional valve, at the board's tick: what the law is
+/// measured with.
 ///
 /// # Errors
 /// None in practice, see [`paper::mgpi`].
@@ -99,8 +100,8 @@ pub fn extended_parameters() -> Result<BoardParameters, ParameterError> {
     Ok(BoardParameters { extensions, ..paper_parameters()? })
 }
 
-/// The piecewise-linear envelope that is measured: through [`MEASURED_KNOTS`] points of the model's own, evenly spaced over
-/// its inputs.
+/// The piecewise-linear envelope that is measured: through [`MEASURED_KNOTS`] points of the model's
+/// own, evenly spaced over its inputs.
 fn measured_knots(
     model: &CascadeParameters<f32, PLAYS, DEAD_ZONES>,
 ) -> Result<PiecewiseLinearParameters<f32, KNOTS>, ParameterError> {

@@ -1,5 +1,6 @@
-//! Writes the valid inputs that the binary targets begin with into `tools/fuzz/corpus`. Run it after each change of the messages:
-//! `cargo run --manifest-path tools/fuzz/Cargo.toml --example seeds`.
+//! Writes the valid inputs that the binary targets begin with into `tools/fuzz/corpus`. Run it
+//! after each change of the messages: `cargo run --manifest-path tools/fuzz/Cargo.toml --example
+//! seeds`.
 
 use std::path::Path;
 
@@ -76,7 +77,8 @@ fn conversations() -> [(&'static str, Vec<Request>); 4] {
     ]
 }
 
-/// A host on the bus that uploads a configuration, tracks, streams and records: the parts of the target's input.
+/// A host on the bus that uploads a configuration, tracks, streams and records: the parts of the
+/// target's input.
 fn on_the_bus(configuration: Configuration) -> Vec<u8> {
     let mut buffer = [0; UPLOAD_BYTES];
     let bytes = postcard::to_slice(&configuration, &mut buffer).expect("fits");

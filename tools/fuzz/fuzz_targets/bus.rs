@@ -1,5 +1,5 @@
-//! A bus that carries anything, some of it in right frames: what the board sends is a frame that fits the request, and the
-//! valve's command stays within what is compiled into the board.
+//! A bus that carries anything, some of it in right frames: what the board sends is a frame that
+//! fits the request, and the valve's command stays within what is compiled into the board.
 //!
 //! An input is a run of parts: a byte that says what it is, one with its length, and its contents.
 #![no_main]

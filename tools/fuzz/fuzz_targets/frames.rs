@@ -1,4 +1,5 @@
-//! A line that carries anything: what a receiver makes of it has a frame that reads back as the same.
+//! A line that carries anything: what a receiver makes of it has a frame that reads back as the
+//! same.
 #![no_main]
 
 use std::fmt::Debug;

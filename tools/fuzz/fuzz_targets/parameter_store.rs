@@ -1,5 +1,5 @@
-//! A flash that holds anything: reading it changes nothing, saving succeeds, and a save that loses its power leaves the
-//! old set or the new.
+//! A flash that holds anything: reading it changes nothing, saving succeeds, and a save that loses
+//! its power leaves the old set or the new.
 #![no_main]
 
 use firmware::store::{ParameterStore, Parameters};

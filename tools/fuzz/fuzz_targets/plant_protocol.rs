@@ -1,4 +1,5 @@
-//! A controller that commands anything: each line that makes sense is answered by two finite numbers.
+//! A controller that commands anything: each line that makes sense is answered by two finite
+//! numbers.
 #![no_main]
 
 use board_client::pil::plant::measurement;

@@ -1,4 +1,5 @@
-//! A recording that holds anything: what is accepted has a finite number in every place, and time that increases.
+//! A recording that holds anything: what is accepted has a finite number in every place, and time
+//! that increases.
 #![no_main]
 
 use std::path::Path;

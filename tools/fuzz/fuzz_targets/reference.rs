@@ -1,4 +1,5 @@
-//! A reference that holds anything: what is accepted has ticks within bounds, whose time does not fall.
+//! A reference that holds anything: what is accepted has ticks within bounds, whose time does not
+//! fall.
 #![no_main]
 
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! A host that asks for anything, in frames that are always right: configurations are checked, installed and run on any
-//! samples, and the valve's code stays within the converter's.
+//! A host that asks for anything, in frames that are always right: configurations are checked,
+//! installed and run on any samples, and the valve's code stays within the converter's.
 #![no_main]
 
 use std::cell::Cell;

@@ -1,5 +1,6 @@
-//! What the plugin is started with: `out=FILE`, `handler=ADDRESS`, `fn=NAME:ADDRESS` and `way=NAME:NAME`, the latter three
-//! any number of times. Addresses are hexadecimal after `0x`; the names of a way are those of functions before it.
+//! What the plugin is started with: `out=FILE`, `handler=ADDRESS`, `fn=NAME:ADDRESS` and
+//! `way=NAME:NAME`, the latter three any number of times. Addresses are hexadecimal after `0x`; the
+//! names of a way are those of functions before it.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -22,7 +23,8 @@ pub struct Arguments {
     pub handlers: BTreeSet<u64>,
     /// The functions to watch.
     pub functions: Vec<Function>,
-    /// Ways from the begin of a function to the return of another that it calls: their places in the list above.
+    /// Ways from the begin of a function to the return of another that it calls: their places in
+    /// the list above.
     pub ways: Vec<(usize, usize)>,
 }
 

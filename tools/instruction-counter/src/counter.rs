@@ -1,13 +1,15 @@
 //! The call stack, and what each call of a watched function costs.
 //!
-//! Every exception has a `Level` of its own: its own call stack and its own count, so that what it does is no part
-//! of what it interrupts. What an instruction has done is known only when the next one is seen: a conditional return
-//! may or may not have been taken, and an exception may stand between the two.
+//! Every exception has a `Level` of its own: its own call stack and its own count, so that what it
+//! does is no part of what it interrupts. What an instruction has done is known only when the next
+//! one is seen: a conditional return may or may not have been taken, and an exception may stand
+//! between the two.
 //!
 //! # An entry that nobody sees
-//! Where time is counted in instructions, QEMU stops at an access to a device in the middle of a block and begins that
-//! instruction again, without showing it a second time. An interrupt may come first: then the instruction that was shown is
-//! not executed before it returns, and the handler's first one is not shown. So a handler is also known by its second.
+//! Where time is counted in instructions, QEMU stops at an access to a device in the middle of a
+//! block and begins that instruction again, without showing it a second time. An interrupt may come
+//! first: then the instruction that was shown is not executed before it returns, and the handler's
+//! first one is not shown. So a handler is also known by its second.
 
 use crate::thumb::Flow;
 
@@ -24,7 +26,8 @@ pub struct Instruction {
     pub is_handler: bool,
     /// The watched function that begins here, as its place in the list of them.
     pub function: Option<usize>,
-    /// The first instruction of the handler of which this is the second, if that one leads here and nowhere else.
+    /// The first instruction of the handler of which this is the second, if that one leads here and
+    /// nowhere else.
     pub entry: Option<&'static Instruction>,
 }
 
@@ -94,7 +97,8 @@ pub struct Counter {
 }
 
 impl Counter {
-    /// A counter for a number of watched functions and ways between them, before the image's first instruction.
+    /// A counter for a number of watched functions and ways between them, before the image's first
+    /// instruction.
     pub fn new(functions: usize, ways: Vec<(usize, usize)>) -> Self {
         Self {
             costs: vec![Cost::default(); functions + ways.len()],
@@ -173,7 +177,8 @@ impl Counter {
         }
     }
 
-    /// Ends the calls of watched functions that end with the innermost call of the level, or with the level.
+    /// Ends the calls of watched functions that end with the innermost call of the level, or with
+    /// the level.
     fn close(&mut self) {
         let Level { open, return_addresses, count, .. } = &mut self.level;
         while let Some(call) = open.pop_if(|call| call.depth >= return_addresses.len()) {

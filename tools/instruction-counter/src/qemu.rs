@@ -1,7 +1,8 @@
 //! QEMU's plugin interface, version 1, as far as it is used here.
 //!
-//! Names and signatures are those of `qemu-plugin.h`. The emulator calls everything below from one thread, since the
-//! board has one processor; the lock is for the compiler, and for a QEMU that would use more.
+//! Names and signatures are those of `qemu-plugin.h`. The emulator calls everything below from one
+//! thread, since the board has one processor; the lock is for the compiler, and for a QEMU that
+//! would use more.
 
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
@@ -104,8 +105,9 @@ pub unsafe extern "C" fn qemu_plugin_install(
 /// QEMU has translated a block: asks for a callback before each of its instructions.
 extern "C" fn translate(_: PluginId, block: *mut Block) {
     let Some(mut plugin) = plugin() else { return };
-    // SAFETY: QEMU hands over a block that is valid during this call, and so are its instructions; indices stay
-    // below their number. The data given away are of `execute`'s type and live for ever.
+    // SAFETY: QEMU hands over a block that is valid during this call, and so are its instructions;
+    // indices stay below their number. The data given away are of `execute`'s type and live for
+    // ever.
     unsafe {
         for index in 0..qemu_plugin_tb_n_insns(block) {
             let handle = qemu_plugin_tb_get_insn(block, index);
@@ -120,8 +122,8 @@ extern "C" fn translate(_: PluginId, block: *mut Block) {
 
 /// An instruction is about to be executed.
 extern "C" fn execute(_: c_uint, data: *mut c_void) {
-    // SAFETY: `translate` registers this callback, with a pointer to an instruction that lives for ever and that
-    // nobody writes to.
+    // SAFETY: `translate` registers this callback, with a pointer to an instruction that lives for
+    // ever and that nobody writes to.
     let instruction: &Instruction = unsafe { &*data.cast_const().cast() };
     if let Some(mut plugin) = plugin() {
         plugin.counter.see(instruction);

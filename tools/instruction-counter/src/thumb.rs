@@ -7,7 +7,8 @@ pub enum Flow {
     Call,
     /// It returns: `bx lr`, or a load of the program counter from the stack.
     Return,
-    /// It goes elsewhere, and leaves the call stack as it is: `b`, `bx` of another register. Tail calls are among them.
+    /// It goes elsewhere, and leaves the call stack as it is: `b`, `bx` of another register. Tail
+    /// calls are among them.
     Jump,
     /// None of these.
     Other,

@@ -25,10 +25,12 @@ const THUMB: u64 = 1;
 const LIMIT: Duration = Duration::from_secs(60);
 /// How many ticks the image may take for an answer.
 const ANSWER_TICKS: u32 = 100_000;
-/// The status register of the link's port (USART2), and its bit that says that a byte is there to be read.
+/// The status register of the link's port (USART2), and its bit that says that a byte is there to
+/// be read.
 const LINK_STATUS: u32 = 0x4000_4400;
 const RXNE: u8 = 1 << 5;
-/// How often that bit is asked for before a byte is given up: the emulator takes a byte from its socket when it comes to it.
+/// How often that bit is asked for before a byte is given up: the emulator takes a byte from its
+/// socket when it comes to it.
 const ARRIVAL_POLLS: u32 = 1_000_000;
 /// The lowest address of the stack, and the one behind its highest; from memory.x.
 const STACK: [&str; 2] = ["_stack_end", "_stack_start"];
@@ -39,7 +41,8 @@ const STORE_BYTES: usize = 32 * 1024;
 /// What the stack is filled with before the image starts.
 const UNUSED: u8 = 0xA5;
 
-/// The end of the variables' memory, which the image leaves free: for what the debugger lets the processor do.
+/// The end of the variables' memory, which the image leaves free: for what the debugger lets the
+/// processor do.
 const SCRATCH: u32 = 0x2001_FE00;
 /// `str r0, [r1]`, `mov r0, r2`, `mov r1, r3`, `bx lr`: a store, then a result of two words.
 const STORE_AND_RETURN: [u16; 4] = [0x6008, 0x4610, 0x4619, 0x4770];
@@ -74,9 +77,10 @@ pub struct Production {
 }
 
 impl Production {
-    /// Starts the image of an ELF file and lets it run up to its first tick. `store`: what the parameter store begins
-    /// with, blank behind it; the emulated flash cannot be changed by the image. `bus`: the socket that the users' bus goes to,
-    /// if any. `options`: further ones of the emulator.
+    /// Starts the image of an ELF file and lets it run up to its first tick. `store`: what the
+    /// parameter store begins with, blank behind it; the emulated flash cannot be changed by the
+    /// image. `bus`: the socket that the users' bus goes to, if any. `options`: further ones of the
+    /// emulator.
     ///
     /// # Errors
     /// The file is not the production image, or the emulator cannot be started.
@@ -99,7 +103,8 @@ impl Production {
             .args(options)
             .arg("-kernel")
             .arg(elf)
-            // Descriptors 0 and 1 are the standard input and output; the log goes to the standard error.
+            // Descriptors 0 and 1 are the standard input and output; the log goes to the standard
+            // error.
             .stdin(Stdio::from(OwnedFd::from(their_link)))
             .stdout(Stdio::from(OwnedFd::from(their_debug)))
             .stderr(Stdio::from(log.try_clone()?))
@@ -120,11 +125,11 @@ impl Production {
         Ok(image)
     }
 
-    /// Gives the tick its samples, or none that are new, and runs on to the next tick. The codes that were written to the
-    /// valve in between, one a tick if all is well.
+    /// Gives the tick its samples, or none that are new, and runs on to the next tick. The codes
+    /// that were written to the valve in between, one a tick if all is well.
     ///
-    /// The emulator's clock runs on while the debugger stops the processor, up to the next tick. That tick is not due yet:
-    /// the processor takes its interrupt back before it goes on.
+    /// The emulator's clock runs on while the debugger stops the processor, up to the next tick.
+    /// That tick is not due yet: the processor takes its interrupt back before it goes on.
     ///
     /// # Errors
     /// The image does not come to its next tick.
@@ -147,8 +152,8 @@ impl Production {
         )
     }
 
-    /// Does something to the program that it cannot bear, in the middle of a tick, and runs on to the first tick after the
-    /// reset. The codes that were written to the valve in between.
+    /// Does something to the program that it cannot bear, in the middle of a tick, and runs on to
+    /// the first tick after the reset. The codes that were written to the valve in between.
     ///
     /// # Errors
     /// The image does not come to another tick.
@@ -200,8 +205,9 @@ impl Production {
         }
     }
 
-    /// Sends a request, a byte a tick with the last samples, and ticks on until its response is there. A byte has arrived
-    /// before its tick goes on, so that how many ticks it takes hangs on the image alone and not on the host's speed.
+    /// Sends a request, a byte a tick with the last samples, and ticks on until its response is
+    /// there. A byte has arrived before its tick goes on, so that how many ticks it takes hangs on
+    /// the image alone and not on the host's speed.
     ///
     /// # Errors
     /// There is none.

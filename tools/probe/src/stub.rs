@@ -1,8 +1,9 @@
 //! The emulator's debug stub, by the remote serial protocol of GDB, as far as it is needed.
 //!
-//! A packet is `$`, text, `#` and two hexadecimal digits of the sum of the text's bytes. Acknowledgements are left out: the
-//! connection loses nothing, and the stub takes the next packet for one. Requests may be sent in one go; a byte that is
-//! sent while the processor runs would stop it, so that none is.
+//! A packet is `$`, text, `#` and two hexadecimal digits of the sum of the text's bytes.
+//! Acknowledgements are left out: the connection loses nothing, and the stub takes the next packet
+//! for one. Requests may be sent in one go; a byte that is sent while the processor runs would stop
+//! it, so that none is.
 
 use std::io::{Read, Write};
 use std::os::unix::net::UnixStream;

@@ -1,5 +1,5 @@
-//! `cargo xtask arrows`: which crate may build on which, and no circle among the files of one. Dependencies point one way; what
-//! would turn one round is refused.
+//! `cargo xtask arrows`: which crate may build on which, and no circle among the files of one.
+//! Dependencies point one way; what would turn one round is refused.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -9,7 +9,8 @@ use serde_json::Value;
 
 use crate::{circles, run};
 
-/// A crate of ours, and those of ours that it may build on. What a test of it needs besides does not count.
+/// A crate of ours, and those of ours that it may build on. What a test of it needs besides does
+/// not count.
 const ALLOWED: [(&str, &[&str]); 15] = [
     ("model-core", &[]),
     ("wire", &["model-core"]),
@@ -44,14 +45,15 @@ const ALLOWED: [(&str, &[&str]); 15] = [
     ("xtask", &["board-models", "model-core", "wire", "firmware", "probe"]),
 ];
 
-/// Circles of files that are left: no others may come, and one that is gone is taken out of this list.
+/// Circles of files that are left: no others may come, and one that is gone is taken out of this
+/// list.
 const CIRCLES: [(&str, &str); 1] = [("diagnosis", "candidate, physical, race, search")];
 
 /// Holds the crates' manifests against the table, and their files against each other.
 ///
 /// # Errors
-/// A crate builds on one that it may not build on, or is not in the table; files form a circle that is not listed, or a listed
-/// one no longer exists.
+/// A crate builds on one that it may not build on, or is not in the table; files form a circle that
+/// is not listed, or a listed one no longer exists.
 pub fn check() -> Result<()> {
     let output = run::cargo(&["metadata", "--format-version", "1", "--no-deps"]).output()?;
     ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -1,7 +1,7 @@
 //! The compiler for the board: which one the machine has, and how cargo is told to use it.
 //!
-//! Either rustup's compiler with the target installed, or the system's own compiler (Debian ships a current one
-//! and its sources, without the target), which then compiles `core` itself.
+//! Either rustup's compiler with the target installed, or the system's own compiler (Debian ships a
+//! current one and its sources, without the target), which then compiles `core` itself.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -56,7 +56,8 @@ impl BoardCompiler {
         if let Self::System { linker } = self {
             cargo
                 .arg("-Zbuild-std=core")
-                // Compiling `core` is the one unstable feature used; this permits it on a stable compiler.
+                // Compiling `core` is the one unstable feature used; this permits it on a stable
+                // compiler.
                 .env("RUSTC_BOOTSTRAP", "1")
                 .env("RUSTC", SYSTEM_RUSTC)
                 .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);

@@ -1,8 +1,10 @@
-//! The commands of the book, run: every fenced block `sh` of every page that `docs/SUMMARY.md` lists, in order.
+//! The commands of the book, run: every fenced block `sh` of every page that `docs/SUMMARY.md`
+//! lists, in order.
 //!
-//! A page is one script in a folder of its own, in which there is nothing but, for pages that name them, the repository's
-//! `examples` and `recordings`. Its `mgpi` is installed far from this workspace, as users have it, with nothing else of ours on
-//! the search path. What it has started goes with it. A block that is not to be run is no `sh` but `console`.
+//! A page is one script in a folder of its own, in which there is nothing but, for pages that name
+//! them, the repository's `examples` and `recordings`. Its `mgpi` is installed far from this
+//! workspace, as users have it, with nothing else of ours on the search path. What it has started
+//! goes with it. A block that is not to be run is no `sh` but `console`.
 
 use std::fs;
 use std::os::unix::process::CommandExt;

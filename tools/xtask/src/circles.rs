@@ -1,6 +1,7 @@
 //! Circles of files: which file of a crate names what of which other, by their `use` items.
 //!
-//! A parent names its children, and they name what it holds: that is no circle. Tests at the end of a file do not count.
+//! A parent names its children, and they name what it holds: that is no circle. Tests at the end of
+//! a file do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

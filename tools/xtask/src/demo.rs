@@ -1,4 +1,5 @@
-//! The demonstration: from a recording of the rig's muscle to the firmware tracking with it, and a report.
+//! The demonstration: from a recording of the rig's muscle to the firmware tracking with it, and a
+//! report.
 
 use std::fs;
 

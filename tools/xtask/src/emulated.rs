@@ -12,7 +12,8 @@ pub struct Emulated {
 }
 
 impl Emulated {
-    /// Starts the emulator; its bus is a port of this path, where the board answers when this returns.
+    /// Starts the emulator; its bus is a port of this path, where the board answers when this
+    /// returns.
     ///
     /// # Errors
     /// It does not start.

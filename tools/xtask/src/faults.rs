@@ -40,7 +40,7 @@ alike, but for what it does not have: supply, clock, reset and watchdog. `--no-m
 /// Writes the page, or only compares.
 ///
 /// # Errors
-/// It cannot be written, or differs from what is there.
+/// The page cannot be written, or differs from the table.
 pub fn faults(check: bool) -> Result<()> {
     let path = run::root().join("docs/faults.md");
     let page = page();

@@ -1,4 +1,5 @@
-//! The figures of the documentation, redrawn by the report's plots: `host/report/examples/figures.rs`.
+//! The figures of the documentation, redrawn by the report's plots:
+//! `host/report/examples/figures.rs`.
 
 use anyhow::Result;
 

@@ -1,5 +1,5 @@
-//! Building the firmware. It has a target directory of its own: the compiler for the board may be another one
-//! than the host's, and in one directory the two would rebuild each other's work.
+//! Building the firmware. It has a target directory of its own: the compiler for the board may be
+//! another one than the host's, and in one directory the two would rebuild each other's work.
 
 use std::fs::File;
 use std::path::PathBuf;

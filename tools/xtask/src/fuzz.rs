@@ -1,8 +1,9 @@
-//! Fuzzing: mutated inputs, guided by the code that they reach, for every parser of bytes from outside. The targets are
-//! the files of `tools/fuzz/fuzz_targets`.
+//! Fuzzing: mutated inputs, guided by the code that they reach, for every parser of bytes from
+//! outside. The targets are the files of `tools/fuzz/fuzz_targets`.
 //!
-//! New inputs are gathered in the target directory, and a later run goes on from them; the corpus that is kept with the
-//! sources is in `tools/fuzz/corpus`. An input that fails a target is left in `tools/fuzz/artifacts`.
+//! New inputs are gathered in the target directory, and a later run goes on from them; the corpus
+//! that is kept with the sources is in `tools/fuzz/corpus`. An input that fails a target is left in
+//! `tools/fuzz/artifacts`.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -67,8 +68,8 @@ fn run_target(target: &str, seconds: u64) -> Result<u64> {
     }
 }
 
-/// A subcommand of cargo-fuzz. Without a sanitizer: there is no `unsafe` of ours in what is tested, and the installed
-/// compiler will do.
+/// A subcommand of cargo-fuzz. Without a sanitizer: there is no `unsafe` of ours in what is tested,
+/// and the installed compiler will do.
 fn cargo_fuzz(subcommand: &str) -> Command {
     let mut command =
         run::cargo(&["fuzz", subcommand, "--fuzz-dir", "tools/fuzz", "--sanitizer", "none", "--target-dir"]);

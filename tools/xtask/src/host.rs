@@ -39,7 +39,8 @@ pub enum Build {
     Tests,
 }
 
-/// Installs `mgpi`, with the firmware that was just built in it, in the folder `bin` of `root` or where cargo installs.
+/// Installs `mgpi`, with the firmware that was just built in it, in the folder `bin` of `root` or
+/// where cargo installs.
 ///
 /// # Errors
 /// When cargo fails.
@@ -54,7 +55,8 @@ pub fn install(root: Option<&Path>, build: Build) -> Result<()> {
     run::step("install mgpi", || run::succeed(&mut cargo))
 }
 
-/// Gives a command the programs of a folder and of the system, and nothing that knows this workspace.
+/// Gives a command the programs of a folder and of the system, and nothing that knows this
+/// workspace.
 pub fn with_installed<'a>(command: &'a mut Command, folder: &Path) -> Result<&'a mut Command> {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let has_ours = |directory: &PathBuf| directory.join("mgpi").exists() || directory.join("rig").exists();
@@ -79,7 +81,8 @@ pub fn game(arguments: &[String]) -> Result<()> {
 /// # Errors
 /// When a test fails.
 pub fn test() -> Result<()> {
-    // Tests of other packages start `mgpi`; cargo builds only the programs of the package under test.
+    // Tests of other packages start `mgpi`; cargo builds only the programs of the package under
+    // test.
     run::step("programs under test", || run::succeed(&mut run::cargo(&["build", "--workspace", "--bins"])))?;
     run::step("tests", || {
         let mut test = run::cargo(&["test", "--workspace"]);

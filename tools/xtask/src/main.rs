@@ -1,6 +1,6 @@
-//! `cargo xtask …`: the commands of the README. Each does the set-up it needs before its own work, so that a
-//! fresh clone needs nothing done beforehand. Exit status 2: the machine lacks something that could not be
-//! installed; the message says what.
+//! `cargo xtask …`: the commands of the README. Each does the set-up it needs before its own work,
+//! so that a fresh clone needs nothing done beforehand. Exit status 2: the machine lacks something
+//! that could not be installed; the message says what.
 
 mod arrows;
 mod board_compiler;
@@ -39,21 +39,25 @@ enum Task {
     Setup,
     /// Build both firmware images.
     Firmware,
-    /// Install the command mgpi with the emulator's firmware in it; needs nothing of this folder afterwards.
+    /// Install the command mgpi with the emulator's firmware in it; needs nothing of this folder
+    /// afterwards.
     Install {
         /// Where, in its folder `bin` [default: as `cargo install` does, ~/.cargo].
         #[arg(long)]
         root: Option<PathBuf>,
     },
-    /// Identify a muscle, run the firmware against it in closed loop, and write a report (about two minutes).
+    /// Identify a muscle, run the firmware against it in closed loop, and write a report (about two
+    /// minutes).
     Demo,
-    /// Go the whole way over the emulated board's bus: capture, identify, diagnose, deploy, track (about two minutes).
+    /// Go the whole way over the emulated board's bus: capture, identify, diagnose, deploy, track
+    /// (about two minutes).
     Workflow,
     /// Run every command of the book in docs, in order, with an mgpi that is installed for it.
     Book,
     /// Run every test, on the host and in the emulator.
     Test,
-    /// Run the firmware in the emulator by hand, or with --port PATH as a board on a bus, with a plant.
+    /// Run the firmware in the emulator by hand, or with --port PATH as a board on a bus, with a
+    /// plant.
     Emulate {
         /// What `mgpi emulate` is told; `--help` behind `--` tells.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

@@ -36,7 +36,8 @@ pub fn succeed(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Whether a command runs and succeeds within `limit`; its output is shown. A command that takes longer is ended.
+/// Whether a command runs and succeeds within `limit`; its output is shown. A command that takes
+/// longer is ended.
 pub fn succeeds_within(command: &mut Command, limit: Duration) -> bool {
     let Ok(mut child) = command.stdin(Stdio::null()).spawn() else {
         return false;

@@ -1,9 +1,10 @@
-//! What the commands need beyond cargo, and how it is got. [`NEEDS`] is the whole policy: each need is tested;
-//! when it is not met its cures are tried in turn, each announced before it runs; what is left is a [`Missing`]
-//! error that says exactly what to install. Nothing is printed when nothing is missing.
+//! What the commands need beyond cargo, and how it is got. [`NEEDS`] is the whole policy: each need
+//! is tested; when it is not met its cures are tried in turn, each announced before it runs; what
+//! is left is a [`Missing`] error that says exactly what to install. Nothing is printed when
+//! nothing is missing.
 //!
-//! Packages are installed by apt-get (by sudo when not root, since only system packages need it); on a system
-//! without apt-get that cure does not apply.
+//! Packages are installed by apt-get (by sudo when not root, since only system packages need it);
+//! on a system without apt-get that cure does not apply.
 
 use std::fmt;
 use std::fs;
@@ -176,7 +177,8 @@ pub fn ensure_fuzzer() -> Result<()> {
     FUZZER.meet().map_err(|missing| Missing(vec![missing]).into())
 }
 
-/// Installs what some tests need and is missing: what cannot be had is said, and its tests are skipped.
+/// Installs what some tests need and is missing: what cannot be had is said, and its tests are
+/// skipped.
 pub fn offer_test_tools() {
     let of_bus = BUS_CLIENTS.iter().map(|need| ("bus", need));
     for (tests, need) in of_bus.chain([("chip", &CHIP_MODEL)]) {
@@ -214,7 +216,8 @@ impl Cure {
             Self::Packages(packages) => {
                 let install = [&["install", "-y", "--no-install-recommends"], *packages].concat();
                 run::output("apt-get", &["--version"]).is_some() && {
-                    // Fails when the lists of packages are missing, as on a bare image, or out of date.
+                    // Fails when the lists of packages are missing, as on a bare image, or out of
+                    // date.
                     announced(&mut apt_get(&install), APT_LIMIT)
                         || announced(&mut apt_get(&["update"]), APT_LIMIT)
                             && announced(&mut apt_get(&install), APT_LIMIT)

@@ -1,5 +1,6 @@
-//! The way of a muscle from nothing to tracking, on the emulated board and over its bus: capture, identify, diagnose, deploy,
-//! track. It fails unless the identified model tracks better than a poor one before it.
+//! The way of a muscle from nothing to tracking, on the emulated board and over its bus: capture,
+//! identify, diagnose, deploy, track. It fails unless the identified model tracks better than a
+//! poor one before it.
 
 use std::fs;
 use std::time::Instant;
@@ -16,8 +17,9 @@ const CAPTURE_S: &str = "45";
 const EVERY: &str = "10";
 /// The poor model: plays and a gain, no more than two of them.
 const POOR: [&str; 4] = ["--model", "cpi", "--plays", "2"];
-/// Longest time for the board's answer: a machine that does much else keeps its emulator waiting. A question whose answer is
-/// lost is asked again twice before the board takes its host for silent, after 0.5 s. Unit: s.
+/// Longest time for the board's answer: a machine that does much else keeps its emulator waiting. A
+/// question whose answer is lost is asked again twice before the board takes its host for silent,
+/// after 0.5 s. Unit: s.
 const PATIENCE_S: &str = "0.2";
 /// How long the whole should take, on a machine with nothing else to do. Unit: s.
 const GOAL_S: f64 = 180.0;

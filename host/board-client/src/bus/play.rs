@@ -20,7 +20,7 @@ use super::Board;
 use super::board::{Block, Identity};
 use super::client::BusError;
 use super::error::BoardError;
-use crate::child::Stop;
+use crate::stop::Stop;
 
 /// Set points a second. Slow enough for the bus to keep the queue full, fast enough for a straight
 /// line between two.

@@ -10,8 +10,6 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
-use rustix::fs::{FlockOperation, flock};
-use rustix::io::Errno;
 use serial2::{FlowControl, KeepSettings, SerialPort};
 use thiserror::Error;
 
@@ -88,8 +86,7 @@ impl Port {
         let path = if !name.exists() && under_dev.exists() { &under_dev } else { name };
         let refused = |error| refused(name, error);
         let mut serial = SerialPort::open(path, KeepSettings).map_err(refused)?;
-        let lock = flock(&serial, FlockOperation::NonBlockingLockExclusive);
-        lock.map_err(|error| refused(error.into()))?;
+        system::lock(&serial).map_err(refused)?;
         let mut settings = serial.get_configuration().map_err(refused)?;
         settings.set_raw();
         settings.set_flow_control(FlowControl::None);
@@ -151,8 +148,7 @@ impl Port {
     }
 
     fn lost(&self, problem: io::Error) -> PortError {
-        // What a terminal without its other end says.
-        if problem.raw_os_error() == Some(Errno::IO.raw_os_error()) {
+        if system::is_gone(&problem) {
             return PortError::Gone(self.name.clone());
         }
         PortError::Io { port: self.name.clone(), problem }
@@ -187,13 +183,73 @@ fn is_pseudo_terminal(path: &Path) -> bool {
 
 fn refused(port: &Path, error: io::Error) -> PortError {
     let port = port.to_owned();
-    match Errno::from_io_error(&error) {
+    match error.kind() {
         // A link that leads nowhere is left of an emulator that was killed.
-        Some(Errno::NOENT) if port.is_symlink() => PortError::Gone(port),
-        Some(Errno::NOENT | Errno::NODEV | Errno::NXIO) => PortError::Missing { port, present: present() },
-        Some(Errno::BUSY | Errno::WOULDBLOCK) => PortError::Busy(port),
-        Some(Errno::ACCESS | Errno::PERM) => PortError::Denied(port),
-        Some(Errno::NOTTY | Errno::ISDIR) => PortError::NotSerial(port),
+        ErrorKind::NotFound if port.is_symlink() => PortError::Gone(port),
+        ErrorKind::NotFound => PortError::Missing { port, present: present() },
+        ErrorKind::ResourceBusy | ErrorKind::WouldBlock => PortError::Busy(port),
+        ErrorKind::PermissionDenied if system::DENIES_BUSY_PORTS => PortError::Busy(port),
+        ErrorKind::PermissionDenied => PortError::Denied(port),
+        ErrorKind::IsADirectory => PortError::NotSerial(port),
+        _ if system::is_no_port(&error) => PortError::NotSerial(port),
+        _ if system::is_no_device(&error) => PortError::Missing { port, present: present() },
         _ => PortError::Io { port, problem: error },
+    }
+}
+
+/// What Unix has of its own.
+#[cfg(unix)]
+mod system {
+    use std::io;
+
+    use rustix::fs::{FlockOperation, flock};
+    use rustix::io::Errno;
+    use serial2::SerialPort;
+
+    /// Whether the system says of a port that another program has that it may not be used.
+    pub const DENIES_BUSY_PORTS: bool = false;
+
+    /// Keeps other programs that lock it from a port.
+    pub fn lock(port: &SerialPort) -> io::Result<()> {
+        Ok(flock(port, FlockOperation::NonBlockingLockExclusive)?)
+    }
+
+    pub fn is_no_port(error: &io::Error) -> bool {
+        Errno::from_io_error(error) == Some(Errno::NOTTY)
+    }
+
+    pub fn is_no_device(error: &io::Error) -> bool {
+        matches!(Errno::from_io_error(error), Some(Errno::NODEV | Errno::NXIO))
+    }
+
+    /// What a terminal without its other end says.
+    pub fn is_gone(error: &io::Error) -> bool {
+        Errno::from_io_error(error) == Some(Errno::IO)
+    }
+}
+
+/// Other systems open a port for one program alone, and have no terminals in the place of ports.
+#[cfg(not(unix))]
+mod system {
+    use std::io;
+
+    use serial2::SerialPort;
+
+    pub const DENIES_BUSY_PORTS: bool = true;
+
+    pub fn lock(_: &SerialPort) -> io::Result<()> {
+        Ok(())
+    }
+
+    pub fn is_no_port(_: &io::Error) -> bool {
+        false
+    }
+
+    pub fn is_no_device(_: &io::Error) -> bool {
+        false
+    }
+
+    pub fn is_gone(error: &io::Error) -> bool {
+        error.kind() == io::ErrorKind::NotConnected
     }
 }

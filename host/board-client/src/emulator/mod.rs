@@ -35,7 +35,8 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 use wire::{FRAME_BYTES, FrameError, Receiver, Request, Response};
 
-use crate::child::{ChildGroup, Stop, WAIT_SLICE, contents};
+use crate::child::{ChildGroup, WAIT_SLICE, contents};
+use crate::stop::Stop;
 use log::{LogDecoder, LogError};
 
 /// How long the firmware may take for an answer, its start included. It takes a quarter of a

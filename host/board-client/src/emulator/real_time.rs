@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use wire::{Hello, Request, Response, TickReply, TickRequest};
 
 use super::Emulator;
-use crate::child::Stop;
 use crate::pil::PilError;
 use crate::pil::lock_step::{Measurement, Plant};
+use crate::stop::Stop;
 
 /// From tick to tick.
 pub const PERIOD: Duration = Duration::from_millis(1);

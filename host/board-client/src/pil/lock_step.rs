@@ -19,7 +19,6 @@ use wire::{
 };
 
 use super::PilError;
-use crate::emulator::Emulator;
 
 /// A board that answers requests: the emulated one, or the control code on the host.
 pub trait Board {
@@ -28,12 +27,6 @@ pub trait Board {
     /// # Errors
     /// There is none.
     fn request(&mut self, request: &Request) -> Result<Response, PilError>;
-}
-
-impl Board for Emulator {
-    fn request(&mut self, request: &Request) -> Result<Response, PilError> {
-        Ok(Self::request(self, request)?)
-    }
 }
 
 /// What a plant's sensors say.

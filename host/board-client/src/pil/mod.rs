@@ -4,9 +4,10 @@
 //! # Design
 //! | file | what it does |
 //! |---|---|
+//! | `bench` | the runs, with emulator and plant |
 //! | [`followed`] | whether a run has followed its reference, and why not |
 //! | [`lock_step`] | one run: reference and measurement to the board, its command to the plant, tick by tick |
-//! | [`plant`] | a plant that is a program, line by line |
+//! | `plant` | a plant that is a program, line by line |
 //! | [`mod@reference`] | what is to be tracked |
 //! | [`results`] | log, figures |
 //!
@@ -18,30 +19,31 @@
 //! Lock-step: neither board nor plant goes on before the other has answered, so that the results do
 //! not depend on how fast either is. The same inputs give the same results, bit for bit.
 
+#[cfg(unix)]
+pub mod bench;
 pub mod followed;
 pub mod lock_step;
+#[cfg(unix)]
 pub mod plant;
 pub mod reference;
 pub mod results;
 
-use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::thread;
 
 use model_core::pid::PidParameters;
 use model_core::{Mode, ParameterError, TrackingParameters};
 use thiserror::Error;
-use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Protection, Refusal, VERSION};
+use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Refusal, VERSION};
 
 use crate::bus::error::{in_full, row};
-use crate::child::Stop;
-use crate::emulator::{Emulator, EmulatorError};
-use lock_step::Run;
-use plant::{PlantError, PlantProcess, Program};
+#[cfg(unix)]
+use crate::emulator::EmulatorError;
+#[cfg(unix)]
+use plant::PlantError;
 use recording::model_file::ModelFile;
 use recording::table::DataError;
 use recording::unit::Unit;
-use reference::{MOST_TICKS, Reference};
+use reference::MOST_TICKS;
 
 /// Fastest change of the command: an eighth of a second through the whole range, faster than
 /// proportional regulators of this size are. Unit: bar/s.
@@ -51,8 +53,10 @@ const SLEW_BAR_PER_S: f32 = 50.0;
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
 pub enum PilError {
+    #[cfg(unix)]
     #[error(transparent)]
     Emulator(EmulatorError),
+    #[cfg(unix)]
     #[error(transparent)]
     Plant(PlantError),
     #[error(transparent)]
@@ -92,6 +96,7 @@ fn with(mode: Mode) -> &'static str {
     }
 }
 
+#[cfg(unix)]
 impl From<EmulatorError> for PilError {
     fn from(error: EmulatorError) -> Self {
         match error {
@@ -101,6 +106,7 @@ impl From<EmulatorError> for PilError {
     }
 }
 
+#[cfg(unix)]
 impl From<PlantError> for PilError {
     fn from(error: PlantError) -> Self {
         if error.is_stop() { Self::Stopped } else { Self::Plant(error) }
@@ -165,104 +171,4 @@ pub fn configuration(file: &Path, model: &ModelFile, rate_hz: f64) -> Result<Con
 pub fn preview_s(configuration: &Configuration) -> f64 {
     let TrackingParameters { extensions, period_s, .. } = &configuration.tracking;
     f64::from(extensions.preview_s(*period_s))
-}
-
-/// What the three runs have in common.
-#[derive(Debug)]
-pub struct Bench<'a> {
-    /// The firmware's ELF file.
-    pub firmware: &'a Path,
-    /// For the board.
-    pub configuration: &'a Configuration,
-    /// By which limits it protects the plant.
-    pub protection: Protection,
-    /// What starts a plant.
-    pub plant: &'a Program,
-    /// What is to be tracked.
-    pub reference: &'a Reference,
-    /// Asked to stop by whoever wants the runs to end, and by a run that fails.
-    pub stop: Stop,
-}
-
-/// A finished run with what firmware and plant said.
-#[derive(Debug)]
-pub struct Finished {
-    /// The run.
-    pub run: Run,
-    /// The firmware's log, a line an entry.
-    pub log: String,
-    /// What the plant said on its standard error.
-    pub plant_messages: String,
-}
-
-/// Runs that did not all come to their end.
-#[derive(Debug)]
-pub struct Broken {
-    /// The first one's reason; [`PilError::Stopped`] when a stop was requested from outside.
-    pub problem: Box<PilError>,
-    /// What each has come to, one a mode.
-    pub runs: Vec<Run>,
-}
-
-/// What firmware and plant had to say.
-type Words = (String, String);
-
-impl Bench<'_> {
-    /// The runs of the given modes, side by side; `ticked` is called after each tick of each.
-    ///
-    /// # Errors
-    /// A run has failed, and has stopped the others, or a stop was requested from outside.
-    pub fn run(&self, modes: &[Mode], ticked: &(dyn Fn() + Sync)) -> Result<Vec<Finished>, Broken> {
-        let (runs, ends): (Vec<Run>, Vec<Result<Words, PilError>>) = thread::scope(|scope| {
-            let threads: Vec<_> =
-                modes.iter().map(|&mode| scope.spawn(move || self.run_one(mode, ticked))).collect();
-            threads
-                .into_iter()
-                .map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
-                .unzip()
-        });
-        let (mut words, mut problems) = (Vec::new(), Vec::new());
-        for end in ends {
-            match end {
-                Ok(said) => words.push(said),
-                Err(problem) => problems.push(problem),
-            }
-        }
-        // A run that was stopped because of another one knows no reason.
-        let reason = problems.iter().position(|problem| !matches!(problem, PilError::Stopped)).unwrap_or(0);
-        if !problems.is_empty() {
-            return Err(Broken { problem: Box::new(problems.swap_remove(reason)), runs });
-        }
-        let finished = |(run, (log, plant_messages))| Finished { run, log, plant_messages };
-        Ok(runs.into_iter().zip(words).map(finished).collect())
-    }
-
-    /// One run as far as it comes, and how it ends.
-    fn run_one(&self, mode: Mode, ticked: &dyn Fn()) -> (Run, Result<Words, PilError>) {
-        let mut run = Run { samples: Vec::new(), overruns: 0 };
-        let end = self.try_run(mode, &mut run, ticked).map_err(|problem| {
-            self.stop.request();
-            match problem {
-                PilError::Stopped => PilError::Stopped,
-                problem => PilError::Run { mode, problem: Box::new(problem) },
-            }
-        });
-        (run, end)
-    }
-
-    fn try_run(&self, mode: Mode, run: &mut Run, ticked: &dyn Fn()) -> Result<Words, PilError> {
-        let mut plant = PlantProcess::start(self.plant, &self.stop)?;
-        let mut board = Emulator::start(self.firmware, &self.stop)?;
-        lock_step::protect(&mut board, self.protection)?;
-        run.overruns = lock_step::track(
-            &mut board,
-            &mut plant,
-            self.configuration,
-            mode,
-            self.reference.samples(preview_s(self.configuration)),
-            &mut run.samples,
-            ticked,
-        )?;
-        Ok((board.log(), plant.messages()))
-    }
 }

@@ -16,7 +16,8 @@ use thiserror::Error;
 
 use super::PilError;
 use super::lock_step::{Measurement, Plant};
-use crate::child::{ChildGroup, Stop, WAIT_SLICE};
+use crate::child::{ChildGroup, WAIT_SLICE};
+use crate::stop::Stop;
 
 /// The longest answer: many times four numbers. Unit: byte.
 const LONGEST_ANSWER: usize = 1024;

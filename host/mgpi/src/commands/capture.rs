@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::plant::positive;
+use super::number::positive;
 use super::port::PortArguments;
 use super::reading::Reading;
 use super::show::{Show, show_rows};
@@ -16,8 +16,8 @@ use board_client::bus::Board;
 use board_client::bus::excitation::triangles_and_holds;
 use board_client::bus::play::{Drive, POINTS_PER_S, Piece, Played, Tick, play};
 use board_client::bus::recording::Growing;
-use board_client::child::Stop;
 use board_client::pil::reference::Reference;
+use board_client::stop::Stop;
 use recording::TOOL;
 
 /// The column of the command.

@@ -12,12 +12,13 @@ use rustix::process::{Signal, kill_process};
 
 use super::plant::PlantArguments;
 use crate::Error;
-use board_client::child::{ChildGroup, Stop, WAIT_SLICE};
+use board_client::child::{ChildGroup, WAIT_SLICE};
 use board_client::emulator::line::{Line, Owner};
 use board_client::emulator::log::LogDecoder;
 use board_client::emulator::{Emulator, EmulatorError, image, qemu, real_time};
 use board_client::pil::plant::PlantProcess;
 use board_client::pil::{PilError, lock_step};
+use board_client::stop::Stop;
 
 /// What is written where somebody waits for the board.
 const READY: &str = "ready";

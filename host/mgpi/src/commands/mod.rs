@@ -9,14 +9,18 @@ pub mod deploy;
 pub mod diagnose;
 mod diagnosed_json;
 mod diagnosed_summary;
+#[cfg(unix)]
 pub mod emulate;
 mod gains;
 mod identified_json;
 pub mod identify;
 mod instructions;
 pub mod man;
+mod number;
+#[cfg(unix)]
 pub mod pil;
 pub mod plan;
+#[cfg(unix)]
 mod plant;
 mod port;
 mod reading;
@@ -50,8 +54,10 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Simulate(simulate::Arguments),
     Report(report::Arguments),
+    #[cfg(unix)]
     Pil(Box<pil::Arguments>),
     Plan(plan::Arguments),
+    #[cfg(unix)]
     Emulate(emulate::Arguments),
     Capture(capture::Arguments),
     Deploy(deploy::Arguments),
@@ -79,8 +85,10 @@ impl CommandLine {
             Command::Diagnose(arguments) => diagnose::run(&arguments),
             Command::Simulate(arguments) => simulate::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
+            #[cfg(unix)]
             Command::Pil(arguments) => pil::run(&arguments),
             Command::Plan(arguments) => plan::run(&arguments),
+            #[cfg(unix)]
             Command::Emulate(arguments) => emulate::run(&arguments),
             Command::Capture(arguments) => capture::run(&arguments),
             Command::Deploy(arguments) => deploy::run(&arguments),

@@ -10,19 +10,21 @@ use model_core::Mode;
 
 use super::board_model;
 use super::gains::Gains;
-use super::plant::{PlantArguments, positive};
+use super::number::positive;
+use super::plant::PlantArguments;
 use super::reading::Reading;
 use crate::Error;
 use crate::output::Outputs;
 use board_client::bus::settings::settle;
-use board_client::child::Stop;
 use board_client::emulator::image;
 use board_client::part::Part;
+use board_client::pil::bench::{Bench, Broken, Finished};
+use board_client::pil::configuration;
 use board_client::pil::followed;
 use board_client::pil::lock_step::Run;
 use board_client::pil::reference::Reference;
 use board_client::pil::results::{self, figures, json, log};
-use board_client::pil::{Bench, Broken, Finished, configuration};
+use board_client::stop::Stop;
 use report::tracked::{self, Stroke};
 
 /// The runs, as they are called in the results.

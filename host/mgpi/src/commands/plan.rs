@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::plant::positive;
+use super::number::positive;
 use crate::Error;
 use crate::output::Outputs;
 use diagnosis::cause::Cause;

@@ -6,6 +6,7 @@ use ::rig::effect::{Effect, Hide};
 use clap::Args;
 use wire::Protection;
 
+use super::number::positive;
 use board_client::pil::plant::Program;
 
 /// What the board drives.
@@ -81,12 +82,4 @@ fn effects() -> String {
          `random` hides one and `random-pair` two, without a word. The effects:\n{}",
         effects.concat()
     )
-}
-
-/// A number above 0 that a time span can be made of.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number > 0.0 && number <= 1e6 => Ok(number),
-        _ => Err("a number above 0, at most 1e6, is needed".to_owned()),
-    }
 }

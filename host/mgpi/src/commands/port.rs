@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::Args;
 use wire::registers::{BAUD, UNIT};
 
-use super::plant::positive;
+use super::number::positive;
 use board_client::bus::client::Address;
 use board_client::bus::port::{Line, Parity};
 use board_client::bus::{Board, BoardError};

@@ -9,7 +9,7 @@ use board_client::bus::Board;
 use board_client::bus::client::BusError;
 use board_client::bus::play::Tick;
 use board_client::bus::status::Status;
-use board_client::child::Stop;
+use board_client::stop::Stop;
 
 /// Time between two rows of the page.
 pub const ROW: Duration = Duration::from_millis(40);

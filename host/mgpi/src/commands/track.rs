@@ -15,11 +15,11 @@ use crate::Error;
 use crate::output::Outputs;
 use board_client::bus::play::{Drive, POINTS_PER_S, Piece, Tick, play};
 use board_client::bus::{Board, upload};
-use board_client::child::Stop;
 use board_client::part::Part;
 use board_client::pil::lock_step::{Measurement, Run, Sample};
 use board_client::pil::reference::Reference;
 use board_client::pil::{followed, preview_s, results};
+use board_client::stop::Stop;
 use recording::unit::Unit;
 use report::tracked::{self, Stroke};
 

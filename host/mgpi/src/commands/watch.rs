@@ -13,7 +13,7 @@ use super::show::{ROW, Show};
 use crate::Error;
 use crate::live::{Order, Row};
 use board_client::bus::{Board, BoardError};
-use board_client::child::Stop;
+use board_client::stop::Stop;
 
 /// How long a board that does not answer is left alone.
 const RETRY: Duration = Duration::from_millis(500);

@@ -1,5 +1,5 @@
-//! What the controller costs on the board with a model, in the image `emulated`, which is quick to drive: tells the dearest
-//! sample, and makes the table of `mgpi compare`.
+//! What the controller costs on the board with a model, in the image `emulated`, which is quick to
+//! drive: tells the dearest sample, and makes the table of `mgpi compare`.
 
 use std::fmt::Write as _;
 use std::fs;

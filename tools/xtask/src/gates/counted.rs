@@ -1,7 +1,7 @@
 //! An image in the emulator under the instruction counter.
 //!
-//! The emulated serial port (USART2) is one end of a pair of connected sockets, handed over as the emulator's standard
-//! input. The counter writes its results when the emulator is asked to end.
+//! The emulated serial port (USART2) is one end of a pair of connected sockets, handed over as the
+//! emulator's standard input. The counter writes its results when the emulator is asked to end.
 
 use std::fs;
 use std::os::fd::OwnedFd;
@@ -29,8 +29,8 @@ pub struct Cost {
     pub dearest: usize,
 }
 
-/// Runs an image while `drive` talks to it, and counts the instructions of some of its functions, in their order.
-/// `plugin`: the counter's file.
+/// Runs an image while `drive` talks to it, and counts the instructions of some of its functions,
+/// in their order. `plugin`: the counter's file.
 ///
 /// # Errors
 /// The emulator does not start or end, `drive` fails, or the call stack was lost.
@@ -65,8 +65,9 @@ pub fn run(
     read_costs(&text, &functions.iter().map(|function| function.name.as_str()).collect::<Vec<_>>())
 }
 
-/// How the emulator is told of the counter: functions to be counted, and the way from the begin of one of them to the
-/// return of another. Commas separate the option's parts; one in a file's name is doubled.
+/// How the emulator is told of the counter: functions to be counted, and the way from the begin of
+/// one of them to the return of another. Commas separate the option's parts; one in a file's name
+/// is doubled.
 pub fn plugin_option(
     image: &Image,
     plugin: &Path,
@@ -90,7 +91,8 @@ fn end(child: Child) -> Result<String> {
     Ok(String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// The counter's results: a line a function and way, with its calls, least, most, sum and dearest call.
+/// The counter's results: a line a function and way, with its calls, least, most, sum and dearest
+/// call.
 ///
 /// # Errors
 /// The call stack was lost, or they are not there.

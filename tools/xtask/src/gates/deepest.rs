@@ -1,11 +1,14 @@
-//! The most stack that a function can take, over all calls: what stands beside the most that runs have taken.
+//! The most stack that a function can take, over all calls: what stands beside the most that runs
+//! have taken.
 //!
-//! A function takes what its instructions put on the stack, each once, whether or not one way leads over all of them; and while it
-//! calls, the most that one of those it calls takes. A jump to another function counts as a call.
+//! A function takes what its instructions put on the stack, each once, whether or not one way leads
+//! over all of them; and while it calls, the most that one of those it calls takes. A jump to
+//! another function counts as a call.
 //!
 //! # Limits
-//! Calls through pointers are not followed: only texts and the log are written by them. Nor are panics, which end the program. A
-//! function that calls itself, or that takes as much of the stack as a register says, is refused.
+//! Calls through pointers are not followed: only texts and the log are written by them. Nor are
+//! panics, which end the program. A function that calls itself, or that takes as much of the stack
+//! as a register says, is refused.
 
 use std::collections::HashMap;
 
@@ -14,7 +17,8 @@ use anyhow::{Context, Result, bail};
 use super::elf::{Function, Image, is_panic};
 use super::thumb::{Code, Flow, Step};
 
-/// What the processor puts on the stack when an interrupt comes: 26 words, and one to a whole double word.
+/// What the processor puts on the stack when an interrupt comes: 26 words, and one to a whole
+/// double word.
 const EXCEPTION_FRAME: u64 = 108;
 
 /// What the functions of an image take of the stack. Unit of all: byte.

@@ -1,5 +1,5 @@
-//! The samples through the image `emulated`, and through the same code on the host, which has to answer the same, bit for
-//! bit: what is counted is what was tested.
+//! The samples through the image `emulated`, and through the same code on the host, which has to
+//! answer the same, bit for bit: what is counted is what was tested.
 
 use std::io::{Read, Write};
 use std::os::unix::net::UnixStream;

@@ -1,5 +1,5 @@
-//! What the ELF file of an image tells without being run: where its functions and handlers are, how large it is, and
-//! whether it can panic.
+//! What the ELF file of an image tells without being run: where its functions and handlers are, how
+//! large it is, and whether it can panic.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,9 @@ const RAM: u64 = 0x2000_0000;
 /// The bit of a function's address that says Thumb, which every function here is.
 const THUMB: u64 = 1;
 
-/// Parts of the names of functions that end a program. All of them lead to the panic handler, the second; the others
-/// tell more: panics as such, and failed indices, slices, unwraps and expectations.
+/// Parts of the names of functions that end a program. All of them lead to the panic handler, the
+/// second; the others tell more: panics as such, and failed indices, slices, unwraps and
+/// expectations.
 const PANICS: [&str; 3] = ["panic", "rust_begin_unwind", "_fail"];
 
 /// A function of an image.
@@ -105,8 +106,8 @@ impl Image {
         }
     }
 
-    /// The names of its functions that end the program, in order. None: the image cannot panic, since the linker
-    /// leaves out what nothing refers to.
+    /// The names of its functions that end the program, in order. None: the image cannot panic,
+    /// since the linker leaves out what nothing refers to.
     pub fn panics(&self) -> Vec<&str> {
         let names = self.functions.iter().map(|function| function.name.as_str());
         let mut panics: Vec<_> = names.filter(|name| is_panic(name)).collect();
@@ -163,7 +164,8 @@ fn instructions(code: &[u8]) -> usize {
     count
 }
 
-/// The addresses in a vector table but for its first two words: the stack's beginning, and where a reset goes.
+/// The addresses in a vector table but for its first two words: the stack's beginning, and where a
+/// reset goes.
 fn handlers(table: &[u8]) -> Vec<u64> {
     let words =
         table.chunks_exact(4).map(|word| u64::from(u32::from_le_bytes([word[0], word[1], word[2], word[3]])));

@@ -1,6 +1,7 @@
-//! The samples that ask the most of the controller: full reversals, at which every play moves and turns round in every
-//! sample, and nested reversals, which build the deepest memory and then wipe all of it. The muscle is on the other side of
-//! its range, so that the feedback and its limits work hard.
+//! The samples that ask the most of the controller: full reversals, at which every play moves and
+//! turns round in every sample, and nested reversals, which build the deepest memory and then wipe
+//! all of it. The muscle is on the other side of its range, so that the feedback and its limits
+//! work hard.
 
 /// One sample for the control law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +15,8 @@ pub struct Sample {
 /// Turning points of a nest, many more than there are plays.
 const NEST: u32 = 60;
 
-/// All samples in their order, for a muscle that contracts from `low_mm` to `high_mm`. The same in every run.
+/// All samples in their order, for a muscle that contracts from `low_mm` to `high_mm`. The same in
+/// every run.
 pub fn samples((low_mm, high_mm): (f64, f64)) -> Vec<Sample> {
     let at = |share: f64| (low_mm + share * (high_mm - low_mm)) as f32;
     let full = reversals(0.5, 100, |_| 0.5);
@@ -23,7 +25,8 @@ pub fn samples((low_mm, high_mm): (f64, f64)) -> Vec<Sample> {
         .collect()
 }
 
-/// Turning points on alternate sides of a centre; `amplitude` takes their number. As shares of the muscle's range.
+/// Turning points on alternate sides of a centre; `amplitude` takes their number. As shares of the
+/// muscle's range.
 fn reversals(centre: f64, count: u32, amplitude: impl Fn(u32) -> f64) -> impl Iterator<Item = f64> {
     (0..count).map(move |k| centre + if k % 2 == 0 { amplitude(k) } else { -amplitude(k) })
 }

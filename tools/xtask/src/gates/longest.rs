@@ -1,8 +1,10 @@
-//! The longest way through a function, over all its branches: whatever it is given, it takes no more instructions.
+//! The longest way through a function, over all its branches: whatever it is given, it takes no
+//! more instructions.
 //!
-//! Where sizes are known when the firmware is compiled, the control law has no loops, so that its ways can be followed one and all.
-//! Not all of them need be possible, for what one comparison has told may contradict another: it is an upper bound, beside which
-//! what samples have taken stands as a lower one.
+//! Where sizes are known when the firmware is compiled, the control law has no loops, so that its
+//! ways can be followed one and all. Not all of them need be possible, for what one comparison has
+//! told may contradict another: it is an upper bound, beside which what samples have taken stands
+//! as a lower one.
 //!
 //! # Limits
 //! A function that goes back, or on to where the code does not say, is refused.
@@ -30,8 +32,9 @@ pub fn longest(elf: &Path, functions: &[&Function]) -> Result<Vec<u64>> {
     functions.iter().map(most).collect()
 }
 
-/// From an instruction to the return, both counted; None where no way returns. `conditional`: so many from here on are executed
-/// on a condition. `known`: what has been worked out; none at an address that a way stands at.
+/// From an instruction to the return, both counted; None where no way returns. `conditional`: so
+/// many from here on are executed on a condition. `known`: what has been worked out; none at an
+/// address that a way stands at.
 fn longest_from(
     code: &Code,
     address: u64,

@@ -1,5 +1,6 @@
-//! Gates: what a tick costs on the board's processor, how large image and stack are, and that neither control law nor tick
-//! can panic. Everything here is exact, the same in every run with the same compiler.
+//! Gates: what a tick costs on the board's processor, how large image and stack are, and that
+//! neither control law nor tick can panic. Everything here is exact, the same in every run with the
+//! same compiler.
 //!
 //! # Design
 //! | file | what it does |
@@ -15,8 +16,8 @@
 //! | [`bounds`] | what the figures have to be |
 //!
 //! # Limits
-//! Instructions are not cycles: the emulator has no cycle counter. One run at a time in a target directory: the spoilt
-//! image for the check of the check has the name of the good one.
+//! Instructions are not cycles: the emulator has no cycle counter. One run at a time in a target
+//! directory: the spoilt image for the check of the check has the name of the good one.
 
 mod bounds;
 mod costs;
@@ -40,8 +41,8 @@ use crate::{firmware as images, run};
 use bounds::{Bounds, Figure};
 use elf::Image;
 
-/// The law of compiled size, and its name in the table: the inverse with the paper's envelope and with a piecewise-linear
-/// one, and the law as a whole.
+/// The law of compiled size, and its name in the table: the inverse with the paper's envelope and
+/// with a piecewise-linear one, and the law as a whole.
 const SIZED: [(&str, &str); 3] = [
     ("law_and_tick::sized::tanh_step", "inverse of compiled size"),
     ("law_and_tick::sized::piecewise_step", "inverse of compiled size, piecewise-linear envelope"),
@@ -50,12 +51,12 @@ const SIZED: [(&str, &str); 3] = [
 /// The controller in two halves, as the tick has it.
 const HALVES: [&str; 2] = ["firmware::law::controller_prepare", "firmware::law::controller_act"];
 
-/// Measures, prints the table, and holds the figures against `gates.toml`; with `bless`, writes that anew first, and what
-/// each kind of model costs.
+/// Measures, prints the table, and holds the figures against `gates.toml`; with `bless`, rewrites
+/// that first, and what each kind of model costs.
 ///
 /// # Errors
-/// A figure outside its bounds; a panic in law or tick, or one on purpose that is not found; anything that cannot be built
-/// or run.
+/// A figure outside its bounds; a panic in law or tick, or one on purpose that is not found;
+/// anything that cannot be built or run.
 pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     run::step("the check for panics, checked", || find_deliberate_panic(compiler))?;
     let linked = run::step("control law and tick", || build_panic_free(compiler, ""))?;

@@ -1,14 +1,17 @@
-//! The tick of the unmodified production image, with everything it checks: from its interrupt's first instruction to the
-//! return of the function that writes the valve, and to its last; and the most stack that the image can take
-//! ([`super::deepest`]), which is no less than what it has taken meanwhile.
+//! The tick of the unmodified production image, with everything it checks: from its interrupt's
+//! first instruction to the return of the function that writes the valve, and to its last; and the
+//! most stack that the image can take ([`super::deepest`]), which is no less than what it has taken
+//! meanwhile.
 //!
-//! Each run leads to the sample that asks the most of the controller, and through some before it, which build its memory: told
-//! by the image `emulated`, which is quicker to drive ([`super::costs`]). The references come over the image's link, one after the other as it acknowledges them, several ticks each: the memory of
-//! the plays takes the same course as with one a tick. The samples are put in by the debug stub ([`probe`]).
+//! Each run leads to the sample that asks the most of the controller, and through some before it,
+//! which build its memory: told by the image `emulated`, which is quicker to drive
+//! ([`super::costs`]). The references come over the image's link, one after the other as it
+//! acknowledges them, several ticks each: the memory of the plays takes the same course as with one
+//! a tick. The samples are put in by the debug stub ([`probe`]).
 //!
 //! # Limits
-//! What stands in for the read of the converter is 4 instructions; the function itself, which is not run here, has no loop,
-//! and all its instructions are added.
+//! What stands in for the read of the converter is 4 instructions; the function itself, which is
+//! not run here, has no loop, and all its instructions are added.
 
 use std::fs;
 use std::path::Path;
@@ -50,7 +53,8 @@ const LEADING: usize = 130;
 /// A period of the tick. Unit: cycle of the core.
 const PERIOD_CYCLES: f64 = 168_000.0;
 
-/// Instructions of the dearest ticks with the paper's model, without extensions and with all, and bytes of stack.
+/// Instructions of the dearest ticks with the paper's model, without extensions and with all, and
+/// bytes of stack.
 ///
 /// # Errors
 /// The image does not start, track or answer.
@@ -87,9 +91,9 @@ pub fn figures(image: &Image, emulated: &Image, plugin: &Path, samples: &[Sample
     Ok(figures)
 }
 
-/// The most stack over all calls: while the image starts, where ticks and bytes come but no message; or by a message,
-/// with a tick, a byte and low voltage on top.
-/// `used`: what the runs have taken; `room`: what there is. Unit: byte.
+/// The most stack over all calls: while the image starts, where ticks and bytes come but no
+/// message; or by a message, with a tick, a byte and low voltage on top. `used`: what the runs have
+/// taken; `room`: what there is. Unit: byte.
 fn deepest_stack(image: &Image, used: u32, room: u32) -> Result<Figure> {
     let mut depths = Depths::of(image)?;
     let mut deepest = |names: &[&str]| -> Result<u64> {

@@ -8,13 +8,16 @@ use object::{LittleEndian, Object, ObjectSection};
 use yaxpeax_arch::{Decoder, U8Reader};
 use yaxpeax_arm::armv7::{ConditionCode, InstDecoder, Instruction, Opcode, Operand, Reg};
 
-/// The number of the program counter among the registers, and those of the one that says where to return and of the stack's.
+/// The number of the program counter among the registers, and those of the one that says where to
+/// return and of the stack's.
 const PROGRAM_COUNTER: u8 = 15;
 const LINK: u8 = 14;
 const STACK: u8 = 13;
-/// First halfwords of the floating-point unit's instructions, which the decoder leaves out; none of them branches.
+/// First halfwords of the floating-point unit's instructions, which the decoder leaves out; none of
+/// them branches.
 const FLOATING_POINT: std::ops::RangeInclusive<u16> = 0xEC00..=0xEFFF;
-/// First halfword of the one that puts such registers on the stack, but for one bit of their number.
+/// First halfword of the one that puts such registers on the stack, but for one bit of their
+/// number.
 const PUSH_FLOATS: u16 = 0xED2D;
 const ANY_FLOATS: u16 = 0x0040;
 
@@ -107,7 +110,8 @@ fn is(register: u8, operand: &Operand) -> bool {
 fn flow(instruction: &Instruction, address: u64, length: u64) -> Flow {
     let is_short_jump =
         length == 2 && instruction.opcode == Opcode::B && instruction.condition == ConditionCode::AL;
-    // The decoder counts from the next instruction, but for this one, as the processor does, from four bytes on.
+    // The decoder counts from the next instruction, but for this one, as the processor does, from
+    // four bytes on.
     let from = address + if is_short_jump { 4 } else { length };
     let to = instruction.operands.iter().find_map(|operand| match operand {
         Operand::BranchThumbOffset(halfwords) => from.checked_add_signed(i64::from(*halfwords) * 2),
@@ -130,7 +134,8 @@ fn flow(instruction: &Instruction, address: u64, length: u64) -> Flow {
             let loads = |operand: &Operand| matches!(operand, Operand::RegList(list) if list >> PROGRAM_COUNTER & 1 == 1);
             if instruction.operands.iter().any(loads) { Flow::Return } else { Flow::On }
         }
-        // What else writes the program counter: a return from one register on the stack, or a jump that is computed.
+        // What else writes the program counter: a return from one register on the stack, or a jump
+        // that is computed.
         Opcode::LDR if is(PROGRAM_COUNTER, first) => Flow::Return,
         Opcode::MOV | Opcode::ADD if is(PROGRAM_COUNTER, first) => Flow::Computed,
         _ => Flow::On,

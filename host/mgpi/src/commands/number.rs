@@ -1,0 +1,9 @@
+//! Numbers on the command line.
+
+/// A number above 0 that a time span can be made of.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= 1e6 => Ok(number),
+        _ => Err("a number above 0, at most 1e6, is needed".to_owned()),
+    }
+}

@@ -41,7 +41,7 @@ pub enum Request {
     Tick(TickRequest),
     /// Take these limits of the plant. Refused unless vented.
     Protect(Protection),
-    /// The fault has been seen to: test the board anew, and be ready.
+    /// The fault has been seen to: test the board again, and be ready.
     Acknowledge,
     /// Put this code out, slew and pressure limited, without a controller: for wiring and calibration. The first one
     /// enters the service state; [`Request::Stop`] leaves it. Unit: DAC code.

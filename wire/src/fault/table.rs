@@ -202,7 +202,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         "with both, the feedback asks for more than 2 bar, 1000 ticks in a row",
         AUTHORITY_TICKS as u32,
         "the model is that of another muscle or load; a sensor has slipped; gains too high",
-        "track with feed-forward only and look at the error, then identify anew",
+        "track with feed-forward only and look at the error, then identify again",
     ),
     vent(
         Fault::Deadline,
@@ -234,7 +234,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         "its checksum is wrong, or a parameter in it is not valid",
         0,
         "flash worn out, or written by something else",
-        "acknowledge, configure and save anew",
+        "acknowledge, configure and save again",
     ),
     vent(
         Fault::ConfigurationVersion,
@@ -242,7 +242,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         "its version is not the firmware's, and none that can be migrated",
         0,
         "the firmware was exchanged for a much older or newer one",
-        "acknowledge, configure and save anew",
+        "acknowledge, configure and save again",
     ),
     vent(
         Fault::BrownOut,

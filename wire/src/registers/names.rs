@@ -59,7 +59,7 @@ numbered! {
         Stop = 2,
         /// Hold the last command of the controller; a start goes on.
         Hold = 3,
-        /// Release the latched fault, test the board anew.
+        /// Release the latched fault, test the board again.
         Acknowledge = 4,
         /// Enter the service state, valve vented: `setpoint_bar` and the stream then drive it without a controller.
         Service = 5,

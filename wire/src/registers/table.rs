@@ -45,7 +45,7 @@ pub const GROUPS: [Group; 9] = [
     Group {
         address: 0x0300,
         title: "Controller",
-        doc: "Gains and limits of the installed configuration. A write installs the configuration anew and stores it, as an \
+        doc: "Gains and limits of the installed configuration. A write installs the configuration again and stores it, as an \
               upload does: refused with exception 6 while the valve is driven, and on a board without a configuration.",
     },
     Group {

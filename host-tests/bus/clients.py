@@ -166,6 +166,37 @@ def wrong_requests(board):
     check(board.set("command", 3) == BUSY, "nothing to hold")
 
 
+def other_functions(board):
+    client, mode = board.client, TABLE["mode"]["address"]
+    answer = client.diag_query_data(b"\xa5\x37", device_id=UNIT)
+    check(not answer.isError() and answer.message == b"\xa5\x37", f"function 8 sends data back: {answer}")
+    answer = client.diag_restart_communication(False, device_id=UNIT)
+    check(answer.isError() and answer.exception_code == FUNCTION, "a restart is refused")
+    answer = client.diag_read_device_message_count(device_id=UNIT)
+    check(not answer.isError() and answer.message is not None, f"function 8 counts: {answer}")
+    answer = client.report_device_id(device_id=UNIT)
+    check(not answer.isError() and b"valve board" in answer.identifier, f"function 17 names the board: {answer}")
+    board.demand("mode", 0b10)
+    answer = client.mask_write_register(address=mode, and_mask=0xFFFC, or_mask=0b01, device_id=UNIT)
+    check(not answer.isError() and board.get("mode") == 0b01, f"function 22 sets a bit and clears one: {answer}")
+    answer = client.mask_write_register(address=mode, and_mask=0, or_mask=9, device_id=UNIT)
+    check(answer.exception_code == VALUE and board.get("mode") == 1, "beyond the limit it is refused")
+    answer = client.readwrite_registers(
+        read_address=mode, read_count=1, write_address=mode, values=[0], device_id=UNIT
+    )
+    check(not answer.isError() and answer.registers == [0], f"function 23 reads what it has written: {answer}")
+    answer = client.read_device_information(read_code=2, object_id=0, device_id=UNIT)
+    release = ".".join(str(word) for word in board.words(TABLE["release"]))
+    check(not answer.isError() and answer.information[2] == release.encode(), f"function 43 tells the release: {answer}")
+    check(answer.information[5] == b"STM32F405", f"function 43 tells the processor: {answer}")
+    answer = client.read_device_information(read_code=4, object_id=1, device_id=UNIT)
+    check(list(answer.information) == [1], f"and an object alone: {answer}")
+    # To all boards, which answer nothing: none starts.
+    client.write_register(TABLE["command"]["address"], 1, device_id=0, no_response_expected=True)
+    time.sleep(PAUSE_S)
+    check(board.get("state") == 2, "no broadcast starts")
+
+
 def tracks(board):
     board.demand("setpoint_mm", 0.0)
     board.demand("mode", 0)
@@ -219,7 +250,7 @@ def random_frames(line):
         data = source.randbytes(source.randint(1, 300))
         if number % 4 == 0:
             # Whole ones, to ask for functions that there are not.
-            data = framed(bytes([UNIT, source.randint(17, 127)]) + data[:200])
+            data = framed(bytes([UNIT, source.randint(44, 127)]) + data[:200])
         answer = exchange(line, data)
         # An exception, or what is left of one that came late: every other answer is longer.
         check(len(answer) <= 5, f"random frame {number} is met with silence or an exception: {answer!r}")
@@ -261,6 +292,7 @@ def main():
     # With some of the limits at 0 the board was at fault, as it should be.
     board.demand("command", 4)
     wrong_requests(board)
+    other_functions(board)
     check(upload(board, content) == 0, "the gains as they were")
     tracks(board)
     before = board.contents()

@@ -244,7 +244,7 @@ pub fn random_frames(seed: u64) -> impl Iterator<Item = Vec<u8>> {
         random.fill_bytes(&mut bytes);
         if number % 4 == 0 {
             bytes.truncate(200);
-            bytes = frame(UNIT, &[&[random.random_range(17..=127)][..], &bytes].concat());
+            bytes = frame(UNIT, &[&[random.random_range(44..=127)][..], &bytes].concat());
         }
         bytes
     })

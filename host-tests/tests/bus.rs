@@ -155,7 +155,7 @@ fn lengths_that_do_not_fit_are_refused() {
 fn functions_that_the_board_does_not_have_are_refused() {
     let mut board = BusBoard::configured();
     for function in 1..=127 {
-        if [3, 4, 6, 16].contains(&function) {
+        if [3, 4, 6, 8, 16, 17, 22, 23].contains(&function) {
             continue;
         }
         let pdu = match function {
@@ -180,6 +180,161 @@ fn function_6_writes_a_register() {
     let pdu = [&[6], &address[..], &[0, 2]].concat();
     assert_eq!(board.ask(&pdu), pdu);
     assert_eq!(board.number(Id::Mode), 2);
+}
+
+/// The exception of a function.
+fn exception(function: u8, exception: Exception) -> Vec<u8> {
+    vec![function | 0x80, exception.number() as u8]
+}
+
+#[test]
+fn function_8_sends_its_data_back_and_tells_the_counters() {
+    let mut board = BusBoard::configured();
+    assert_eq!(board.ask(&[8, 0, 0, 0xA5, 0x37]), [8, 0, 0, 0xA5, 0x37]);
+    board.read(0xFFFF, 1).expect_err("nothing is there");
+    for (number, id) in [(12, Id::BusDamaged), (13, Id::BusRefused)] {
+        let [high, low] = (board.number(id) as u16).to_be_bytes();
+        assert_eq!(board.ask(&[8, 0, number, 0, 0]), [8, 0, number, high, low]);
+    }
+    // With this request itself.
+    let [high, low] = (board.number(Id::BusFrames) as u16 + 1).to_be_bytes();
+    assert_eq!(board.ask(&[8, 0, 14, 0, 0]), [8, 0, 14, high, low]);
+    assert_eq!(board.ask(&[8, 0, 14, 0, 1]), exception(8, Exception::IllegalValue));
+    // Among those that it does not have: restart, listen only.
+    for number in [1, 2, 4, 10, 15, 21] {
+        assert_eq!(board.ask(&[8, 0, number, 0, 0]), exception(8, Exception::IllegalFunction), "{number}");
+    }
+}
+
+#[test]
+fn function_17_tells_number_name_and_whether_the_valve_is_driven() {
+    let mut board = BusBoard::configured();
+    for (command, indicator) in [(Command::None, 0), (Command::Start, 0xFF), (Command::Stop, 0)] {
+        order(&mut board, command).expect("taken");
+        let answer = board.ask(&[17]);
+        assert_eq!(answer[..4], [17, answer.len() as u8 - 2, UNIT, indicator], "{command:?}");
+        assert_eq!(answer[4..], *b"valve board 0.1.0");
+    }
+}
+
+#[test]
+fn function_22_changes_the_bits_of_its_mask_within_the_limits() {
+    let mut board = BusBoard::configured();
+    let mask = |board: &mut BusBoard, id: Id, and: u16, or: u16| {
+        let words = [id.register().address, and, or].map(u16::to_be_bytes).concat();
+        (words.clone(), board.ask(&[&[22][..], &words].concat()))
+    };
+    board.set(Id::StreamInterval, 0b1010.into()).expect("taken");
+    let (request, answer) = mask(&mut board, Id::StreamInterval, 0b0110, 0b0101);
+    assert_eq!(answer, [&[22][..], &request].concat());
+    assert_eq!(board.number(Id::StreamInterval), 0b1010 & 0b0110 | 0b0101 & !0b0110);
+    let before = contents(&mut board);
+    for (id, refusal) in [
+        (Id::StreamInterval, Exception::IllegalValue),
+        (Id::State, Exception::IllegalAddress),
+        (Id::Kp, Exception::IllegalValue),
+    ] {
+        // 0 beyond the limits, only read, half of a pair.
+        assert_eq!(mask(&mut board, id, 0, 0).1, exception(22, refusal), "{id:?}");
+    }
+    assert_eq!(board.ask(&[22, 0xFF, 0xFF, 0, 0, 0, 0]), exception(22, Exception::IllegalAddress));
+    assert_eq!(contents(&mut board), before);
+}
+
+/// A request of function 23.
+fn read_write(read: (u16, u16), to: u16, words: &[u16]) -> Vec<u8> {
+    let head = [read.0, read.1, to, words.len() as u16].map(u16::to_be_bytes).concat();
+    let bytes = words.iter().flat_map(|word| word.to_be_bytes());
+    [&[23][..], &head, &[2 * words.len() as u8]].concat().into_iter().chain(bytes).collect()
+}
+
+#[test]
+fn function_23_writes_before_it_reads_and_does_neither_when_one_is_refused() {
+    let mut board = BusBoard::configured();
+    let mode = Id::Mode.register().address;
+    assert_eq!(board.ask(&read_write((mode, 1), mode, &[2])), [23, 2, 0, 2]);
+    let before = contents(&mut board);
+    for (read, to, words, refusal) in [
+        ((mode, 1), mode, &[9][..], Exception::IllegalValue),
+        ((mode, 1), 0xFFFF, &[0], Exception::IllegalAddress),
+        ((0x00FF, 1), mode, &[1], Exception::IllegalAddress),
+        ((0xFFFF, 2), mode, &[1], Exception::IllegalAddress),
+        ((mode, 0), mode, &[1], Exception::IllegalValue),
+        ((mode, MOST_READ + 1), mode, &[1], Exception::IllegalValue),
+    ] {
+        assert_eq!(board.ask(&read_write(read, to, words)), exception(23, refusal), "{read:?} {to:#06x}");
+    }
+    // Bytes that are not two a register.
+    let mut request = read_write((mode, 1), mode, &[1]);
+    request[8] = 2;
+    assert_eq!(board.ask(&request), exception(23, Exception::IllegalValue));
+    assert_eq!(contents(&mut board), before);
+    // The longest of both.
+    let window = Id::UploadWindow.register().address;
+    let answer = board.ask(&read_write((window, 120), window, &[0x1234; 120]));
+    assert_eq!(answer, [vec![23, 240], [0x12, 0x34].repeat(120)].concat());
+}
+
+#[test]
+fn function_43_says_who_made_what_in_which_release() {
+    let mut board = BusBoard::configured();
+    let mut objects = |code: u8, object: u8| {
+        let answer = board.ask(&[43, 14, code, object]);
+        let (head, mut rest) = answer.split_at(answer.len().min(7));
+        if head[0] != 43 {
+            return Err(answer);
+        }
+        assert_eq!(head[..6], [43, 14, code, 0x82, 0, 0]);
+        let mut texts = Vec::new();
+        while let [id, length, text @ ..] = rest {
+            let (text, behind) = text.split_at(usize::from(*length));
+            texts.push((*id, String::from_utf8(text.to_vec()).expect("a text")));
+            rest = behind;
+        }
+        assert_eq!(usize::from(head[6]), texts.len());
+        Ok(texts)
+    };
+    let ids = |texts: Vec<(u8, String)>| texts.into_iter().map(|(id, _)| id).collect::<Vec<_>>();
+    assert_eq!(objects(1, 0).map(ids), Ok(vec![0, 1, 2]));
+    assert_eq!(objects(2, 0).map(ids), Ok(vec![0, 1, 2, 4, 5]));
+    assert_eq!(objects(3, 2).map(ids), Ok(vec![2, 4, 5]));
+    // One that it does not have: from the first on, or an exception.
+    assert_eq!(objects(1, 0x33).map(ids), Ok(vec![0, 1, 2]));
+    assert_eq!(objects(4, 2), Ok(vec![(2, "0.1.0".to_owned())]));
+    assert_eq!(objects(4, 3), Err(exception(43, Exception::IllegalAddress)));
+    assert_eq!(objects(5, 0), Err(exception(43, Exception::IllegalValue)));
+}
+
+#[test]
+fn a_broadcast_opens_no_valve() {
+    let command = Id::Command.register().address.to_be_bytes();
+    for (before, refused) in
+        [(Command::None, Command::Start), (Command::None, Command::Service), (Command::Hold, Command::Start)]
+    {
+        let mut board = BusBoard::configured();
+        if before == Command::Hold {
+            order(&mut board, Command::Start).expect("taken");
+            order(&mut board, Command::Hold).expect("taken");
+        }
+        let state = board.number(Id::State);
+        let count = board.number(Id::BusRefused);
+        let number = refused.number().to_be_bytes();
+        assert_eq!(board.send(&frame(0, &[&[6][..], &command, &number].concat())), SILENCE);
+        assert_eq!(board.send(&frame(0, &[&[22][..], &command, &[0, 0], &number].concat())), SILENCE);
+        // What asks for an answer is not carried out for all.
+        let both = read_write((0x0100, 1), 0x0100, &[refused.number()]);
+        assert_eq!(board.send(&frame(0, &both)), SILENCE);
+        assert_eq!(
+            (board.number(Id::State), board.number(Id::BusRefused)),
+            (state, count + 2),
+            "{refused:?}"
+        );
+    }
+    // A stop for all vents.
+    let mut board = BusBoard::configured();
+    order(&mut board, Command::Start).expect("taken");
+    assert_eq!(board.send(&frame(0, &[6, 1, 0, 0, 2])), SILENCE);
+    assert_eq!(board.number(Id::State), 2);
 }
 
 #[test]
@@ -311,7 +466,18 @@ fn frames_for_others_are_met_with_silence() {
 fn a_request_behind_another_boards_answer_is_heard_without_a_silence() {
     let [high, low] = Id::Mode.register().address.to_be_bytes();
     let request = frame(UNIT, &[3, high, low, 0, 1]);
-    for answer in [&[3, 4, 0, 1, 0, 2][..], &[6, high, low, 0, 1], &[16, high, low, 0, 1], &[0x83, 2]] {
+    let identification = [&[43, 14, 1, 1, 0, 0, 2, 0, 3][..], b"abc", &[1, 2], b"de"].concat();
+    for answer in [
+        &[3, 4, 0, 1, 0, 2][..],
+        &[6, high, low, 0, 1],
+        &[8, 0, 0, 0xA5, 0x37],
+        &[16, high, low, 0, 1],
+        &[17, 4, 2, 0xFF, 65, 66],
+        &[22, high, low, 0, 1, 0, 2],
+        &[23, 2, 0, 1],
+        &identification,
+        &[0x83, 2],
+    ] {
         let mut board = BusBoard::configured();
         let answers = board.send_all(&[frame(2, answer), request.clone()].concat());
         assert_eq!(answers.len(), 1, "{answer:02x?}");

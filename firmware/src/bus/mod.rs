@@ -10,7 +10,8 @@
 //! lock only to copy from it or to carry out an order.
 //!
 //! # Contract
-//! * What is no whole frame, or one for somebody else, is met with silence; address 0 is carried out and not answered.
+//! * What is no whole frame, or one for somebody else, is met with silence; address 0 is carried out and not answered, but
+//!   nothing that opens a valve: who drives several boards asks each, and hears that it does.
 //! * A request is carried out as a whole, or refused as a whole with an exception.
 //! * Every frame for this board counts as a sign of life of the host.
 //!
@@ -18,6 +19,7 @@
 //! Whoever sends while the board answers is not heard. Where moments are numbers of ticks, as in an emulator, a broken-off
 //! frame waits for them.
 
+mod functions;
 pub mod player;
 mod read;
 mod receiver;

@@ -12,11 +12,15 @@
 use heapless::Vec;
 use wire::registers::{FRAME_BYTES, UNIT};
 
+use super::functions::{
+    DEVICE_IDENTIFICATION, DIAGNOSTICS, ENCAPSULATED, MASK_WRITE, READ_WRITE, REPORT_SERVER_ID,
+};
+
 /// The CRC-16 of Modbus.
-const CRC: crc::Crc<u16> = crc::Crc::<u16>::new(&crc::CRC_16_MODBUS);
+pub(super) const CRC: crc::Crc<u16> = crc::Crc::<u16>::new(&crc::CRC_16_MODBUS);
 
 /// The number that all boards listen to.
-const BROADCAST: u8 = 0;
+pub(super) const BROADCAST: u8 = 0;
 
 /// Gathers bytes.
 #[derive(Debug)]
@@ -122,14 +126,29 @@ fn ends_with_crc(bytes: &[u8]) -> bool {
 /// another board's answer, behind which the next request need not wait for a silence. `None` while that is not known.
 fn lengths(bytes: &[u8]) -> Option<[usize; 2]> {
     let at = |place: usize| bytes.get(place).map(|&byte| usize::from(byte));
-    let [request, answer] = match at(1)? {
+    let [request, answer] = match *bytes.get(1)? {
         1..=4 => [8, 5 + at(2)?],
-        5 | 6 => [8, 8],
+        5 | 6 | DIAGNOSTICS => [8, 8],
         15 | 16 => [9 + at(6)?, 8],
+        REPORT_SERVER_ID => [4, 5 + at(2)?],
+        MASK_WRITE => [10, 10],
+        // The answer may be shorter than the place that tells the request's length.
+        READ_WRITE => [at(10).map_or(usize::MAX, |bytes| 13 + bytes), 5 + at(2)?],
+        ENCAPSULATED if *bytes.get(2)? == DEVICE_IDENTIFICATION => {
+            [7, identification(bytes).unwrap_or(usize::MAX)]
+        }
         0x80.. => [5, 5],
         _ => return None,
     };
     // Nobody but this board answers by its number.
     let is_others = !matches!(bytes.first(), Some(&(BROADCAST | UNIT)));
     Some([request, if is_others { answer } else { request }])
+}
+
+/// How long another board's answer is by which it identifies itself: behind eight bytes, of which the last is their number,
+/// objects of a number, a length and as many bytes each; CRC included.
+fn identification(bytes: &[u8]) -> Option<usize> {
+    let objects = *bytes.get(7)?;
+    let end = (0..objects).try_fold(8, |place, _| Some(place + 2 + usize::from(*bytes.get(place + 1)?)))?;
+    Some(end + 2)
 }

@@ -6,9 +6,11 @@ use rmodbus::server::{ModbusFrame, Read, Write};
 use rmodbus::{ErrorKind, ModbusProto};
 use wire::registers::{Exception, FRAME_BYTES, UNIT};
 
+use super::functions;
 use super::read::read;
+use super::receiver::{BROADCAST, CRC};
 use super::session::Session;
-use super::write::{Words, write};
+use super::write::{Audience, Words, write};
 use crate::node::Node;
 
 /// Carries out a frame whose CRC fits, and fills in the response; an empty one is not sent.
@@ -18,9 +20,14 @@ pub fn answer(
     node: &mut impl Node,
     response: &mut Vec<u8, FRAME_BYTES>,
 ) {
-    // These are the functions of exceptions, which no request has.
-    if bytes.get(1).is_some_and(|function| *function >= 0x80) {
+    let &[unit, function, ref data @ .., _, _] = bytes else { return };
+    // From 0x80 on they are those of exceptions, which no request has.
+    if function >= 0x80 {
         return;
+    }
+    let audience = if unit == BROADCAST { Audience::All } else { Audience::This };
+    if functions::is_known(function) {
+        return answer_ourselves(session, unit, function, data, audience, node, response);
     }
     let mut frame = ModbusFrame::new(UNIT, bytes, ModbusProto::Rtu, response);
     let is_read = frame.parse().is_ok();
@@ -30,7 +37,7 @@ pub fn answer(
     session.frames = session.frames.wrapping_add(1);
     node.control(|control| control.hear());
     let is_answered = if frame.processing_required {
-        let done = process(session, &mut frame, node).map_err(error_kind);
+        let done = process(session, &mut frame, audience, node).map_err(error_kind);
         if frame.readonly { frame.process_external_read(done) } else { frame.process_external_write(done) }
     } else {
         Ok(())
@@ -45,6 +52,7 @@ pub fn answer(
 fn process(
     session: &mut Session,
     frame: &mut ModbusFrame<'_, Vec<u8, FRAME_BYTES>>,
+    audience: Audience,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
     match frame.func {
@@ -56,12 +64,40 @@ fn process(
         }
         ModbusFunction::SetHolding | ModbusFunction::SetHoldingsBulk => match frame.get_external_write() {
             Ok(Write::Words(words)) if words.data.len() == 2 * usize::from(words.count) => {
-                write(session, &Words::of_bytes(words.address, words.data)?, node)
+                write(session, &Words::of_bytes(words.address, words.data)?, audience, node)
             }
             _ => Err(Exception::IllegalValue),
         },
         ModbusFunction::GetHoldings | ModbusFunction::GetInputs => Err(Exception::IllegalValue),
         _ => Err(Exception::IllegalFunction),
+    }
+}
+
+/// Answers a request of one of our own [`functions`]. To all boards goes a mask write only: the others ask for an answer.
+fn answer_ourselves(
+    session: &mut Session,
+    unit: u8,
+    function: u8,
+    data: &[u8],
+    audience: Audience,
+    node: &mut impl Node,
+    response: &mut Vec<u8, FRAME_BYTES>,
+) {
+    if unit != UNIT && !(audience == Audience::All && function == functions::MASK_WRITE) {
+        return;
+    }
+    session.frames = session.frames.wrapping_add(1);
+    node.control(|control| control.hear());
+    // There is room for these and for whatever follows.
+    let _ = response.extend_from_slice(&[UNIT, function]);
+    if let Err(exception) = functions::carry_out(session, function, data, audience, node, response) {
+        session.refused = session.refused.wrapping_add(1);
+        response.clear();
+        let _ = response.extend_from_slice(&[UNIT, function | 0x80, exception.number() as u8]);
+    }
+    let crc = CRC.checksum(response).to_le_bytes();
+    if audience == Audience::All || response.extend_from_slice(&crc).is_err() {
+        response.clear();
     }
 }
 

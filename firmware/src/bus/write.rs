@@ -16,6 +16,15 @@ use crate::node::{Node, carry_out};
 use crate::order::Order;
 use crate::scaling::{COMMAND, VENT};
 
+/// Whom a request is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Audience {
+    /// This board, which answers.
+    This,
+    /// All boards on the bus; none answers.
+    All,
+}
+
 /// What is written: words from an address on.
 pub struct Words {
     address: u16,
@@ -76,13 +85,18 @@ impl Words {
 ///
 /// # Errors
 /// It is refused; nothing has changed. But a device failure: it is carried out, and lost when power is.
-pub fn write(session: &mut Session, words: &Words, node: &mut impl Node) -> Result<(), Exception> {
+pub fn write(
+    session: &mut Session,
+    words: &Words,
+    audience: Audience,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
     if let Some(error) = words.assignments().find_map(Result::err) {
         return Err(error);
     }
     let values = words.assignments().filter_map(Result::ok);
     match words.address >> 8 {
-        1 => control(session, values, node),
+        1 => control(session, values, audience, node),
         3 => gains(session, values, node),
         4 => protection(session, values, node),
         6 => stream(values, node),
@@ -95,6 +109,7 @@ pub fn write(session: &mut Session, words: &Words, node: &mut impl Node) -> Resu
 fn control(
     session: &mut Session,
     values: impl Iterator<Item = Assignment>,
+    audience: Audience,
     node: &mut impl Node,
 ) -> Result<(), Exception> {
     let (mut command, mut wanted, mut mm, mut bar) = (Command::None, None, None, None);
@@ -106,6 +121,10 @@ fn control(
             (Id::SetpointBar, Value::F32(value)) => bar = Some(value),
             _ => {}
         }
+    }
+    if audience == Audience::All && matches!(command, Command::Start | Command::Service) {
+        // Nobody would hear which valves have opened.
+        return Err(Exception::DeviceBusy);
     }
     if command == Command::Stop {
         // Whatever else is written with it cannot keep the valve from being vented.

@@ -18,12 +18,23 @@ What the board answers by Modbus RTU, to a PLC, to a script or to `mgpi`; [regis
 
 const RULES: &str = "\
 All registers are holding registers, at the addresses that go over the wire, counted from 0 (tools that count from 1, or from
-40001, add that). Functions: 3 and 4 read, 6 and 16 write; every register can be read by either.
+40001, add that). Every register can be read by function 3 and by function 4.
+
+| function | what the board does |
+|---|---|
+| 3, 4 | reads registers |
+| 6, 16 | writes one, or several |
+| 22 | mask write: bits of a register of one word |
+| 23 | writes registers, then reads registers, in one request |
+| 8 | diagnostics: sub-function 0 sends its data back; 12, 13, 14 count damaged frames, refused requests, requests for this board |
+| 17 | board number, 0xFF while the valve is driven else 0, name and release |
+| 43/14 | device identification: 0 vendor, 1 product code, 2 release, 4 product name, 5 processor |
 
 - 32 bits take two registers, the high word first; half of such a pair is not written.
 - A request is carried out as a whole, or refused as a whole with an exception, and then nothing has changed.
 - Limits are compiled into the firmware: nothing that is written exceeds them. What is not finite is refused.
-- A damaged frame, or one for another address, is met with silence. Address 0 is carried out by all and answered by none.
+- A damaged frame, or one for another address, is met with silence. Address 0 is carried out by all and answered by none; but
+  nothing that opens a valve (a start, the service state), which each board is asked for by its number.
 - Every request is a sign of life. Without one for `bus_silent_ticks` a valve that is driven is vented, with fault 21.
 - A write that is stored (groups Controller and Protection, a commit) may take half a second, in which the board hears
   nothing: give it a time-out of 2 s.

@@ -5,7 +5,7 @@
 
 The changes are those of `mutants.csv`: a file below `firmware/src`, what stands there exactly once, what takes its place, the
 tests that are most likely to catch it, and why none has to where none does. A copy of the project is changed, and
-built. Ends with 1 where less than 95 % are caught, or where one that is not caught has no reason.
+built. Ends with 1 where less than 95 % are caught, where one that is not caught has no reason, or where one cannot be built.
 
 Set MGPI_MUTANTS to a list of numbers, as `3,17`, to try these only.
 """
@@ -78,7 +78,7 @@ def main():
         sys.exit("the tests fail without a change")
     chosen = os.environ.get("MGPI_MUTANTS")
     numbers = {int(number) for number in chosen.split(",")} if chosen else None
-    caught, survived, unexplained = 0, [], []
+    caught, survived, unexplained, unbuilt = 0, [], [], []
     with open(HERE / "mutants.csv", newline="", encoding="utf-8") as file:
         for number, mutant in enumerate(csv.DictReader(file), 1):
             if numbers is not None and number not in numbers:
@@ -93,7 +93,9 @@ def main():
             is_built, said = build()
             place.write_text(text, encoding="utf-8")
             if not is_built:
-                sys.exit(f"{shown}: cannot be built\n{said}")
+                unbuilt.append(shown)
+                print(f"{shown}: cannot be built\n{said}", flush=True)
+                continue
             by = is_caught(mutant["tests"].split())
             caught += by is not None
             if by is None:
@@ -104,7 +106,9 @@ def main():
     print(f"{caught} of {count} changes are caught, {100 * caught / max(count, 1):.1f} %")
     for shown in unexplained:
         print(f"without a reason: {shown}")
-    sys.exit(bool(unexplained) or caught < LEAST_SHARE * count)
+    for shown in unbuilt:
+        print(f"not built: {shown}")
+    sys.exit(bool(unexplained or unbuilt) or caught < LEAST_SHARE * count)
 
 
 if __name__ == "__main__":

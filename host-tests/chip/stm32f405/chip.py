@@ -45,6 +45,8 @@ TS_CAL1, TS_CAL2, VREFINT_CAL = 0x1FFF_7A2C, 0x1FFF_7A2E, 0x1FFF_7A2A
 EXIT_HANDLER, EXIT_THREAD = 0xFFFF_FFE1, 0xFFFF_FFE9
 EXITS = [EXIT_HANDLER & ~1, EXIT_THREAD & ~1]
 FRAME_WORDS = 26
+# The bits of the program status that tell how much of an IT block is left.
+IT_STATE = 0x0600_FC00
 # Where the model's registers are, and how long each range is.
 MAPPED = (0x4000_0000, 0x80000), (0xE000_1000, 0x1000), (0xE000_E000, 0x1000), (0xE004_2000, 0x1000)
 MASKS = [getattr(arm, f"UC_ARM_REG_{name}") for name in ("PRIMASK", "BASEPRI", "FAULTMASK", "CONTROL")]
@@ -275,6 +277,8 @@ class Chip:
             number, stack = HARD_FAULT, RAM
         values[7] |= is_odd << 9
         self.memory_write(stack, struct.pack("<25I4x", *values))
+        # The frame keeps the state of an IT block that is interrupted; the handler begins outside of one.
+        self.uc.reg_write(arm.UC_ARM_REG_XPSR, values[7] & ~IT_STATE)
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
         self.uc.reg_write(arm.UC_ARM_REG_LR, EXIT_HANDLER if self.nvic.active else EXIT_THREAD)
         self.nvic.take(number)

@@ -1,18 +1,21 @@
 //! The tick, and the orders between ticks.
 //!
-//! [`crate::state_machine`] tells which order is taken when, [`crate::faults`] what happens when something is wrong; the
-//! orders are in `control/orders.rs`, emergency stop and dump valve in `control/second_path.rs`.
+//! [`crate::state_machine`] tells which order is taken when, [`crate::faults`] what happens when
+//! something is wrong; the orders are in `control/orders.rs`, emergency stop and dump valve in
+//! `control/second_path.rs`.
 //!
 //! # Contract
-//! One [`Control::tick`] each period of the installed controller. It reads the board once and writes the valve, in every
-//! state: the vented code in all but `Tracking`, `Holding` and `Service`. What a sample or a computed value shows at once
-//! keeps a code from the valve; what takes several ticks to be seen is looked at behind the write, so that the valve does not
-//! wait for it, and takes the code back in the same tick by a second write. It takes bounded time, allocates nothing and
-//! does not panic.
+//! One [`Control::tick`] each period of the installed controller. It reads the board once and
+//! writes the valve, in every state: the vented code in all but `Tracking`, `Holding` and
+//! `Service`. What a sample or a computed value shows at once keeps a code from the valve; what
+//! takes several ticks to be seen is looked at behind the write, so that the valve does not wait
+//! for it, and takes the code back in the same tick by a second write. It takes bounded time,
+//! allocates nothing and does not panic.
 //!
-//! Behind the write, too, the feed-forward of the next tick is prepared, since it needs nothing that is measured then. So the
-//! reference of a tick is the last one that was given before the tick before it ended, and load and temperature are a tick
-//! old: who knows the course of the reference gives it a tick ahead, and loses nothing.
+//! Behind the write, too, the feed-forward of the next tick is prepared, since it needs nothing
+//! that is measured then. So the reference of a tick is the last one that was given before the tick
+//! before it ended, and load and temperature are a tick old: who knows the course of the reference
+//! gives it a tick ahead, and loses nothing.
 
 mod orders;
 mod second_path;
@@ -123,7 +126,8 @@ const VENTED: TickOutcome = TickOutcome {
 };
 
 impl Control {
-    /// A control without a controller, vented; at fault, if the black box says that the board has started after one.
+    /// A control without a controller, vented; at fault, if the black box says that the board has
+    /// started after one.
     pub fn new(
         protection: Protection,
         clock: Option<TickClock>,
@@ -270,8 +274,8 @@ impl Control {
         }
     }
 
-    /// Takes a fault that something else than the samples has shown; the next tick vents. One that is latched already
-    /// is nothing new.
+    /// Takes a fault that something else than the samples has shown; the next tick vents. One that
+    /// is latched already is nothing new.
     pub fn report(&mut self, fault: Fault) {
         if self.fault() == Some(fault) {
             return;
@@ -342,8 +346,8 @@ impl Control {
             return Ok(VENTED);
         };
         let Running { mode, state, prepared } = running;
-        // Behind pointers that the compiler knows nothing of: it would else reach each number of the static control by its
-        // whole address, by two instructions more than from a register.
+        // Behind pointers that the compiler knows nothing of: it would else reach each number of
+        // the static control by its whole address, by two instructions more than from a register.
         let (tracking, state) = (black_box(tracking), black_box(state));
         let command = controller_act(tracking, state, *mode, *prepared, contraction_mm)
             .map_err(|_| Fault::NotFinite)?;

@@ -1,10 +1,12 @@
-//! The control law as functions that are never inlined, so that what they cost can be counted in the images.
+//! The control law as functions that are never inlined, so that what they cost can be counted in
+//! the images.
 
 use model_core::tracking::{Command, Prepared};
 use model_core::{InputError, Mode, Surroundings, TrackingState};
 use wire::{BoardTracking, PLAYS};
 
-/// The first half of a sample of the controller, which is the inverse of the extended model. Reference: mm.
+/// The first half of a sample of the controller, which is the inverse of the extended model.
+/// Reference: mm.
 ///
 /// # Errors
 /// A value that is not finite; the state is then as it was.

@@ -1,20 +1,20 @@
 //! The control code of the valve board, without the hardware.
 //!
-//! The same code runs in the production image (`stm32f405`), in the emulated image (`emulated`) and on the
-//! host, generic over its [`board::Board`].
+//! The same code runs in the production image (`stm32f405`), in the emulated image (`emulated`) and
+//! on the host, generic over its [`board::Board`].
 //!
 //! # A tick
 //! ```text
 //! ADC codes ─▶ monitors ─▶ inverse model + PID, slew, limits ─▶ judgement ─▶ soft start, slew ─▶ DAC code
 //! ```
-//! [`control::Control`] owns the tick. [`order::prepare`] turns a request into an order for it and does the
-//! long work (validation, the inverse of a model, its survey) outside the tick's lock; applying an order is a check of
-//! the state and a move.
+//! [`control::Control`] owns the tick. [`order::prepare`] turns a request into an order for it and
+//! does the long work (validation, the inverse of a model, its survey) outside the tick's lock;
+//! applying an order is a check of the state and a move.
 //!
 //! # Safety
-//! The valve is driven in the states `Tracking`, `Holding` and `Service` only ([`state_machine`]). Every other state
-//! writes [`scaling::VENT`] each tick. A fault that vents does so in the tick that sees it, and is latched until it is
-//! acknowledged ([`faults`]).
+//! The valve is driven in the states `Tracking`, `Holding` and `Service` only ([`state_machine`]).
+//! Every other state writes [`scaling::VENT`] each tick. A fault that vents does so in the tick
+//! that sees it, and is latched until it is acknowledged ([`faults`]).
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]

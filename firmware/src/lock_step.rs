@@ -37,7 +37,8 @@ impl LockStepBoard {
         self.output
     }
 
-    /// Lays the samples of the next tick in, and gives the control its reference, if it comes with them.
+    /// Lays the samples of the next tick in, and gives the control its reference, if it comes with
+    /// them.
     pub fn feed(&mut self, control: &mut Control, request: TickRequest) {
         self.samples = Samples {
             pressure: AdcCode(request.pressure_code),

@@ -21,9 +21,10 @@ pub trait Node {
     fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError>;
 }
 
-/// Carries a request out: prepared outside the control's lock, and kept if it changes what the board keeps. Accepted is
-/// what is carried out and kept.
-// Not inlined, like what follows: what they need of the stack is then not needed at once, nor by their callers' other work.
+/// Carries a request out: prepared outside the control's lock, and kept if it changes what the
+/// board keeps. Accepted is what is carried out and kept.
+// Not inlined, like what follows: what they need of the stack is then not needed at once, nor by
+// their callers' other work.
 #[inline(never)]
 pub fn carry_out(node: &mut impl Node, request: &Request) -> Response {
     let response = apply(node, request);

@@ -50,8 +50,8 @@ pub enum Order {
 /// Checks a request and makes an order of it.
 ///
 /// # Errors
-/// A configuration of another version, or with an invalid parameter; limits that are none; a tick, which only an emulated
-/// board takes, and takes before it comes here.
+/// A configuration of another version, or with an invalid parameter; limits that are none; a tick,
+/// which only an emulated board takes, and takes before it comes here.
 // Not inlined, like what it calls: what they need of the stack is then not needed at once.
 #[inline(never)]
 pub fn prepare(request: &Request) -> Result<Order, Refusal> {

@@ -1,6 +1,7 @@
 //! The last stage before the valve: soft start and slew, whatever the controller asks for.
 //!
-//! In whole numbers, so that nothing here can be other than a code. Venting is at once: no limit applies to it.
+//! In whole numbers, so that nothing here can be other than a code. Venting is at once: no limit
+//! applies to it.
 
 use wire::Protection;
 

@@ -8,8 +8,9 @@
 //! | temperature | in the processor: 0.76 V at 25 °C, 2.5 mV/K (data sheet DS8626, table 70), of 3.3 V | 865.5 at 0 °C, 3.1023 per K |
 //! | command | proportional regulator, 0 to 10 V for 0 to 10 bar | 0 at 0 bar, 409.5 per bar |
 //!
-//! A broken wire or a short pulls an input to a rail, outside the plausible codes. A board tells the scalings of pressure,
-//! contraction and command in its greeting, so that a host needs no copy of them.
+//! A broken wire or a short pulls an input to a rail, outside the plausible codes. A board tells
+//! the scalings of pressure, contraction and command in its greeting, so that a host needs no copy
+//! of them.
 
 use wire::Scaling;
 
@@ -26,8 +27,8 @@ pub const CONTRACTION: Scaling =
 /// Pressure before the valve, in bar.
 pub const SUPPLY: Scaling = PRESSURE;
 
-/// Temperature of the processor in °C. Plausible: -40 to 125 °C. Of a typical sensor: the board turns codes of its own into them by its
-/// factory values.
+/// Temperature of the processor in °C. Plausible: -40 to 125 °C. Of a typical sensor: the board
+/// turns codes of its own into them by its factory values.
 pub const TEMPERATURE: Scaling =
     Scaling { zero_code: 865.5, codes_per_unit: 3.1023, code_min: 741, code_max: 1253 };
 

@@ -1,8 +1,8 @@
 //! The states of the board and how they follow each other: one table, [`next`].
 //!
-//! The valve is driven in `Tracking`, `Holding` and `Service` only, and none of them is entered but from a tested board
-//! by an order of the host. Every state leads to `Fault` by a fault that vents, and `Fault` leads on only by an
-//! acknowledgement, through the self-test.
+//! The valve is driven in `Tracking`, `Holding` and `Service` only, and none of them is entered but
+//! from a tested board by an order of the host. Every state leads to `Fault` by a fault that vents,
+//! and `Fault` leads on only by an acknowledgement, through the self-test.
 
 use wire::State;
 
@@ -89,7 +89,8 @@ pub const fn next(state: State, event: Event) -> Next {
         (S::Holding, E::Stop) => To(S::Ready),
         (S::Holding, _) => Refused,
 
-        // A board at fault is vented; another configuration may be its cure, but it takes an acknowledgement too.
+        // A board at fault is vented; another configuration may be its cure, but it takes an
+        // acknowledgement too.
         (S::Fault, E::Stop | E::Install) => To(S::Fault),
         (S::Fault, E::Acknowledge) => Home,
         (S::Fault, _) => Refused,

@@ -28,7 +28,8 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Takes a tick, whose deadline is in cycles too; answers whether it is one too many that ended late.
+    /// Takes a tick, whose deadline is in cycles too; answers whether it is one too many that ended
+    /// late.
     pub fn take(&mut self, end: TickEnd, deadline_cycles: u32) -> bool {
         let TickEnd { elapsed_cycles, is_overrun } = end;
         self.worst_cycles = self.worst_cycles.max(elapsed_cycles);

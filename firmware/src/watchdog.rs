@@ -1,7 +1,8 @@
-//! Does every task still run? The hardware watchdog is fed by the tick, and only while all others have checked in lately.
+//! Does every task still run? The hardware watchdog is fed by the tick, and only while all others
+//! have checked in lately.
 //!
-//! A task that stops checking in is a fault at once, and vents; since the hardware watchdog is then no longer fed, a reset
-//! follows. A tick that stops by itself feeds nothing either.
+//! A task that stops checking in is a fault at once, and vents; since the hardware watchdog is then
+//! no longer fed, a reset follows. A tick that stops by itself feeds nothing either.
 
 use core::sync::atomic::{AtomicU8, Ordering};
 

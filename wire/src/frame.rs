@@ -54,8 +54,8 @@ impl Receiver {
         Self { frame: heapless::Vec::new(), overflow: false }
     }
 
-    /// Takes a byte. At the end of a frame answers its message, or why there is none; empty frames (a zero
-    /// to get into step) are passed over.
+    /// Takes a byte. At the end of a frame answers its message, or why there is none; empty frames
+    /// (a zero to get into step) are passed over.
     pub fn push<M: DeserializeOwned>(&mut self, byte: u8) -> Option<Result<M, FrameError>> {
         if byte != 0 {
             self.overflow |= self.frame.push(byte).is_err();

@@ -1,9 +1,9 @@
 //! What a host and the valve board say to each other, and how it is framed.
 //!
 //! # Frames
-//! A message is serialised with postcard, followed by a CRC-16 (little-endian), stuffed by COBS and ended
-//! by a zero byte. A receiver that joins in the middle, or sees a damaged frame, is in step again at the
-//! next zero.
+//! A message is serialised with postcard, followed by a CRC-16 (little-endian), stuffed by COBS and
+//! ended by a zero byte. A receiver that joins in the middle, or sees a damaged frame, is in step
+//! again at the next zero.
 //!
 //! # Versions
 //! [`VERSION`] is that of the messages below. It is part of [`Response::Hello`] and of every
@@ -13,8 +13,9 @@
 //! [`registers`] is the other language that the board speaks, Modbus, for everybody else.
 //!
 //! # Limits
-//! A frame takes at most [`FRAME_BYTES`] bytes, stuffing and the zero included: the largest message, a
-//! configuration of [`PLAYS`] plays and [`DEAD_ZONES`] dead zones with every extension, fits (a test says so).
+//! A frame takes at most [`FRAME_BYTES`] bytes, stuffing and the zero included: the largest
+//! message, a configuration of [`PLAYS`] plays and [`DEAD_ZONES`] dead zones with every extension,
+//! fits (a test says so).
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

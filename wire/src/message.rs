@@ -21,7 +21,8 @@ pub type BoardTracking = Tracking<f32, PLAYS, DEAD_ZONES>;
 
 /// From the host to the board. Every request is answered by one response.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-// The configuration is the one large message; boxing it needs a heap, which the board does not have.
+// The configuration is the one large message; boxing it needs a heap, which the board does not
+// have.
 #[allow(clippy::large_enum_variant)]
 pub enum Request {
     /// Who are you? Answer: [`Response::Hello`].
@@ -34,8 +35,8 @@ pub enum Request {
     SetMode(Mode),
     /// Stop tracking and vent.
     Stop,
-    /// The next reference, for a board that takes its samples by its own timer; for a model with a delay, the one that is
-    /// due after it. Unit: mm.
+    /// The next reference, for a board that takes its samples by its own timer; for a model with a
+    /// delay, the one that is due after it. Unit: mm.
     Reference(f32),
     /// The samples of one tick, for an emulated board. Answer: [`Response::Tick`].
     Tick(TickRequest),
@@ -43,8 +44,9 @@ pub enum Request {
     Protect(Protection),
     /// The fault has been seen to: test the board again, and be ready.
     Acknowledge,
-    /// Put this code out, slew and pressure limited, without a controller: for wiring and calibration. The first one
-    /// enters the service state; [`Request::Stop`] leaves it. Unit: DAC code.
+    /// Put this code out, slew and pressure limited, without a controller: for wiring and
+    /// calibration. The first one enters the service state; [`Request::Stop`] leaves it. Unit: DAC
+    /// code.
     Service(u16),
     /// Answer: [`Response::Telemetry`].
     Telemetry,
@@ -56,7 +58,8 @@ pub enum Request {
 
 /// From the board to the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-// What was captured is the one large response; boxing it needs a heap, which the board does not have.
+// What was captured is the one large response; boxing it needs a heap, which the board does not
+// have.
 #[allow(clippy::large_enum_variant)]
 pub enum Response {
     /// Sent at the start of the board and on [`Request::Identify`].
@@ -212,8 +215,8 @@ pub fn text(message: fmt::Arguments<'_>) -> heapless::String<100> {
 /// The samples of one tick: what the board's ADC would have read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TickRequest {
-    /// Of the next tick; for a model with a delay, the one that is due after it. None leaves it to what the board has from
-    /// elsewhere. Unit: mm.
+    /// Of the next tick; for a model with a delay, the one that is due after it. None leaves it to
+    /// what the board has from elsewhere. Unit: mm.
     pub reference_mm: Option<f32>,
     /// Pressure. Unit: ADC code.
     pub pressure_code: u16,

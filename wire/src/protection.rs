@@ -1,4 +1,5 @@
-//! What a board protects its muscle by: limits of the plant, which the host may set while the valve is vented.
+//! What a board protects its muscle by: limits of the plant, which the host may set while the valve
+//! is vented.
 //!
 //! A limit that is infinite, or a number of ticks that is [`NEVER`], switches its monitor off.
 
@@ -31,11 +32,13 @@ pub struct Protection {
     pub contraction_jump_mm: f32,
     /// A sensor that shows no change while the command moves by as much is stuck. Unit: bar.
     pub stuck_command_bar: f32,
-    /// How far outside the model's loop a contraction is implausible, as a share of the stroke. Unit: 1.
+    /// How far outside the model's loop a contraction is implausible, as a share of the stroke.
+    /// Unit: 1.
     pub implausible_share: f32,
     /// How far pressure and command may differ for good. Unit: bar.
     pub following_band_bar: f32,
-    /// Integral over time of what they differ beyond that, at which the valve does not follow. Unit: bar s.
+    /// Integral over time of what they differ beyond that, at which the valve does not follow.
+    /// Unit: bar s.
     pub following_limit_bar_s: f32,
     /// How much the feedback may put on the feed-forward for good. Unit: bar.
     pub authority_bar: f32,
@@ -43,7 +46,8 @@ pub struct Protection {
     pub bus_silent_ticks: u32,
     /// Rise of the highest command after a start. Unit: bar/s, above 0.
     pub soft_start_bar_per_s: f32,
-    /// Largest rate of change of the command, whatever the controller asks for. Unit: bar/s, above 0.
+    /// Largest rate of change of the command, whatever the controller asks for. Unit: bar/s, above
+    /// 0.
     pub slew_bar_per_s: f32,
     /// Highest temperature of the board. Unit: °C.
     pub temperature_max_c: f32,
@@ -82,8 +86,8 @@ impl Protection {
         on_model_fault: OnModelFault::FeedbackOnly,
     };
 
-    /// Of a board whose muscle is a simulation, which cannot be hurt and may behave as it likes: what concerns sensors,
-    /// numbers and program stays on, what concerns the plant is off.
+    /// Of a board whose muscle is a simulation, which cannot be hurt and may behave as it likes:
+    /// what concerns sensors, numbers and program stays on, what concerns the plant is off.
     pub const SIMULATED: Self = Self {
         self_test_ticks: 0,
         vented_bar: f32::INFINITY,
@@ -104,7 +108,8 @@ impl Protection {
         on_model_fault: OnModelFault::FeedbackOnly,
     };
 
-    /// These limits, if all can be compared with: none is NaN or negative, and what has to be above 0 is.
+    /// These limits, if all can be compared with: none is NaN or negative, and what has to be above
+    /// 0 is.
     ///
     /// # Errors
     /// The first that is not, by name and value.
@@ -136,8 +141,9 @@ impl Protection {
         }
     }
 
-    /// The same limits for ticks that are `period_s` apart: what may change from one tick to the next grows with the time
-    /// between them. Limits are those of the board's tick where ticks are closer.
+    /// The same limits for ticks that are `period_s` apart: what may change from one tick to the
+    /// next grows with the time between them. Limits are those of the board's tick where ticks are
+    /// closer.
     #[must_use]
     pub fn for_period(self, period_s: f32) -> Self {
         let longer = (period_s / TICK_S).max(1.0);

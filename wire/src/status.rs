@@ -13,7 +13,8 @@ pub struct Telemetry {
     pub fault: Option<Fault>,
     /// Ticks since the board started.
     pub ticks: u32,
-    /// Longest time from a tick's due moment to its end, while the valve was driven or not. Unit: core clock cycle.
+    /// Longest time from a tick's due moment to its end, while the valve was driven or not. Unit:
+    /// core clock cycle.
     pub worst_tick_cycles: u32,
     /// Mean of the same. Unit: core clock cycle.
     pub mean_tick_cycles: u32,
@@ -82,8 +83,8 @@ pub struct FaultRecord {
 /// What to do with the memory that records the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CaptureOrder {
-    /// Begin anew, and keep every so-manieth tick until [`CaptureOrder::Stop`] or a fault; the oldest ones go when the
-    /// memory is full. 0 counts as 1.
+    /// Begin again, and keep every so-manieth tick until [`CaptureOrder::Stop`] or a fault; the
+    /// oldest ones go when the memory is full. 0 counts as 1.
     Start(u16),
     /// Keep what there is.
     Stop,

@@ -1,4 +1,5 @@
-//! A proportional solenoid valve whose coil sees the mean of a pulse train: duty cycle 0 to 1 for the codes 0 to 4095.
+//! A proportional solenoid valve whose coil sees the mean of a pulse train: duty cycle 0 to 1 for
+//! the codes 0 to 4095.
 
 use embedded_hal::pwm::SetDutyCycle;
 

@@ -1,6 +1,8 @@
-//! A 12-bit converter of the MCP4921 kind on a bus: one word of 16 bits a set point, the four highest of which configure.
+//! A 12-bit converter of the MCP4921 kind on a bus: one word of 16 bits a set point, the four
+//! highest of which configure.
 //!
-//! An example of another output than the processor's own. Its output is 0 V after power-on, as the safe state needs.
+//! An example of another output than the processor's own. Its output is 0 V after power-on, as the
+//! safe state needs.
 
 use embedded_hal::spi::SpiDevice;
 

@@ -1,4 +1,5 @@
-//! The functions that `rmodbus` does not know (Modbus application protocol 1.1b3, chapter 6): what each answers.
+//! The functions that `rmodbus` does not know (Modbus application protocol 1.1b3, chapter 6): what
+//! each answers.
 //!
 //! | function | what it does |
 //! |---|---|
@@ -41,7 +42,8 @@ pub const fn is_known(function: u8) -> bool {
     matches!(function, DIAGNOSTICS | REPORT_SERVER_ID | MASK_WRITE | READ_WRITE | ENCAPSULATED)
 }
 
-/// Carries a request out and puts what it is answered behind the function, which stands in `pdu` already.
+/// Carries a request out and puts what it is answered behind the function, which stands in `pdu`
+/// already.
 ///
 /// # Errors
 /// It is refused; nothing has changed, but see [`write`].
@@ -119,7 +121,8 @@ pub fn carry_out(
     }
 }
 
-/// Read device identification: from an object on, by code 1 of the basic ones, 2 and 3 of all; by code 4 one of them.
+/// Read device identification: from an object on, by code 1 of the basic ones, 2 and 3 of all; by
+/// code 4 one of them.
 fn identify(code: u8, object: u8, pdu: &mut Pdu) -> Result<(), Exception> {
     let release = release();
     let objects = [(0, "mgpi"), (1, "mgpi-valve-board"), (2, &*release), (4, NAME), (5, "STM32F405")];

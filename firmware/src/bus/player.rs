@@ -1,13 +1,15 @@
-//! Set points at equal intervals, played by the tick: what is tracked, or driven, does not depend on the bus's timing.
+//! Set points at equal intervals, played by the tick: what is tracked, or driven, does not depend
+//! on the bus's timing.
 //!
 //! # Design
-//! A bounded queue of points. Behind each tick the player says the set point of the next one, on the straight line between
-//! the point that it comes from and the one that it goes to. Points carry numbers, counted from 0 since the last
+//! A bounded queue of points. Behind each tick the player says the set point of the next one, on
+//! the straight line between the point that it comes from and the one that it goes to. Points carry
+//! numbers, counted from 0 since the last
 //! [`Player::clear`], so that a push which is sent twice changes nothing the second time.
 //!
 //! # Contract
-//! [`Player::next`] takes constant time. Out of points it holds the last one and counts the ticks, and goes on with the next
-//! point that comes; after [`StreamOrder::End`] it is done instead.
+//! [`Player::next`] takes constant time. Out of points it holds the last one and counts the ticks,
+//! and goes on with the next point that comes; after [`StreamOrder::End`] it is done instead.
 
 use heapless::Deque;
 use wire::registers::{Exception, QUEUE_POINTS, StreamOrder, StreamState};
@@ -114,8 +116,8 @@ impl Player {
     /// Takes points, of which the first has this number; those that it has already are passed over.
     ///
     /// # Errors
-    /// Points between them and the last are missing; the queue has no room; it was said that no more points come. Nothing is
-    /// taken then.
+    /// Points between them and the last are missing; the queue has no room; it was said that no
+    /// more points come. Nothing is taken then.
     pub fn push(&mut self, number: u32, points: &[f32]) -> Result<(), Exception> {
         let known = self.pushed.checked_sub(number).ok_or(Exception::IllegalValue)?;
         let new = points.get(known as usize..).unwrap_or_default();
@@ -162,7 +164,8 @@ impl Player {
         self.state = StreamState::Playing;
     }
 
-    /// The set point of the tick with this number, which is the next; `None` if it is not the player's.
+    /// The set point of the tick with this number, which is the next; `None` if it is not the
+    /// player's.
     #[inline(always)]
     pub fn next(&mut self, tick: u32) -> Option<f32> {
         if self.is_playing() { Some(self.advance(tick)) } else { None }

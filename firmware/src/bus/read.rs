@@ -1,7 +1,7 @@
 //! What registers read as.
 //!
-//! A [`View`] is gathered once a request, under the control's lock as far as it needs that; so what is read at once belongs
-//! together. The values are picked from it outside the lock.
+//! A [`View`] is gathered once a request, under the control's lock as far as it needs that; so what
+//! is read at once belongs together. The values are picked from it outside the lock.
 
 use heapless::Vec;
 use wire::registers::{
@@ -67,7 +67,8 @@ pub fn read(
     Ok(())
 }
 
-/// Gathers what the group of an address needs. Between groups there are free addresses: no reading takes in two.
+/// Gathers what the group of an address needs. Between groups there are free addresses: no reading
+/// takes in two.
 #[inline(never)]
 fn view(session: &Session, address: u16, node: &mut impl Node) -> View {
     match address >> 8 {

@@ -1,13 +1,14 @@
 //! Bytes into frames.
 //!
-//! A frame is complete as soon as it is as long as its function says and its CRC fits, so that an answer need not wait, and
-//! so that a request behind another board's answer is heard whatever the silence between them; one
-//! of a function that the board does not know is complete when nothing follows. What does not become a frame is dropped
-//! after a silence without a byte, or as soon as it is longer than any frame: that is how a receiver
-//! that joins in the middle gets into step.
+//! A frame is complete as soon as it is as long as its function says and its CRC fits, so that an
+//! answer need not wait, and so that a request behind another board's answer is heard whatever the
+//! silence between them; one of a function that the board does not know is complete when nothing
+//! follows. What does not become a frame is dropped after a silence without a byte, or as soon as
+//! it is longer than any frame: that is how a receiver that joins in the middle gets into step.
 //!
-//! Between a pause within a frame and the silence between two there is no sharp limit in practice: after a shorter pause a frame
-//! may begin, or the one before go on. Whichever becomes complete was it.
+//! Between a pause within a frame and the silence between two there is no sharp limit in practice:
+//! after a shorter pause a frame may begin, or the one before go on. Whichever becomes complete was
+//! it.
 
 use heapless::Vec;
 use wire::registers::{FRAME_BYTES, UNIT};
@@ -26,7 +27,8 @@ pub(super) const BROADCAST: u8 = 0;
 #[derive(Debug)]
 pub struct Receiver {
     bytes: Vec<u8, FRAME_BYTES>,
-    /// From the end of a byte to the end of the first one of the next frame, at the least. Unit: that of the moments.
+    /// From the end of a byte to the end of the first one of the next frame, at the least. Unit:
+    /// that of the moments.
     pause: u32,
     /// The same, where a frame does begin.
     silence: u32,
@@ -52,7 +54,8 @@ impl Receiver {
         self.damaged
     }
 
-    /// Takes a byte, if one has come, at this moment of a clock that wraps; answers the frame that is complete.
+    /// Takes a byte, if one has come, at this moment of a clock that wraps; answers the frame that
+    /// is complete.
     pub fn take(&mut self, byte: Option<u8>, moment: u32) -> Option<&[u8]> {
         if self.taken.take().is_some() {
             self.clear();
@@ -122,8 +125,9 @@ fn ends_with_crc(bytes: &[u8]) -> bool {
         .is_some_and(|(content, crc)| content.len() >= 2 && CRC.checksum(content) == u16::from_le_bytes(*crc))
 }
 
-/// How long a frame of the function is (Modbus application protocol 1.1b3, chapter 6), CRC included: a request, and
-/// another board's answer, behind which the next request need not wait for a silence. `None` while that is not known.
+/// How long a frame of the function is (Modbus application protocol 1.1b3, chapter 6), CRC
+/// included: a request, and another board's answer, behind which the next request need not wait for
+/// a silence. `None` while that is not known.
 fn lengths(bytes: &[u8]) -> Option<[usize; 2]> {
     let at = |place: usize| bytes.get(place).map(|&byte| usize::from(byte));
     let [request, answer] = match *bytes.get(1)? {
@@ -145,8 +149,8 @@ fn lengths(bytes: &[u8]) -> Option<[usize; 2]> {
     Some([request, if is_others { answer } else { request }])
 }
 
-/// How long another board's answer is by which it identifies itself: behind eight bytes, of which the last is their number,
-/// objects of a number, a length and as many bytes each; CRC included.
+/// How long another board's answer is by which it identifies itself: behind eight bytes, of which
+/// the last is their number, objects of a number, a length and as many bytes each; CRC included.
 fn identification(bytes: &[u8]) -> Option<usize> {
     let objects = *bytes.get(7)?;
     let end = (0..objects).try_fold(8, |place, _| Some(place + 2 + usize::from(*bytes.get(place + 1)?)))?;

@@ -73,7 +73,8 @@ fn process(
     }
 }
 
-/// Answers a request of one of our own [`functions`]. To all boards goes a mask write only: the others ask for an answer.
+/// Answers a request of one of our own [`functions`]. To all boards goes a mask write only: the
+/// others ask for an answer.
 fn answer_ourselves(
     session: &mut Session,
     unit: u8,

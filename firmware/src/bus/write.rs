@@ -1,7 +1,8 @@
 //! What a write does: looked at as a whole, then carried out as a whole.
 //!
-//! A write stays within a group (the table leaves free addresses between them), and each group turns what is written into
-//! one change that is taken or refused. So a write that is refused changes nothing.
+//! A write stays within a group (the table leaves free addresses between them), and each group
+//! turns what is written into one change that is taken or refused. So a write that is refused
+//! changes nothing.
 
 use heapless::Vec;
 use model_core::Mode;
@@ -84,7 +85,8 @@ impl Words {
 /// Carries a write out.
 ///
 /// # Errors
-/// It is refused; nothing has changed. But a device failure: it is carried out, and lost when power is.
+/// It is refused; nothing has changed. But a device failure: it is carried out, and lost when power
+/// is.
 pub fn write(
     session: &mut Session,
     words: &Words,

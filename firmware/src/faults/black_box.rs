@@ -1,7 +1,8 @@
 //! The record of the first fault, with the ticks before it, in memory that a reset leaves alone.
 //!
-//! It is written tick by tick, so that whatever stops the program finds the trace there and has only to [`seal`] it; once
-//! sealed it does not change until the fault is acknowledged. A checksum tells a record from what RAM holds after power-on.
+//! It is written tick by tick, so that whatever stops the program finds the trace there and has
+//! only to [`seal`] it; once sealed it does not change until the fault is acknowledged. A checksum
+//! tells a record from what RAM holds after power-on.
 //!
 //! # Limits
 //! It survives resets, not a loss of power.
@@ -23,7 +24,8 @@ pub enum Reset {
     PowerOn,
     /// The reset pin, or a debugger.
     Pin,
-    /// The program itself, after a panic or a fault of the processor, which are sealed before; or a debugger.
+    /// The program itself, after a panic or a fault of the processor, which are sealed before; or a
+    /// debugger.
     Software,
     /// The hardware watchdog was not fed.
     Watchdog,
@@ -62,7 +64,8 @@ impl BlackBox {
         }
     }
 
-    /// What has to go on in, made of what the memory held at the start; sealed, if the reset itself is a fault.
+    /// What has to go on in, made of what the memory held at the start; sealed, if the reset itself
+    /// is a fault.
     #[must_use]
     pub fn after(reset: Reset, found: Self) -> Self {
         let is_valid = reset != Reset::PowerOn && found.layout == LAYOUT && found.crc == found.checksum();
@@ -141,7 +144,7 @@ impl BlackBox {
         self.seal(fault, last_tick, detail);
     }
 
-    /// Begins anew.
+    /// Begins again.
     pub fn reopen(&mut self) {
         *self = Self { resets: self.resets, ..Self::new() };
         self.crc = self.checksum();

@@ -1,4 +1,5 @@
-//! Faults: [`wire::fault::table`] says what each is, [`log`] latches and counts them, [`black_box`] keeps the first.
+//! Faults: [`wire::fault::table`] says what each is, [`log`] latches and counts them, [`black_box`]
+//! keeps the first.
 //!
 //! | reaction | what happens | until |
 //! |---|---|---|

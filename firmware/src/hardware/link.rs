@@ -1,4 +1,5 @@
-//! What a board answers to what it received over the link, and what it logs about it: the same for every image.
+//! What a board answers to what it received over the link, and what it logs about it: the same for
+//! every image.
 
 use firmware::node::{Node, carry_out};
 use wire::{FRAME_BYTES, FrameError, Receiver, Refusal, Request, Response, State};

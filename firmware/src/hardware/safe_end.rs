@@ -1,9 +1,9 @@
-//! Where panics, hard faults and unexpected interrupts end: interrupts off, then the image's own `crate::end`, which is
-//! told what happened.
+//! Where panics, hard faults and unexpected interrupts end: interrupts off, then the image's own
+//! `crate::end`, which is told what happened.
 //!
 //! # Limits
-//! The image gets control after at most a few tens of instructions, whatever state the program is in: the hard fault starts
-//! with a fresh stack, since the old one may be the cause.
+//! The image gets control after at most a few tens of instructions, whatever state the program is
+//! in: the hard fault starts with a fresh stack, since the old one may be the cause.
 
 use core::panic::PanicInfo;
 
@@ -23,7 +23,8 @@ fn panic(info: &PanicInfo) -> ! {
     crate::end(Fault::Panic, 0)
 }
 
-/// Starts over at the top of the stack, and goes on in [`hard_fault`] with the place where the stack was.
+/// Starts over at the top of the stack, and goes on in [`hard_fault`] with the place where the
+/// stack was.
 ///
 /// # Safety
 /// Called by the processor only.

@@ -1,12 +1,13 @@
-//! A serial port, 8 data bits, no parity, one stop bit, in two halves with a queue each way between them: an interrupt above
-//! the tick moves bytes, a task below it works on them.
+//! A serial port, 8 data bits, no parity, one stop bit, in two halves with a queue each way between
+//! them: an interrupt above the tick moves bytes, a task below it works on them.
 //!
 //! # Contract
-//! No wait: the interrupt takes and hands over what the port has room for at the moment, whatever tick, lock or request is
-//! at work, within some 80 instructions. A byte is lost when the queue is full only, and its frame with it; the frame's
-//! checksum tells. Where the line is shared, its transceiver drives it from the first bit to the last and listens at all other
-//! times; what comes in meanwhile is an echo, and dropped.
-//! Clock and pins are the caller's business: an emulated board has neither.
+//! No wait: the interrupt takes and hands over what the port has room for at the moment, whatever
+//! tick, lock or request is at work, within some 80 instructions. A byte is lost when the queue is
+//! full only, and its frame with it; the frame's checksum tells. Where the line is shared, its
+//! transceiver drives it from the first bit to the last and listens at all other times; what comes
+//! in meanwhile is an echo, and dropped. Clock and pins are the caller's business: an emulated
+//! board has neither.
 
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -35,7 +36,8 @@ pub trait Line {
     fn drive(&mut self, _drives: bool) {}
 }
 
-/// What both halves share, and the memory of the queues. `IN` and `OUT`: one more than they have room for.
+/// What both halves share, and the memory of the queues. `IN` and `OUT`: one more than they have
+/// room for.
 pub struct Buffers<R, const IN: usize, const OUT: usize> {
     incoming: Queue<R, IN>,
     outgoing: Queue<u8, OUT>,
@@ -94,7 +96,8 @@ impl<P: Deref<Target = RegisterBlock>, L: Line> Mover<P, L> {
         if status.rxne().bit_is_clear() && status.ore().bit_is_clear() {
             return;
         }
-        // Reading the data register also clears an overrun, which would raise the interrupt for ever.
+        // Reading the data register also clears an overrun, which would raise the interrupt for
+        // ever.
         let byte = self.registers.dr().read().dr().bits() as u8;
         let is_echo = L::HAS_ECHO && self.is_sending.load(Ordering::Acquire);
         if status.rxne().bit_is_set() && !is_echo {
@@ -148,8 +151,8 @@ impl<L: Line> Port<L> {
         self.sending.load(Ordering::Acquire)
     }
 
-    /// Begins to send; nothing is sent if there is nothing. For a port that is not sending: a frame is whole in the queue before
-    /// its first byte leaves.
+    /// Begins to send; nothing is sent if there is nothing. For a port that is not sending: a frame
+    /// is whole in the queue before its first byte leaves.
     pub fn send(&mut self, bytes: &[u8]) {
         if bytes.is_empty() || bytes.len() > self.outgoing.capacity() - self.outgoing.len() {
             return;

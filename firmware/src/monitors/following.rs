@@ -1,5 +1,5 @@
-//! Does the pressure follow the command? It may lag, by seconds for small differences and by fractions of one for large
-//! ones: what counts is the integral of what they differ beyond a band.
+//! Does the pressure follow the command? It may lag, by seconds for small differences and by
+//! fractions of one for large ones: what counts is the integral of what they differ beyond a band.
 
 use wire::Fault;
 
@@ -28,8 +28,8 @@ impl Following {
     /// Takes a tick: command and pressure in bar.
     ///
     /// # Errors
-    /// The pressure does not follow: it stays too high, or does not move, since the valve is stuck; or it is too low,
-    /// since air is lost.
+    /// The pressure does not follow: it stays too high, or does not move, since the valve is stuck;
+    /// or it is too low, since air is lost.
     #[inline(always)]
     pub fn take(&mut self, limits: &Limits, command_bar: f32, pressure_bar: f32) -> Result<(), Fault> {
         let missing_bar = command_bar - pressure_bar;

@@ -1,4 +1,5 @@
-//! The monitors: what tells a fault of sensors, valve, muscle and supply from the samples of each tick.
+//! The monitors: what tells a fault of sensors, valve, muscle and supply from the samples of each
+//! tick.
 //!
 //! | file | what it watches |
 //! |---|---|
@@ -11,10 +12,11 @@
 //! | [`persistence`] | how long something has to last |
 //!
 //! # Contract
-//! Once a tick, in every state but `Off` and `Fault`, where only the venting is watched: [`Monitors::take`] before the valve is written, for what the controller
-//! needs and what a single sample shows; and [`Monitors::watch`] behind it, for what takes several ticks to be seen. A tick
-//! without samples is one with the last.
-//! Both read whole numbers where they can: codes are compared with limits that were turned into codes once.
+//! Once a tick, in every state but `Off` and `Fault`, where only the venting is watched:
+//! [`Monitors::take`] before the valve is written, for what the controller needs and what a single
+//! sample shows; and [`Monitors::watch`] behind it, for what takes several ticks to be seen. A tick
+//! without samples is one with the last. Both read whole numbers where they can: codes are compared
+//! with limits that were turned into codes once.
 
 pub mod following;
 pub mod persistence;
@@ -132,8 +134,8 @@ impl Monitors {
         Ok(CONTRACTION.value(self.contraction_code))
     }
 
-    /// Looks at what takes several ticks to be seen. `command`: what was out until this tick; `outermost`: the loop of the
-    /// installed model; `is_driven`: whether the valve is.
+    /// Looks at what takes several ticks to be seen. `command`: what was out until this tick;
+    /// `outermost`: the loop of the installed model; `is_driven`: whether the valve is.
     ///
     /// # Errors
     /// The fault that the last samples have shown.

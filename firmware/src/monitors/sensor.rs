@@ -1,8 +1,8 @@
 //! One analogue sensor: from its raw codes to codes that can be used, or to a fault.
 //!
-//! A code outside the plausible ones (open wire, short) or a jump that nothing physical makes (interference) is *bridged*:
-//! the last good code stands for it. Bridging ends in a fault: after [`BAD_IN_A_ROW`] implausible codes in a row, or when
-//! jumps come too close together.
+//! A code outside the plausible ones (open wire, short) or a jump that nothing physical makes
+//! (interference) is *bridged*: the last good code stands for it. Bridging ends in a fault: after
+//! [`BAD_IN_A_ROW`] implausible codes in a row, or when jumps come too close together.
 
 use wire::fault::times::{BAD_IN_A_ROW, JUMPS_IN_A_ROW};
 use wire::{Fault, Scaling};
@@ -11,7 +11,8 @@ use super::persistence::InARow;
 
 /// What a jump puts into a bucket that loses 1 in every tick without one.
 const JUMP_WEIGHT: u16 = 16;
-/// More than this in the bucket is a fault: five jumps in a row, or one in fewer than 16 ticks for long.
+/// More than this in the bucket is a fault: five jumps in a row, or one in fewer than 16 ticks for
+/// long.
 const JUMP_LIMIT: u16 = (JUMPS_IN_A_ROW - 1) * JUMP_WEIGHT;
 
 /// What tells a good code from a bad one.

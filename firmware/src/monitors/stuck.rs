@@ -18,7 +18,8 @@ pub struct Stuck {
 }
 
 impl Stuck {
-    /// Takes a code of the sensor and of the command; `moved`: how far the command has to move (DAC code).
+    /// Takes a code of the sensor and of the command; `moved`: how far the command has to move (DAC
+    /// code).
     ///
     /// # Errors
     /// `fault`, when the sensor is stuck.

@@ -1,15 +1,18 @@
-//! What a model is put through before it may control: once over its whole range and back, each sample inverted again.
+//! What a model is put through before it may control: once over its whole range and back, each
+//! sample inverted again.
 //!
-//! That gives two things. The *round trip* tells whether the inverse, in the board's arithmetic, gives back what the model
-//! was given. The *loop* tells between which contractions the muscle is at each pressure: the two branches of the outermost
-//! loop, as a table. Both are made when a configuration arrives, outside the tick.
+//! That gives two things. The *round trip* tells whether the inverse, in the board's arithmetic,
+//! gives back what the model was given. The *loop* tells between which contractions the muscle is
+//! at each pressure: the two branches of the outermost loop, as a table. Both are made when a
+//! configuration arrives, outside the tick.
 
 use model_core::{Hysteresis, InverseHysteresis, InverseModel, Model, ModelParameters, ParameterError};
 use wire::{DEAD_ZONES, PLAYS};
 
 /// Rows of the table.
 const ROWS: usize = 33;
-/// The most that the inverse may miss by, as a share of the range of inputs: a twentieth of a bar in 5.
+/// The most that the inverse may miss by, as a share of the range of inputs: a twentieth of a bar
+/// in 5.
 const ROUND_TRIP: f32 = 0.01;
 
 /// The outermost loop of a model.
@@ -68,7 +71,8 @@ pub fn survey(
 }
 
 impl Loop {
-    /// Whether a muscle at a pressure (bar) may have a contraction (mm), give or take a share of the stroke.
+    /// Whether a muscle at a pressure (bar) may have a contraction (mm), give or take a share of
+    /// the stroke.
     #[inline(always)]
     pub fn is_plausible(&self, pressure_bar: f32, contraction_mm: f32, share: f32) -> bool {
         let place = (pressure_bar - self.start_bar) * self.rows_per_bar;

@@ -1,8 +1,8 @@
 //! Does the pressure fall once the valve is vented?
 //!
-//! A converter, an amplifier or a regulator that is stuck is not vented by a code. So the measured pressure is looked at: in
-//! each [`VENTING_TICKS`] it has to reach what counts as vented, or to lose a fifth of what it was. A muscle that empties with a
-//! time constant of up to 1.3 s does.
+//! A converter, an amplifier or a regulator that is stuck is not vented by a code. So the measured
+//! pressure is looked at: in each [`VENTING_TICKS`] it has to reach what counts as vented, or to
+//! lose a fifth of what it was. A muscle that empties with a time constant of up to 1.3 s does.
 
 use wire::Fault;
 use wire::fault::times::VENTING_TICKS;
@@ -20,7 +20,8 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Venting {
     first: u16,
-    /// A single sample that is wrong makes no fault: one too low ends it, one too high puts it off to the next window.
+    /// A single sample that is wrong makes no fault: one too low ends it, one too high puts it off
+    /// to the next window.
     lowest: u16,
     ticks: u16,
 }

@@ -1,8 +1,8 @@
-//! A flash that waits, for code that would rather await: `sequential-storage` is asynchronous, drivers of an internal
-//! flash are not.
+//! A flash that waits, for code that would rather await: `sequential-storage` is asynchronous,
+//! drivers of an internal flash are not.
 //!
-//! Nothing in such a flash ever returns `Pending`, so that a future over it is ready when it is polled for the first
-//! time: [`ready`] is the whole executor, and needs no bound.
+//! Nothing in such a flash ever returns `Pending`, so that a future over it is ready when it is
+//! polled for the first time: [`ready`] is the whole executor, and needs no bound.
 
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};

@@ -1,8 +1,10 @@
-//! The parameters that a board keeps without power: a set ([`Parameters`]) in two sectors of NOR flash.
+//! The parameters that a board keeps without power: a set ([`Parameters`]) in two sectors of NOR
+//! flash.
 //!
 //! # Design
-//! Each sector is a log of records (`sequential-storage`, CRC-32 over each); a record is a whole set with a sequence
-//! number and the version of its layout. The newest readable record is the board's set.
+//! Each sector is a log of records (`sequential-storage`, CRC-32 over each); a record is a whole
+//! set with a sequence number and the version of its layout. The newest readable record is the
+//! board's set.
 //!
 //! | save | what is done |
 //! |---|---|
@@ -10,22 +12,25 @@
 //! | the sector of the newest record has room | the record is appended there |
 //! | else | the *other* sector is erased, and the record is its first |
 //!
-//! So the newest record is never in a sector that is being erased, and no word of it is written again: whatever a loss
-//! of power leaves of the new record, or of the other sector, the old set stays as it was until the new one is complete
-//! and its CRC right. A record that does not read back is written again in the other sector.
+//! So the newest record is never in a sector that is being erased, and no word of it is written
+//! again: whatever a loss of power leaves of the new record, or of the other sector, the old set
+//! stays as it was until the new one is complete and its CRC right. A record that does not read
+//! back is written again in the other sector.
 //!
 //! # Contract
-//! * [`ParameterStore::save`] writes in vented states only and refuses in all others, since programming and erasing stop
-//!   the processor: 16 µs a word, up to 0.5 s for a sector of 16 KB. A watchdog's period has to be longer.
-//! * [`ParameterStore::load`] reads the present and the previous layout. Saving what was loaded brings an older layout
-//!   up to date.
-//! * Nothing panics or allocates, whatever stands in the flash; reading and writing take time bounded by its size.
+//! * [`ParameterStore::save`] writes in vented states only and refuses in all others, since
+//!   programming and erasing stop the processor: 16 µs a word, up to 0.5 s for a sector of 16 KB. A
+//!   watchdog's period has to be longer.
+//! * [`ParameterStore::load`] reads the present and the previous layout. Saving what was loaded
+//!   brings an older layout up to date.
+//! * Nothing panics or allocates, whatever stands in the flash; reading and writing take time
+//!   bounded by its size.
 //!
 //! # Limits
-//! A bit that ages and a record that was broken off look alike: the set before is then the newest readable one. Marginal
-//! bits, which read differently each time, are seen only when they are read wrong.
-//! Endurance: a sector of 16 KB holds more than 20 records of the largest model, and lasts 10,000 erasures: 400,000
-//! changes.
+//! A bit that ages and a record that was broken off look alike: the set before is then the newest
+//! readable one. Marginal bits, which read differently each time, are seen only when they are read
+//! wrong. Endurance: a sector of 16 KB holds more than 20 records of the largest model, and lasts
+//! 10,000 erasures: 400,000 changes.
 
 mod blocking;
 mod parameters;
@@ -42,7 +47,8 @@ pub use record::{LAYOUT, RECORD_BYTES};
 use record::Record;
 use sectors::{Failure, Sector, Sectors};
 
-/// Why there is no set to be read; the board then has [`Parameters::FACTORY`] and a fault to report.
+/// Why there is no set to be read; the board then has [`Parameters::FACTORY`] and a fault to
+/// report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadError {
     /// The newest set has a layout that this firmware does not know.
@@ -108,8 +114,8 @@ impl<F: NorFlash> ParameterStore<F> {
     /// Keeps a set. `state`: the board's, in which it stays meanwhile.
     ///
     /// # Errors
-    /// The state is not a vented one; the set is none; the flash fails. The old set is then still the newest; after a
-    /// failure of the flash the new one may be.
+    /// The state is not a vented one; the set is none; the flash fails. The old set is then still
+    /// the newest; after a failure of the flash the new one may be.
     pub fn save(&mut self, state: State, parameters: &Parameters) -> Result<(), SaveError> {
         if state.is_driven() {
             return Err(SaveError::WrongState(state));
@@ -130,8 +136,8 @@ impl<F: NorFlash> ParameterStore<F> {
         }
     }
 
-    /// Erases the sector that the newest record is not in, `sector` if there is none, and makes the set its first
-    /// record.
+    /// Erases the sector that the newest record is not in, `sector` if there is none, and makes the
+    /// set its first record.
     fn begin(&mut self, sector: Sector, parameters: &Parameters) -> Result<(), SaveError> {
         let (sector, sequence) = match self.newest() {
             Ok(Some(Found { record, sector })) => (sector.other(), record.next_sequence()),
@@ -160,7 +166,8 @@ impl<F: NorFlash> ParameterStore<F> {
         }
     }
 
-    /// The newest record of these sectors, if there is one, and what has kept others from being read.
+    /// The newest record of these sectors, if there is one, and what has kept others from being
+    /// read.
     fn newest_in(&mut self, sectors: &[Sector]) -> (Option<Found>, Option<Failure>) {
         let mut newest: Option<(u32, Sector)> = None;
         let mut failure = None;
@@ -178,8 +185,8 @@ impl<F: NorFlash> ParameterStore<F> {
         (found, failure)
     }
 
-    /// The record with a number. Only it is decoded: with all that are in the way, a full store would take the board half a
-    /// second.
+    /// The record with a number. Only it is decoded: with all that are in the way, a full store
+    /// would take the board half a second.
     fn found(&mut self, sequence: u32, sector: Sector) -> Option<Found> {
         let mut found = None;
         // What cannot be read is behind it.

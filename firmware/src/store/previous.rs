@@ -1,7 +1,7 @@
 //! Layout 1, the one before the present: tracking parameters alone, without limits of the plant.
 //!
-//! The struct is a frozen copy: what it reads was written by boards that are not at hand any more. A test holds it to
-//! stored bytes.
+//! The struct is a frozen copy: what it reads was written by boards that are not at hand any more.
+//! A test holds it to stored bytes.
 
 use model_core::extension::ExtensionParameters;
 use model_core::pid::PidParameters;

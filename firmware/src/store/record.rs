@@ -6,8 +6,8 @@
 //! | 1 | [`super::previous`] |
 //! | 2 | [`Parameters`] |
 //!
-//! A change of [`Parameters`], or of anything in it, is a new layout: [`LAYOUT`] is raised, and the struct as it was
-//! takes the place of the previous one.
+//! A change of [`Parameters`], or of anything in it, is a new layout: [`LAYOUT`] is raised, and the
+//! struct as it was takes the place of the previous one.
 
 use serde::de::DeserializeOwned;
 
@@ -18,8 +18,8 @@ use super::previous::{self, Previous};
 /// Number of the layout that is written.
 pub const LAYOUT: u16 = 2;
 
-/// The longest record: the parts of a set fit in a frame of the bus each, and the limits of the plant in 96 bytes. Unit: byte,
-/// a multiple of the flash's word.
+/// The longest record: the parts of a set fit in a frame of the bus each, and the limits of the
+/// plant in 96 bytes. Unit: byte, a multiple of the flash's word.
 pub const RECORD_BYTES: usize = (wire::FRAME_BYTES + 128).next_multiple_of(32);
 
 /// A record that was read.

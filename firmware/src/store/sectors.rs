@@ -65,7 +65,8 @@ impl<F: NorFlash> Sectors<F> {
         self.0
     }
 
-    /// Shows every readable record of a sector, the oldest first, until there is none or one is longer than the buffer.
+    /// Shows every readable record of a sector, the oldest first, until there is none or one is
+    /// longer than the buffer.
     pub fn for_each(
         &mut self,
         sector: Sector,

@@ -11,8 +11,10 @@ use anyhow::{Context, Result, ensure};
 use crate::run;
 
 /// The folders that are held to it.
-const FOLDERS: [&str; 8] = [
+const FOLDERS: [&str; 10] = [
     "model-core",
+    "wire",
+    "firmware",
     "host/recording",
     "host/identification",
     "host/board-client",

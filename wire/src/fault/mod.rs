@@ -1,5 +1,5 @@
-//! What can go wrong on a board, by stable numbers. [`table`] says what each means and what cures it, [`times`] how long
-//! each lasts before the board reacts.
+//! What can go wrong on a board, by stable numbers. [`table`] says what each means and what cures
+//! it, [`times`] how long each lasts before the board reacts.
 
 pub mod table;
 pub mod times;

@@ -1,7 +1,9 @@
-//! All faults: detection, reaction, time, cause and cure. `docs/faults.md` is made of this table (`cargo xtask faults`),
-//! and every row has a test that injects its fault. A host shows cause and cure to its user.
+//! All faults: detection, reaction, time, cause and cure. `docs/faults.md` is made of this table
+//! (`cargo xtask faults`), and every row has a test that injects its fault. A host shows cause and
+//! cure to its user.
 //!
-//! Times count from the tick in which what is detected begins, with [`crate::Protection::STANDARD`].
+//! Times count from the tick in which what is detected begins, with
+//! [`crate::Protection::STANDARD`].
 
 use super::Fault;
 use super::times::{
@@ -44,7 +46,8 @@ pub struct Row {
     pub reaction: Reaction,
     /// What ends it.
     pub latch: Latch,
-    /// The most ticks from the begin of what is detected to the reaction. 0: at the start of the board.
+    /// The most ticks from the begin of what is detected to the reaction. 0: at the start of the
+    /// board.
     pub within_ticks: u32,
     /// What is behind it.
     pub cause: &'static str,

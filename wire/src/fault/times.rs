@@ -1,5 +1,6 @@
-//! How long a board looks before it reacts: the numbers that the fault table promises and the board's monitors count by.
-//! Unit, where a constant says no other: control ticks, of 1 ms on the production board.
+//! How long a board looks before it reacts: the numbers that the fault table promises and the
+//! board's monitors count by. Unit, where a constant says no other: control ticks, of 1 ms on the
+//! production board.
 
 /// Ticks in a row without new samples that are a fault.
 pub const MISSING_IN_A_ROW: u16 = 3;
@@ -19,7 +20,8 @@ pub const VENTING_TICKS: u16 = 300;
 pub const STOP_TICKS: u16 = 3;
 /// Ticks in a row that end too late that are a fault.
 pub const LATE_IN_A_ROW: u16 = 3;
-/// How long a task may be silent: the link may prepare a large model, or send a long answer, for so long.
+/// How long a task may be silent: the link may prepare a large model, or send a long answer, for so
+/// long.
 pub const ALLOWANCE_TICKS: u16 = 250;
 /// Resets without power-on, in a row, that are a loop. Unit: resets.
 pub const LOOP_RESETS: u32 = 3;

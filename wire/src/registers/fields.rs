@@ -67,7 +67,8 @@ pub fn of_controller(tracking: &mut BoardParameters, id: Id) -> Option<Field<'_>
     }))
 }
 
-/// The first register of [`CONTROLLER`] whose field exceeds what is compiled into the board, and what it holds.
+/// The first register of [`CONTROLLER`] whose field exceeds what is compiled into the board, and
+/// what it holds.
 pub fn excess(tracking: &mut BoardParameters) -> Option<(Id, Value)> {
     CONTROLLER
         .into_iter()

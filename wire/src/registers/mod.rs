@@ -1,21 +1,23 @@
 //! The registers of the board's Modbus: what a user, a PLC or `mgpi` reads and writes.
 //!
 //! # Design
-//! [`TABLE`] is the one list of registers: the board answers from it, the host asks by it, `docs/registers.md` and
-//! `docs/registers.csv` are made of it. Registers stand in groups; between two groups, and within some, there are free
-//! addresses, so that one write never changes two groups.
+//! [`TABLE`] is the one list of registers: the board answers from it, the host asks by it,
+//! `docs/registers.md` and `docs/registers.csv` are made of it. Registers stand in groups; between
+//! two groups, and within some, there are free addresses, so that one write never changes two
+//! groups.
 //!
 //! # Contract
-//! * Addresses are those of the frame, counted from 0. All registers are holding registers; all can be read, by function 3
-//!   or 4 alike.
+//! * Addresses are those of the frame, counted from 0. All registers are holding registers; all can
+//!   be read, by function 3 or 4 alike.
 //! * A number of 32 bits takes two registers, the high word first. Half of one is not written.
-//! * A write is carried out as a whole or refused as a whole, by an [`Exception`]. The limits in the table are compiled into
-//!   the board: nothing that comes by the bus exceeds them.
-//! * A moment is a number of ticks; texts and bytes stand two in a register, the first one in the high half.
+//! * A write is carried out as a whole or refused as a whole, by an [`Exception`]. The limits in
+//!   the table are compiled into the board: nothing that comes by the bus exceeds them.
+//! * A moment is a number of ticks; texts and bytes stand two in a register, the first one in the
+//!   high half.
 //!
 //! # Versions
-//! [`VERSION`] is that of the map, apart from those of the messages, the storage and the release. It is raised when a
-//! register that exists comes to mean something else; new registers leave it.
+//! [`VERSION`] is that of the map, apart from those of the messages, the storage and the release.
+//! It is raised when a register that exists comes to mean something else; new registers leave it.
 
 pub mod fields;
 mod names;

@@ -61,7 +61,8 @@ numbered! {
         Hold = 3,
         /// Release the latched fault, test the board again.
         Acknowledge = 4,
-        /// Enter the service state, valve vented: `setpoint_bar` and the stream then drive it without a controller.
+        /// Enter the service state, valve vented: `setpoint_bar` and the stream then drive it
+        /// without a controller.
         Service = 5,
     }
 }
@@ -97,7 +98,8 @@ numbered! {
     UploadOrder {
         /// Nothing.
         None = 0,
-        /// Check the first `upload_length` bytes, install the configuration that they are, and store it.
+        /// Check the first `upload_length` bytes, install the configuration that they are, and
+        /// store it.
         Commit = 1,
         /// Fill the buffer with the installed configuration; sets length and checksum.
         Fetch = 2,
@@ -117,7 +119,8 @@ numbered! {
         Unreadable = 3,
         /// It is one of another version of the messages.
         Version = 4,
-        /// A parameter is not valid, or exceeds what is compiled into the board; `message` says which.
+        /// A parameter is not valid, or exceeds what is compiled into the board; `message` says
+        /// which.
         Parameter = 5,
         /// Refused in this state.
         WrongState = 6,

@@ -46,7 +46,8 @@ pub fn bytes_of(words: &[u16]) -> impl Iterator<Item = u8> {
     words.iter().flat_map(|word| word.to_be_bytes())
 }
 
-/// A captured sample: reference (i16, 1/128 mm), pressure, contraction, valve (codes), feedback (i16, 1/4096 bar).
+/// A captured sample: reference (i16, 1/128 mm), pressure, contraction, valve (codes), feedback
+/// (i16, 1/4096 bar).
 pub const fn pack_sample(sample: &CaptureSample) -> [u16; SAMPLE_REGISTERS as usize] {
     [
         ((REFERENCE_PER_MM * sample.reference_mm) as i16).cast_unsigned(),
@@ -69,7 +70,8 @@ pub fn unpack_sample(words: [u16; SAMPLE_REGISTERS as usize]) -> CaptureSample {
     }
 }
 
-/// An entry of the trace: tick (u32), pressure, contraction, supply, valve (codes), reference (i16, 1/64 mm).
+/// An entry of the trace: tick (u32), pressure, contraction, supply, valve (codes), reference (i16,
+/// 1/64 mm).
 pub const fn pack_trace_entry(entry: &TraceEntry) -> [u16; TRACE_ENTRY_REGISTERS as usize] {
     [
         (entry.tick >> 16) as u16,

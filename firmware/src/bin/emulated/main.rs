@@ -1,5 +1,5 @@
-//! The image for the emulator (QEMU's `netduinoplus2`, an STM32F405): the board's control code in lock-step with a
-//! plant on the host.
+//! The image for the emulator (QEMU's `netduinoplus2`, an STM32F405): the board's control code in
+//! lock-step with a plant on the host.
 //!
 //! | task | priority | interrupt | runs | deadline |
 //! |---|---|---|---|---|
@@ -8,14 +8,15 @@
 //! | `link` | 1 | pended by `link_bytes` | answers requests | none: the host waits |
 //! | `bus` | 1 | pended by `bus_bytes`, and by `link` behind each tick | Modbus: answers requests | none: the host waits |
 //!
-//! The emulator has neither a converter nor a timer that keeps time, so samples come by the serial port and a
-//! complete request is the clock. What computes is the same as in production: the library's
+//! The emulator has neither a converter nor a timer that keeps time, so samples come by the serial
+//! port and a complete request is the clock. What computes is the same as in production: the
+//! library's
 //! [`firmware::Control`], in the same task, at the same place in the order of priorities.
 //!
 //! # Limits
-//! Time in the emulator means nothing; neither do overruns, which lock-step cannot have. The plant is protected as on a new
-//! board, until the host sets other limits.
-//! Nothing is kept without power. Logs (defmt) and the exit status leave by semihosting.
+//! Time in the emulator means nothing; neither do overruns, which lock-step cannot have. The plant
+//! is protected as on a new board, until the host sets other limits. Nothing is kept without power.
+//! Logs (defmt) and the exit status leave by semihosting.
 #![no_std]
 #![no_main]
 

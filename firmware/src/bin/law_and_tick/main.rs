@@ -1,8 +1,9 @@
-//! Control law and tick, and nothing else: no tasks, no logs, no messages. The image is only linked, never run, and shows two
-//! things.
+//! Control law and tick, and nothing else: no tasks, no logs, no messages. The image is only
+//! linked, never run, and shows two things.
 //!
-//! * **No panic**: whatever model, gains and references the law is given, in whatever state the control is, and whatever the
-//!   converter reads, neither can panic when nothing of the panic machinery is linked. All of that is unknown to the compiler.
+//! * **No panic**: whatever model, gains and references the law is given, in whatever state the
+//!   control is, and whatever the converter reads, neither can panic when nothing of the panic
+//!   machinery is linked. All of that is unknown to the compiler.
 //! * **The longest way** through the law of compiled size ([`sized`]).
 #![no_std]
 #![no_main]
@@ -35,7 +36,8 @@ impl Board for Unknown {
 
 /// A value of which the compiler knows nothing.
 fn unknown<T>() -> &'static mut T {
-    // SAFETY: none, but nobody runs it. An address that the compiler does not know stands for any value.
+    // SAFETY: none, but nobody runs it. An address that the compiler does not know stands for any
+    // value.
     unsafe { &mut *(black_box(0x2001_0000_usize) as *mut T) }
 }
 

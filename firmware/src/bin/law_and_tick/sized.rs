@@ -1,5 +1,6 @@
-//! The inverse of the paper's model, and the control law around it, for a firmware that knows its model's kind and size when
-//! it is compiled, and does not choose them at run time: what that saves is counted beside the board's ([`firmware::law`]).
+//! The inverse of the paper's model, and the control law around it, for a firmware that knows its
+//! model's kind and size when it is compiled, and does not choose them at run time: what that saves
+//! is counted beside the board's ([`firmware::law`]).
 
 use model_core::cascade::InverseCascade;
 use model_core::envelope::{PiecewiseLinear, TanhEnvelope};
@@ -41,7 +42,8 @@ pub fn piecewise_step(
     inverse.step(state, reference_mm)
 }
 
-/// One sample of the control law with the paper's envelope. Reference and contraction: mm; result: bar.
+/// One sample of the control law with the paper's envelope. Reference and contraction: mm; result:
+/// bar.
 ///
 /// # Errors
 /// A value that is not finite; the state is then as it was.

@@ -10,19 +10,22 @@
 //! | `bus` | 1 | `bus_bytes`, and the supervisor | Modbus: answers requests | none: they wait in a queue |
 //! | supervisor | 0 | - | status light, log; looks whether link and bus run | 250 ticks |
 //!
-//! A tick takes some tens of microseconds, and a byte of each port delays it by some 80 instructions. `link` and `bus` hold the
-//! control's lock only to copy from it, or to carry out an order that was prepared before. While one of the two prepares a
-//! configuration the other's requests wait; before one of the two stores it, what the other is sending leaves.
+//! A tick takes some tens of microseconds, and a byte of each port delays it by some 80
+//! instructions. `link` and `bus` hold the control's lock only to copy from it, or to carry out an
+//! order that was prepared before. While one of the two prepares a configuration the other's
+//! requests wait; before one of the two stores it, what the other is sending leaves.
 //!
 //! # Safety
-//! The valve's output is the vented code from before the program proper starts; the control drives it in the states that
-//! say so. The dump valve opens unless each tick keeps it closed. Every wait for the hardware is bounded, the tick has none: a
-//! crystal that does not start is replaced, a conversion that does not end is a fault. What ends the program vents, seals the
-//! record and resets; what starts then is at fault until it is acknowledged.
+//! The valve's output is the vented code from before the program proper starts; the control drives
+//! it in the states that say so. The dump valve opens unless each tick keeps it closed. Every wait
+//! for the hardware is bounded, the tick has none: a crystal that does not start is replaced, a
+//! conversion that does not end is a fault. What ends the program vents, seals the record and
+//! resets; what starts then is at fault until it is acknowledged.
 //!
 //! # Parameters
-//! A configuration and limits that were accepted are stored, and taken again behind the next start. Storing them stops the
-//! processor for some milliseconds, up to half a second when a sector is full: see [`drivers::parameter_flash`].
+//! A configuration and limits that were accepted are stored, and taken again behind the next start.
+//! Storing them stops the processor for some milliseconds, up to half a second when a sector is
+//! full: see [`drivers::parameter_flash`].
 //!
 //! # Limits
 //! The internal oscillator, which is the fall-back, is 1 % off; so is the tick then.
@@ -61,7 +64,8 @@ fn end(fault: Fault, detail: u32) -> ! {
     cortex_m::peripheral::SCB::sys_reset()
 }
 
-/// The crystal has stopped: the internal oscillator has taken over, and all that measures time is wrong.
+/// The crystal has stopped: the internal oscillator has taken over, and all that measures time is
+/// wrong.
 #[cortex_m_rt::exception]
 unsafe fn NonMaskableInt() -> ! {
     cortex_m::interrupt::disable();
@@ -95,9 +99,9 @@ mod app {
     use crate::serial::{Line, Mover, Port};
     use crate::{CHECK_INS, ports, serial};
 
-    /// Times from the end of a byte to that of the next, which takes 87 µs. Masters leave hardly more than 0.75 ms before a
-    /// request; the standard asks for 1.75 ms (Modbus over serial line 1.02, 2.5.1.1), and a tick may delay either end by 0.01 ms.
-    /// Unit: µs.
+    /// Times from the end of a byte to that of the next, which takes 87 µs. Masters leave hardly
+    /// more than 0.75 ms before a request; the standard asks for 1.75 ms (Modbus over serial line
+    /// 1.02, 2.5.1.1), and a tick may delay either end by 0.01 ms. Unit: µs.
     const BUS_PAUSE_US: u32 = 800;
     const BUS_SILENCE_US: u32 = 1_700;
 
@@ -152,13 +156,15 @@ mod app {
                 Parameters::FACTORY
             });
             let mut kept = Self { store, parameters, is_taken: false, sending };
-            // What is not brought up to date is brought up to date by the next save, whose host is told.
+            // What is not brought up to date is brought up to date by the next save, whose host is
+            // told.
             let _ = kept.save(control.state());
             kept
         }
 
-        /// Stores the set. That it cannot be stored does not keep it from being used. What is being sent leaves before: a flash
-        /// that is erased stops the processor, with the bus's driver on.
+        /// Stores the set. That it cannot be stored does not keep it from being used. What is being
+        /// sent leaves before: a flash that is erased stops the processor, with the bus's driver
+        /// on.
         #[inline(never)]
         fn save(&mut self, state: State) -> Result<(), SaveError> {
             let begin = moment_us();
@@ -178,7 +184,8 @@ mod app {
     }
 
     impl<'a, C: Mutex<T = Control>> BoardNode<'a, C> {
-        /// Whichever task comes first behind `init`, which has not the stack for it, takes what was stored.
+        /// Whichever task comes first behind `init`, which has not the stack for it, takes what was
+        /// stored.
         fn new(control: C, kept: &'a mut Kept) -> Self {
             let mut node = Self { control, kept };
             if !node.kept.is_taken {
@@ -188,7 +195,8 @@ mod app {
             node
         }
 
-        // Not inlined: its callers would need the stack all the time. A request at a time, for the same reason.
+        // Not inlined: its callers would need the stack all the time. A request at a time, for the
+        // same reason.
         #[inline(never)]
         fn take(&mut self) {
             for index in 0.. {

@@ -1,10 +1,10 @@
-//! The valve's output as a voltage: channel 1 of the DAC, 0 to 3.3 V at PA4, which the board amplifies to 0 to 10 V for a
-//! proportional regulator.
+//! The valve's output as a voltage: channel 1 of the DAC, 0 to 3.3 V at PA4, which the board
+//! amplifies to 0 to 10 V for a proportional regulator.
 //!
 //! # Limits
-//! The converter's buffer is guaranteed from 0.2 V to 0.2 V below the supply: 0.6 to 9.4 bar (data sheet DS8626); mostly it
-//! reaches some 0.06 V. A code below that puts out what the buffer reaches; the vented code lets go of the pin, which is then
-//! at 0 V ([`vent`]).
+//! The converter's buffer is guaranteed from 0.2 V to 0.2 V below the supply: 0.6 to 9.4 bar (data
+//! sheet DS8626); mostly it reaches some 0.06 V. A code below that puts out what the buffer
+//! reaches; the vented code lets go of the pin, which is then at 0 V ([`vent`]).
 
 use core::convert::Infallible;
 
@@ -33,7 +33,8 @@ impl Valve for Output {
     }
 }
 
-/// Never inlined, and with a name of its own, so that the way from the tick's interrupt to here can be counted.
+/// Never inlined, and with a name of its own, so that the way from the tick's interrupt to here can
+/// be counted.
 // SAFETY: nothing else in the image has this name.
 #[unsafe(no_mangle)]
 #[inline(never)]

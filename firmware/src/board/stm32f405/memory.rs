@@ -1,7 +1,7 @@
 //! The memory that a reset leaves alone, and why the processor has started.
 //!
-//! The black box is written by the tick, and sealed by whatever ends the program; a program that ends does not go on, so
-//! that no two of them ever work on it.
+//! The black box is written by the tick, and sealed by whatever ends the program; a program that
+//! ends does not go on, so that no two of them ever work on it.
 
 use core::mem::MaybeUninit;
 
@@ -20,8 +20,9 @@ static mut RECORD: MaybeUninit<BlackBox> = MaybeUninit::uninit();
 /// The black box as the reset has left it, made ready to go on in. To be called once, at the start.
 pub fn black_box(reset: Reset) -> &'static mut BlackBox {
     let record = &raw mut RECORD;
-    // SAFETY: the words were written before the reset or are what power-on left there: the linker does not know them, a
-    // volatile read takes them as they are, and any words make up a black box. Nobody else has a reference yet.
+    // SAFETY: the words were written before the reset or are what power-on left there: the linker
+    // does not know them, a volatile read takes them as they are, and any words make up a black
+    // box. Nobody else has a reference yet.
     unsafe {
         let found = record.cast::<BlackBox>().read_volatile();
         (*record).write(BlackBox::after(reset, found))
@@ -34,8 +35,8 @@ pub fn seal(fault: Fault, detail: u32) {
     unsafe { &mut *(&raw mut RECORD).cast::<BlackBox>() }.crash(fault, detail);
 }
 
-/// Whether the chip's option bytes leave the brown-out reset off, as they do when it is delivered: below 2.7 V the program would
-/// then run on without anybody's knowing what it does.
+/// Whether the chip's option bytes leave the brown-out reset off, as they do when it is delivered:
+/// below 2.7 V the program would then run on without anybody's knowing what it does.
 pub fn lacks_brown_out_reset(flash: &FLASH) -> bool {
     flash.optcr().read().bor_lev().bits() == BROWN_OUT_OFF
 }

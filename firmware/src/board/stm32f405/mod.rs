@@ -1,4 +1,5 @@
-//! The drivers of the STM32F405, by its registers. No wait in them is unbounded; the tick's do not wait at all.
+//! The drivers of the STM32F405, by its registers. No wait in them is unbounded; the tick's do not
+//! wait at all.
 //!
 //! | file | what it drives |
 //! |---|---|

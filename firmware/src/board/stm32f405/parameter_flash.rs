@@ -1,21 +1,24 @@
-//! The flash of the parameter store: sectors 1 and 2 of 16 KB, between the vector table and the code (`memory.x`).
+//! The flash of the parameter store: sectors 1 and 2 of 16 KB, between the vector table and the
+//! code (`memory.x`).
 //!
 //! # Timing
-//! At 2.7 V and more, 32 bits at a time, a word takes 16 µs to program (at most 0.1 ms) and a sector 0.25 s to erase (at
-//! most 0.5 s; DS8626, "Flash memory programming"). Whoever fetches from the flash meanwhile waits, which is the whole
-//! program: ticks are late, the watchdog is not fed. So the store writes while the valve is vented only.
+//! At 2.7 V and more, 32 bits at a time, a word takes 16 µs to program (at most 0.1 ms) and a
+//! sector 0.25 s to erase (at most 0.5 s; DS8626, "Flash memory programming"). Whoever fetches from
+//! the flash meanwhile waits, which is the whole program: ticks are late, the watchdog is not fed.
+//! So the store writes while the valve is vented only.
 //!
 //! # Contract
-//! Every wait is bounded; what the flash refuses is an error, and so is a sector that is not blank behind its erasure. The
-//! flash is locked but during a change, so that a program gone astray cannot write. After an erasure the data cache is
-//! emptied, which would still hold the old contents (RM0090, 3.5.4).
+//! Every wait is bounded; what the flash refuses is an error, and so is a sector that is not blank
+//! behind its erasure. The flash is locked but during a change, so that a program gone astray
+//! cannot write. After an erasure the data cache is emptied, which would still hold the old
+//! contents (RM0090, 3.5.4).
 //!
-//! The control register's value at a reset has LOCK set, and so has whatever `write` puts there: each write of it says
-//! what LOCK becomes.
+//! The control register's value at a reset has LOCK set, and so has whatever `write` puts there:
+//! each write of it says what LOCK becomes.
 //!
 //! # Limits
-//! The sectors are erased together with the rest when a tool erases the whole chip. The emulator's flash is read-only:
-//! there, nothing is kept.
+//! The sectors are erased together with the rest when a tool erases the whole chip. The emulator's
+//! flash is read-only: there, nothing is kept.
 
 use core::ops::Range;
 
@@ -34,7 +37,8 @@ const FIRST_SECTOR: usize = 1;
 const SECTOR: usize = 16 * 1024;
 /// What is programmed at a time. Unit: byte.
 const WORD: usize = 4;
-/// Polls before an operation is given up: an erasure takes at most 84 million core cycles, a poll at least 4.
+/// Polls before an operation is given up: an erasure takes at most 84 million core cycles, a poll
+/// at least 4.
 const POLLS: u32 = 42_000_000;
 
 unsafe extern "C" {
@@ -110,14 +114,16 @@ impl ParameterFlash {
         self.registers.sr().write(|w| unsafe { w.bits(0xF3) });
         self.open()?;
         let done = work(self);
-        // A register that is written while the flash is busy would stop the processor until it is not.
+        // A register that is written while the flash is busy would stop the processor until it is
+        // not.
         if done != Err(FlashError::TimeOut) {
             self.registers.cr().write(|w| w.lock().locked());
         }
         done
     }
 
-    /// Opens the control register. Keys for an open one would lock it until the next reset (RM0090, 3.6.1).
+    /// Opens the control register. Keys for an open one would lock it until the next reset (RM0090,
+    /// 3.6.1).
     fn open(&self) -> Result<(), FlashError> {
         if self.registers.cr().read().lock().is_locked() {
             KEYS.iter().for_each(|&key| {
@@ -140,7 +146,8 @@ impl ParameterFlash {
 
     /// Whether addresses hold nothing.
     fn is_blank(addresses: Range<u32>) -> bool {
-        // SAFETY: the addresses are within the sectors, and aligned, by the check of the caller; volatile, as in `read`.
+        // SAFETY: the addresses are within the sectors, and aligned, by the check of the caller;
+        // volatile, as in `read`.
         addresses
             .step_by(WORD)
             .all(|address| unsafe { Self::place(address).cast::<u32>().read_volatile() } == !0)
@@ -166,8 +173,8 @@ impl ReadNorFlash for ParameterFlash {
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
         check_read(self, offset, bytes.len()).map_err(FlashError::Arguments)?;
         for (address, byte) in (offset..).zip(bytes) {
-            // SAFETY: the address is within the sectors, which are flash and nobody's variables; volatile, since they
-            // change behind the compiler's back.
+            // SAFETY: the address is within the sectors, which are flash and nobody's variables;
+            // volatile, since they change behind the compiler's back.
             *byte = unsafe { Self::place(address).read_volatile() };
         }
         Ok(())
@@ -196,7 +203,8 @@ impl NorFlash for ParameterFlash {
         self.change(|flash| {
             flash.registers.cr().write(|w| w.lock().unlocked().pg().program().psize().psize32());
             (offset..).step_by(WORD).zip(bytes.as_chunks().0).try_for_each(|(address, &word)| {
-                // SAFETY: a whole word within the sectors, aligned, both by the check above; the flash is open for it.
+                // SAFETY: a whole word within the sectors, aligned, both by the check above; the
+                // flash is open for it.
                 unsafe { Self::place(address).cast::<u32>().write_volatile(u32::from_le_bytes(word)) };
                 cortex_m::asm::dsb();
                 flash.finish()

@@ -7,12 +7,13 @@ use stm32f4::stm32f405::{EXTI, GPIOA, GPIOB, GPIOC, PWR, gpiob};
 use super::clock::within;
 use super::valve::vent;
 
-/// Threshold of the voltage detector: 2.93 V falling, 2.84 to 2.99 V from chip to chip (data sheet DS8626, "Embedded reset
-/// and power control block"). The next one, 3.03 V, would trip on a supply of 3.3 V less 5 %.
+/// Threshold of the voltage detector: 2.93 V falling, 2.84 to 2.99 V from chip to chip (data sheet
+/// DS8626, "Embedded reset and power control block"). The next one, 3.03 V, would trip on a supply
+/// of 3.3 V less 5 %.
 const THRESHOLD: u8 = 6;
 
-/// Connects the pins to the peripherals. The receivers' pins are pulled up: without a cable they would float, and see bytes
-/// that nobody has sent.
+/// Connects the pins to the peripherals. The receivers' pins are pulled up: without a cable they
+/// would float, and see bytes that nobody has sent.
 pub fn route(a: &GPIOA, b: &GPIOB, c: &GPIOC) {
     a.pupdr().modify(|_, w| w.pupdr3().pull_up().pupdr10().pull_up());
     a.moder().modify(|_, w| {
@@ -36,8 +37,9 @@ impl Light {
     }
 }
 
-/// What keeps the dump valve closed: PB13, which changes its level in each tick that wants that. A charge pump makes of the
-/// changes what holds the valve; a level that stays, high or low, lets it open.
+/// What keeps the dump valve closed: PB13, which changes its level in each tick that wants that. A
+/// charge pump makes of the changes what holds the valve; a level that stays, high or low, lets it
+/// open.
 #[derive(Default)]
 pub struct DumpValve {
     is_high: bool,
@@ -52,14 +54,16 @@ impl DumpValve {
     }
 }
 
-/// Whether the second contact of the emergency stop, from PB14 to ground, is open; a cable that is broken is.
+/// Whether the second contact of the emergency stop, from PB14 to ground, is open; a cable that is
+/// broken is.
 pub fn is_stop_open() -> bool {
     port_b().idr().read().idr14().bit_is_set()
 }
 
 /// Light, dump valve and emergency stop share it.
 fn port_b() -> &'static gpiob::RegisterBlock {
-    // SAFETY: reading has no side effect, and a store to the register of bits that are set and reset touches its own pin only.
+    // SAFETY: reading has no side effect, and a store to the register of bits that are set and
+    // reset touches its own pin only.
     unsafe { &*GPIOB::ptr() }
 }
 
@@ -79,7 +83,8 @@ impl BusDriver {
     }
 }
 
-/// The detector of low voltage. It is looked at in each tick, and raises an interrupt above it, which vents at once.
+/// The detector of low voltage. It is looked at in each tick, and raises an interrupt above it,
+/// which vents at once.
 pub struct VoltageDetector(PWR);
 
 /// Whether the voltage was low since the last tick.

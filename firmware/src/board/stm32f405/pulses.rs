@@ -1,4 +1,5 @@
-//! The valve's output as pulses, with the feature `solenoid`: TIM3, 20 kHz at PA6, for the driver of a coil.
+//! The valve's output as pulses, with the feature `solenoid`: TIM3, 20 kHz at PA6, for the driver
+//! of a coil.
 
 use core::convert::Infallible;
 
@@ -20,12 +21,14 @@ pub struct Pulses {
     period: u16,
 }
 
-/// Without pulses, the voltage output too at its safe value. The timer has to be clocked, by `timer_hz`.
+/// Without pulses, the voltage output too at its safe value. The timer has to be clocked, by
+/// `timer_hz`.
 pub fn vented(_: DAC, timer: TIM3, timer_hz: u32) -> Output {
     let period = (timer_hz / PULSES_PER_SECOND) as u16;
     timer.arr().write(|w| w.arr().set(period - 1));
     vent();
-    // With a preload: a duty cycle that changes in the middle of a period would else make a second pulse, or none.
+    // With a preload: a duty cycle that changes in the middle of a period would else make a second
+    // pulse, or none.
     timer.ccmr1_output().write(|w| w.oc1m().pwm_mode1().oc1pe().enabled());
     timer.ccer().write(|w| w.cc1e().set_bit());
     timer.cr1().write(|w| w.cen().enabled());

@@ -1,14 +1,16 @@
 //! The analogue inputs: ADC1's injected group, started by a timer, finished before the tick asks.
 //!
 //! # Design
-//! TIM2 runs at the tick's rate, shifted so that its period ends a scan and a tenth before the tick is due. That starts the
-//! four conversions, each of which has a data register of its own; the tick looks whether the last is finished, and never
-//! waits. Both clocks come from one oscillator, so that the shift stays.
+//! TIM2 runs at the tick's rate, shifted so that its period ends a scan and a tenth before the tick
+//! is due. That starts the four conversions, each of which has a data register of its own; the tick
+//! looks whether the last is finished, and never waits. Both clocks come from one oscillator, so
+//! that the shift stays.
 //!
 //! # Timing
-//! Temperature first, which needs 480 ADC clocks to settle; then supply, pressure and contraction with 84, for a source of
-//! up to 10 kΩ behind the input filter; 12 more each to convert. That is 780 clocks, 37 µs at 21 MHz, 195 µs at the
-//! fall-back's 4 MHz. Contraction is sampled 4.6 µs after pressure.
+//! Temperature first, which needs 480 ADC clocks to settle; then supply, pressure and contraction
+//! with 84, for a source of up to 10 kΩ behind the input filter; 12 more each to convert. That is
+//! 780 clocks, 37 µs at 21 MHz, 195 µs at the fall-back's 4 MHz. Contraction is sampled 4.6 µs
+//! after pressure.
 
 use firmware::{AcquisitionError, AdcCode, Samples};
 use model_core::Surroundings;
@@ -19,7 +21,8 @@ use super::thermometer::Thermometer;
 
 /// In the order of conversion: the processor's temperature, then PC0, PA0 and PA1.
 const CHANNELS: [u8; 4] = [16, 10, 0, 1];
-/// From the start of the first conversion to the end of the last, and a tenth more. Unit: ADC clock.
+/// From the start of the first conversion to the end of the last, and a tenth more. Unit: ADC
+/// clock.
 const SCAN_CLOCKS: u32 = 860;
 /// Of the peripheral clock that feeds the converter.
 const ADC_DIVIDER: u32 = 4;
@@ -48,7 +51,8 @@ impl Scan {
         Self { adc, thermometer }
     }
 
-    /// Starts the timer that starts the conversions; the clock of the tick has to be started right after.
+    /// Starts the timer that starts the conversions; the clock of the tick has to be started right
+    /// after.
     pub fn start(timer: &TIM2, clocks: &Clocks, ticks_per_second: u32) {
         let period = clocks.timer_hz / ticks_per_second;
         let lead = SCAN_CLOCKS * ADC_DIVIDER * (clocks.timer_hz / 1000) / (clocks.fast_bus_hz / 1000);
@@ -79,8 +83,8 @@ impl Scan {
 
 /// The four codes in the order of [`CHANNELS`], 16 bits each, the first lowest; or [`NOTHING`].
 ///
-/// Never inlined, and with a name of its own, so that a debugger can put other values in its place: the emulator has no
-/// converter.
+/// Never inlined, and with a name of its own, so that a debugger can put other values in its place:
+/// the emulator has no converter.
 // SAFETY: nothing else in the image has this name.
 #[unsafe(no_mangle)]
 #[inline(never)]

@@ -1,8 +1,9 @@
 //! The processor's temperature by its factory values.
 //!
-//! The sensor's zero differs by up to 45 K from chip to chip (RM0090, 13.10); each chip carries its codes at 30 and 110 °C,
-//! measured at 3.3 V (data sheet DS8626, "Temperature sensor calibration values"). A code becomes that of a typical sensor,
-//! whose scaling is [`firmware::scaling::TEMPERATURE`].
+//! The sensor's zero differs by up to 45 K from chip to chip (RM0090, 13.10); each chip carries its
+//! codes at 30 and 110 °C, measured at 3.3 V (data sheet DS8626, "Temperature sensor calibration
+//! values"). A code becomes that of a typical sensor, whose scaling is
+//! [`firmware::scaling::TEMPERATURE`].
 
 use firmware::AdcCode;
 use firmware::scaling::TEMPERATURE;
@@ -30,7 +31,8 @@ impl Thermometer {
         if debug.idcode().read().dev_id().bits() != DEVICE {
             return Self::TYPICAL;
         }
-        // SAFETY: the addresses are in the system's memory of every chip of the line, aligned, and never written.
+        // SAFETY: the addresses are in the system's memory of every chip of the line, aligned, and
+        // never written.
         let [(cold, cold_c), (hot, hot_c)] =
             FACTORY.map(|(place, celsius)| (f32::from(unsafe { place.read_volatile() }), celsius));
         let typical = |celsius: f32| TEMPERATURE.zero_code + TEMPERATURE.codes_per_unit * celsius;

@@ -43,14 +43,16 @@ impl Tick {
         TICKS.store(TICKS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     }
 
-    /// What the control has to know of it. The valve has to be written in the first half of the period.
+    /// What the control has to know of it. The valve has to be written in the first half of the
+    /// period.
     pub fn clock(&self) -> TickClock {
         TickClock { period_s: 1.0 / TICKS_PER_SECOND as f32, deadline_cycles: self.period_cycles / 2 }
     }
 
     /// How long the tick has taken until now.
     pub fn end(&self) -> TickEnd {
-        // In this order: a counter that wraps between the two is then taken for a tick that has ended just in time.
+        // In this order: a counter that wraps between the two is then taken for a tick that has
+        // ended just in time.
         let left = self.registers.cvr.read();
         let is_overrun = SCB::is_pendst_pending();
         let elapsed = self.period_cycles - 1 - left.min(self.period_cycles - 1);
@@ -61,8 +63,8 @@ impl Tick {
     }
 }
 
-/// Time since the start, on a clock that wraps after 71 minutes, whatever interrupt or lock is at work; one that comes behind a
-/// tick's last instructions sees it a period late. Unit: µs.
+/// Time since the start, on a clock that wraps after 71 minutes, whatever interrupt or lock is at
+/// work; one that comes behind a tick's last instructions sees it a period late. Unit: µs.
 pub fn moment_us() -> u32 {
     // SAFETY: reading the counter has no side effect.
     let left = || unsafe { (*SYST::PTR).cvr.read() };

@@ -1,7 +1,8 @@
-//! The hardware watchdog, IWDG, on its own oscillator of some 32 kHz (17 to 47 kHz, data sheet DS8626, table 35).
+//! The hardware watchdog, IWDG, on its own oscillator of some 32 kHz (17 to 47 kHz, data sheet
+//! DS8626, table 35).
 //!
-//! While the valve is driven it waits 50 ms (34 to 94 ms). While vented it waits 4 s, since erasing a sector of the flash
-//! stops the processor for up to 0.5 s, and of the largest for 2.6 s.
+//! While the valve is driven it waits 50 ms (34 to 94 ms). While vented it waits 4 s, since erasing
+//! a sector of the flash stops the processor for up to 0.5 s, and of the largest for 2.6 s.
 
 use stm32f4::stm32f405::{DBGMCU, IWDG};
 
@@ -16,8 +17,9 @@ pub struct HardwareWatchdog {
 }
 
 impl HardwareWatchdog {
-    /// Starts it; nothing stops it any more, a debugger that halts the processor neither: the valve would stay as it is. With
-    /// the feature `debug` it waits with the processor. Pulses wait in any case.
+    /// Starts it; nothing stops it any more, a debugger that halts the processor neither: the valve
+    /// would stay as it is. With the feature `debug` it waits with the processor. Pulses wait in
+    /// any case.
     pub fn start(registers: IWDG, debug: &DBGMCU) -> Self {
         // Said both ways: what a debugger has set stays until power is lost.
         debug
@@ -33,7 +35,8 @@ impl HardwareWatchdog {
     /// Feeds it, to wait as long as the state of the valve allows.
     pub fn feed(&mut self, is_driven: bool) {
         let reload = if is_driven { DRIVEN } else { VENTED };
-        // An update takes some of its own clocks; until it is over the next one would be lost, and is left to a later tick.
+        // An update takes some of its own clocks; until it is over the next one would be lost, and
+        // is left to a later tick.
         if reload != self.reload && self.registers.sr().read().rvu().bit_is_clear() {
             self.registers.kr().write(|w| w.key().unlock());
             self.registers.rlr().write(|w| w.rl().set(reload));

@@ -64,3 +64,13 @@ fn share(named: &Named, heldout: f64) -> f64 {
         named.without.as_ref().map_or(named.share, |without| 1.0 - (heldout / without.heldout).powi(2));
     share.clamp(0.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_all_is_not_called_all() {
+        assert_eq!([0.5, 0.9994, 0.99999, 1.0].map(percent), ["50.0", "99.9", "more than 99.9", "100"]);
+    }
+}

@@ -1,8 +1,7 @@
 //! The tick, and the orders between ticks.
 //!
 //! [`crate::state_machine`] tells which order is taken when, [`crate::faults`] what happens when
-//! something is wrong; the orders are in `control/orders.rs`, emergency stop and dump valve in
-//! `control/second_path.rs`.
+//! something is wrong; the orders are in `control/orders.rs`.
 //!
 //! # Contract
 //! One [`Control::tick`] each period of the installed controller. It reads the board once and
@@ -18,12 +17,12 @@
 //! gives it a tick ahead, and loses nothing.
 
 mod orders;
-mod second_path;
 
 use core::hint::black_box;
 
 use model_core::tracking::{Command, Prepared};
 use model_core::{Mode, TrackingState};
+use wire::fault::times::STOP_TICKS;
 use wire::{CaptureSample, Fault, OnModelFault, PLAYS, Protection, Refusal, State, TraceEntry};
 
 use crate::board::{AcquisitionError, Board, DacCode, Samples};
@@ -284,6 +283,20 @@ impl Control {
         self.capture.stop();
         // Nothing refuses this event.
         let _ = self.enter(Event::Trip);
+    }
+
+    /// Takes what the emergency stop reads back: whether its contacts are open. One sample may be a
+    /// spark.
+    pub fn hear_stop(&mut self, is_open: bool) {
+        if self.stop.holds_for(STOP_TICKS, is_open) {
+            self.report(Fault::EmergencyStop);
+        }
+    }
+
+    /// Whether the dump valve behind the regulator is to be kept closed, tick by tick. It opens
+    /// without that: at a fault, before a configuration, and with a program that stands still.
+    pub fn keeps_dump_closed(&self) -> bool {
+        !matches!(self.state, State::Off | State::Fault)
     }
 
     /// Takes a sign of life of the host.

@@ -60,6 +60,17 @@ class Supply(ChipCase):
         chip.run(0.02)
         self.assertEqual(master.get("fault"), 0)
 
+    def test_behind_a_dip_3_3_v_less_5_percent_is_good_again_with_the_highest_thresholds(self):
+        chip, master = self.started(pwr__offset_v=0.06)
+        chip.set_supply(2.8)
+        chip.run(2e-3)
+        chip.set_supply(3.3 * 0.95)
+        chip.run(2e-3)
+        self.assertEqual(master.get("fault"), BROWN_OUT)
+        master.set("command", 4)
+        chip.run(0.02)
+        self.assertEqual(master.get("fault"), 0)
+
     def test_nothing_is_stored_at_a_low_supply(self):
         chip, master = self.started()
         chip.set_supply(2.8)

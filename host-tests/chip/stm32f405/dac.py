@@ -1,5 +1,6 @@
 """DAC: channel 1 at PA4 (RM0090, chapter 14)."""
 
+from .gpio import ANALOG
 from .peripheral import Peripheral, Register
 
 EN1, BOFF1, TEN1 = 0, 1, 2
@@ -25,6 +26,12 @@ class Dac(Peripheral):
         # A converter whose output does not follow its register any more.
         self.stuck_v = None
         super().__init__(chip)
+
+    def write_CR(self, value):
+        # RM0090, 14.3.1: the pin is analogue before the channel is enabled.
+        if value >> EN1 & 1 and self.chip.gpio["A"].mode(4) != ANALOG:
+            self.violation("the converter takes a pin that is not analogue")
+        self["CR"] = value
 
     def write_DHR12R1(self, value):
         self["DHR12R1"] = value

@@ -15,6 +15,9 @@ class Pwr(Peripheral):
     CLOCK = ("APB1ENR", 28)
     REGISTERS = {0x00: Register("CR", 0x4000, 0x0000_43FF), 0x04: Register("CSR", 0, 0x0000_031F)}
 
+    # How far the thresholds of this chip are from the typical ones. Unit: V.
+    offset_v = 0.0
+
     def reset(self):
         super().reset()
         self.is_low = False
@@ -25,7 +28,7 @@ class Pwr(Peripheral):
 
     def watch(self):
         """Compares the supply with the threshold."""
-        threshold = FALLING[self.field("CR", 5, 3)] + (HYSTERESIS if self.is_low else 0.0)
+        threshold = FALLING[self.field("CR", 5, 3)] + self.offset_v + (HYSTERESIS if self.is_low else 0.0)
         was_low = self.is_low
         self.is_low = self.bit("CR", 4) and self.chip.supply_v < threshold
         if was_low != self.is_low:

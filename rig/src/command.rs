@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Context, Result, ensure};
 use clap::{Args, Subcommand, ValueEnum};
 
 use crate::effect::Hide;
@@ -17,6 +17,8 @@ use crate::protocol::Protocol;
 use crate::recording::{self, RaisedCosines, write_recording, write_reference};
 use crate::sensor::Columns;
 use crate::serve::serve;
+use crate::zoo::exhibit::Exhibit;
+use crate::zoo::family::Part;
 
 /// Rows a second where nothing else is asked for, Hz.
 const RATE_HZ: f64 = 200.0;
@@ -31,6 +33,28 @@ pub enum Command {
     Plant(PlantArgs),
     /// Write a reference of raised cosines
     Reference(ReferenceArgs),
+    /// Write the recording of one plant of the zoo, drawn by the seed, and its truth
+    Zoo(ZooArgs),
+}
+
+/// Arguments of a command.
+#[derive(Args, Debug)]
+pub struct ZooArgs {
+    /// The seed that plant, experiment and what is hidden follow from
+    #[arg(long)]
+    seed: u64,
+    /// The folder to write SEED.csv and SEED.json to; it is made where there is none
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Hide nothing
+    #[arg(long)]
+    none: bool,
+    /// Also write what is of a sealed family, which is for the final judge
+    #[arg(long)]
+    sealed: bool,
+    /// Replace existing files
+    #[arg(long)]
+    force: bool,
 }
 
 /// Arguments of a command.
@@ -170,6 +194,7 @@ impl Command {
                 serve(std::io::stdin().lock(), std::io::stdout().lock(), &mut args.plant(), args.columns())
             }
             Self::Reference(args) => reference(args),
+            Self::Zoo(args) => zoo(args),
         }
     }
 }
@@ -206,6 +231,19 @@ fn record(RecordArgs { protocol: name, plant: args, output, truth }: &RecordArgs
     write_whole(&output.output, output.force, |out| {
         write_recording(out, &made_by, recording::record(&protocol, &mut plant, rate_hz), columns)
     })
+}
+
+fn zoo(ZooArgs { seed, output, none, sealed, force }: &ZooArgs) -> Result<()> {
+    let exhibit = if *none { Exhibit::sound(*seed) } else { Exhibit::of(*seed) };
+    ensure!(
+        *sealed || exhibit.family.part() != Part::Sealed,
+        "seed {seed} is of a sealed family, of which only totals are looked at; --sealed writes it"
+    );
+    std::fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
+    let file = |ending: &str| output.join(format!("{seed}.{ending}"));
+    let json = serde_json::to_vec_pretty(&exhibit.truth())?;
+    write_whole(&file("json"), *force, |out| out.write_all(&json))?;
+    write_whole(&file("csv"), *force, |out| exhibit.recording().write(out))
 }
 
 fn reference(ReferenceArgs { amplitudes_mm, trough_mm, period_s, output }: &ReferenceArgs) -> Result<()> {

@@ -17,6 +17,8 @@ pub(crate) enum Stream {
     Choice,
     /// Parameters of the operator plant.
     Operator,
+    /// A part of a plant of the zoo.
+    Part(u64),
     /// Parameters of an effect.
     Parameters(u64),
     /// Course of an effect over time.
@@ -31,6 +33,7 @@ impl Stream {
             Self::Temperature => 2,
             Self::Choice => 3,
             Self::Operator => 4,
+            Self::Part(part) => 1024 + part,
             Self::Parameters(effect) => 16 + 2 * effect,
             Self::Course(effect) => 17 + 2 * effect,
         }

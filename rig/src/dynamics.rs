@@ -44,11 +44,24 @@ impl Motion {
 
 /// The largest forces of a bristle and their slopes by the contraction ratio, all N and 0 or more.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Limits {
+pub struct Limits {
     /// While it is dragged up.
     pub(crate) rising: (f64, f64),
     /// While it is dragged down.
     pub(crate) falling: (f64, f64),
+}
+
+impl Limits {
+    /// Those of an element that has a share of the friction.
+    pub(crate) fn scaled(&self, share: f64) -> Self {
+        let of = |(force_n, slope_n): (f64, f64)| (share * force_n, share * slope_n);
+        Self { rising: of(self.rising), falling: of(self.falling) }
+    }
+
+    /// The larger force, N.
+    pub(crate) fn widest(&self) -> f64 {
+        self.rising.0.max(self.falling.0)
+    }
 }
 
 /// One step of time: what it asks of the balance of forces.

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::effect::Effect;
 use crate::parameters::{VALVE_RANGE_BAR, VALVE_TIME_CONSTANT_S};
+use crate::scale::Scale;
 
 /// What is wrong with a plant. The default is nothing.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -185,6 +186,27 @@ impl Effects {
             }
         }
         drawn
+    }
+
+    /// The same for a plant and a recording of another size.
+    #[must_use]
+    pub fn scaled(mut self, scale: &Scale) -> Self {
+        if let Some(load) = &mut self.load {
+            load.swing_n *= scale.force;
+        }
+        if let Some(temperature) = &mut self.temperature {
+            temperature.expansion_mm_per_k *= scale.length;
+        }
+        if let Some(drift) = &mut self.drift {
+            drift.mm_per_s *= scale.length / scale.duration;
+        }
+        if let Some(warm_up) = &mut self.warm_up {
+            warm_up.travel_mm *= scale.length;
+        }
+        if let Some(tone) = &mut self.periodic_disturbance {
+            tone.amplitude_mm *= scale.length;
+        }
+        self
     }
 
     /// Whether nothing is wrong.

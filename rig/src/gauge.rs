@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 use crate::draw::Draw;
 use crate::effect::Effect;
 use crate::effects::{Drift, Effects, PeriodicDisturbance};
+use crate::scale::Scale;
 use crate::wander::{Staircase, Wave};
 
 /// Step of the zero at strength 1, mm.
@@ -33,6 +34,7 @@ pub(crate) struct Gauge {
     zero_step: Option<(f64, f64)>,
     /// Height, mm, and its course.
     bend: Option<(f64, Wave)>,
+    range_mm: f64,
     rod: Option<Rod>,
     /// Bursts, and the signal in them.
     cross_talk: Option<(f64, Staircase, Wave)>,
@@ -49,7 +51,7 @@ struct Rod {
 }
 
 impl Gauge {
-    pub(crate) fn new(effects: &Effects, seed: u64) -> Self {
+    pub(crate) fn new(effects: &Effects, scale: &Scale, seed: u64) -> Self {
         let fault = |effect: Effect| {
             let strength = effects.outsider(effect);
             (strength > 0.0).then(|| (strength, effect.course(seed)))
@@ -58,21 +60,25 @@ impl Gauge {
             drift: effects.drift.clone(),
             tone: effects.periodic_disturbance.clone(),
             zero_step: fault(Effect::ZeroStep).map(|(strength, mut draw)| {
-                (draw.uniform(35.0, 85.0), strength * draw.around(ZERO_STEP_MM) * draw.sign())
+                let step_s = scale.duration * draw.uniform(35.0, 85.0);
+                (step_s, scale.length * strength * draw.around(ZERO_STEP_MM) * draw.sign())
             }),
-            bend: fault(Effect::SensorNonlinearity)
-                .map(|(strength, mut draw)| (strength * BEND_MM, Wave::new(&mut draw, 15.0, 60.0))),
+            bend: fault(Effect::SensorNonlinearity).map(|(strength, mut draw)| {
+                (scale.length * strength * BEND_MM, Wave::new(&mut draw, 15.0, 60.0))
+            }),
+            range_mm: scale.length * BEND_RANGE_MM,
             rod: fault(Effect::StickSlip).map(|(strength, draw)| Rod {
                 draw,
-                largest_mm: strength * STICK_MM,
+                largest_mm: scale.length * strength * STICK_MM,
                 distance_mm: 0.0,
                 stuck_mm: 0.0,
             }),
             cross_talk: fault(Effect::CrossTalk).map(|(strength, mut draw)| {
                 let signal = Wave::new(&mut draw, 0.1, 3.0);
-                (strength * CROSS_TALK_MM, Staircase::new(draw, 0.5, 5.0), signal)
+                (scale.length * strength * CROSS_TALK_MM, Staircase::new(draw, 0.5, 5.0), signal)
             }),
-            outliers: fault(Effect::Outliers).map(|(strength, draw)| (strength * OUTLIER_MM, draw)),
+            outliers: fault(Effect::Outliers)
+                .map(|(strength, draw)| (scale.length * strength * OUTLIER_MM, draw)),
         }
     }
 
@@ -83,7 +89,7 @@ impl Gauge {
             reading_mm = rod.at(reading_mm);
         }
         if let Some((bend_mm, wave)) = &self.bend {
-            let share = reading_mm / BEND_RANGE_MM;
+            let share = reading_mm / self.range_mm;
             reading_mm += 4.0 * bend_mm * wave.at(time_s) * share * (1.0 - share);
         }
         if let Some(drift) = &self.drift {

@@ -14,10 +14,12 @@ use crate::effects::Effects;
 use crate::gauge::Gauge;
 use crate::operator::Operator;
 use crate::parameters::DEAD_LOAD_N;
+use crate::scale::Scale;
 use crate::sensor::{Measurement, Sensors};
+use crate::set_point::DeadBand;
 use crate::surroundings::{Course, Surroundings};
 use crate::truth::Truth;
-use crate::valve::{DeadBand, Valve};
+use crate::valve::{Regulator, Valve};
 use crate::wander::Staircase;
 
 /// Longest step inside a plant with effects, s.
@@ -58,10 +60,34 @@ impl Setup {
     }
 }
 
+/// The parts that a plant is put together from.
+pub struct Parts {
+    /// What is wrong with it.
+    pub effects: Effects,
+    /// Seed of what is random in the effects.
+    pub seed: u64,
+    /// Dead load, N.
+    pub dead_load_n: f64,
+    /// The valve.
+    pub valve: Box<dyn Regulator>,
+    /// The muscle.
+    pub body: Box<dyn Body>,
+    /// The sensors.
+    pub sensors: Sensors,
+    /// How large it is.
+    pub scale: Scale,
+    /// Growth of the muscle's volume for each mm of contraction, as a share of the one at rest.
+    pub volume_per_mm: f64,
+    /// Whether it takes steps of at most [`SUBSTEP_S`] inside.
+    pub is_timed: bool,
+}
+
 /// A muscle on its valve with its sensors.
 pub struct Plant {
     effects: Effects,
-    valve: Valve,
+    valve: Box<dyn Regulator>,
+    volume_per_mm: f64,
+    is_timed: bool,
     line: Option<DelayLine>,
     leak: Option<(f64, Staircase)>,
     course: Course,
@@ -81,24 +107,43 @@ impl Plant {
     /// A plant at rest.
     pub fn new(setup: &Setup) -> Self {
         let Setup { kind, effects, seed, load_n, noise } = setup;
-        let mut course = Course::new(*load_n, effects, *seed);
-        let (mut body, dead_band): (Box<dyn Body>, _) = match kind {
+        let (body, dead_band): (Box<dyn Body>, _) = match kind {
             Kind::Rig => (Box::new(Balance::at_rest(*load_n, effects)), DeadBand::Hold),
             Kind::Mgpi => (Box::new(Operator::at_rest(*load_n, effects, *seed)), DeadBand::Backlash),
         };
+        Self::assembled(Parts {
+            effects: effects.clone(),
+            seed: *seed,
+            dead_load_n: *load_n,
+            valve: Box::new(Valve::with(effects, dead_band)),
+            body,
+            sensors: if *noise { Sensors::noisy(*seed) } else { Sensors::ideal() },
+            scale: Scale::default(),
+            volume_per_mm: 0.0,
+            is_timed: !effects.is_none(),
+        })
+    }
+
+    /// A plant of these parts, at rest.
+    pub fn assembled(parts: Parts) -> Self {
+        let Parts { effects, seed, dead_load_n, valve, mut body, sensors, scale, volume_per_mm, is_timed } =
+            parts;
+        let mut course = Course::new(dead_load_n, &effects, &scale, seed);
         let leak_strength = effects.outsider(Effect::Leak);
         Self {
-            valve: Valve::with(effects, dead_band),
+            valve,
+            volume_per_mm,
+            is_timed,
             line: effects.transport_delay.as_ref().map(|hidden| DelayLine::new(hidden.delay_s, 0.0)),
             leak: (leak_strength > 0.0)
-                .then(|| (leak_strength * LEAK_SHARE, Staircase::new(Effect::Leak.course(*seed), 3.0, 15.0))),
+                .then(|| (leak_strength * LEAK_SHARE, Staircase::new(Effect::Leak.course(seed), 3.0, 15.0))),
             contraction_mm: body.step(0.0, &course.at(0.0), SUBSTEP_S),
             course,
             body,
-            gauge: Gauge::new(effects, *seed),
-            sensors: if *noise { Sensors::noisy(*seed) } else { Sensors::ideal() },
+            gauge: Gauge::new(&effects, &scale, seed),
+            sensors,
             time_s: 0.0,
-            effects: effects.clone(),
+            effects,
         }
     }
 
@@ -109,12 +154,22 @@ impl Plant {
 
     /// Holds `command_bar` for `dt_s` (0 s and more), then measures.
     pub fn step(&mut self, command_bar: f64, dt_s: f64) -> Measurement {
-        let steps = if self.effects.is_none() { 1.0 } else { (dt_s / SUBSTEP_S).ceil().max(1.0) };
+        self.run(command_bar, dt_s);
+        self.measure()
+    }
+
+    /// Holds `command_bar` for `dt_s` (0 s and more).
+    pub fn run(&mut self, command_bar: f64, dt_s: f64) {
+        let steps = if self.is_timed { (dt_s / SUBSTEP_S).ceil().max(1.0) } else { 1.0 };
         if dt_s > 0.0 {
             for _ in 0..steps as u64 {
                 self.advance(command_bar, dt_s / steps);
             }
         }
+    }
+
+    /// Measures once.
+    pub fn measure(&mut self) -> Measurement {
         let Surroundings { recorded_load_n: load_n, temperature_c, .. } = self.course.at(self.time_s);
         self.sensors.measure(Measurement {
             pressure_bar: self.valve.pressure_bar(),
@@ -126,7 +181,7 @@ impl Plant {
 
     fn advance(&mut self, command_bar: f64, dt_s: f64) {
         self.time_s += dt_s;
-        self.valve.step(command_bar, dt_s);
+        self.valve.step(command_bar, 1.0 + self.volume_per_mm * self.contraction_mm.max(0.0), dt_s);
         let mut pressure_bar = self.valve.pressure_bar();
         if let Some(line) = &mut self.line {
             pressure_bar = line.step(pressure_bar, dt_s);

@@ -111,16 +111,16 @@ impl Protocol {
         })
     }
 
-    fn vented() -> Self {
+    pub(crate) fn vented() -> Self {
         Self { waypoints: vec![(0.0, 0.0)] }
     }
 
-    fn ramp(mut self, command_bar: f64, duration_s: f64) -> Self {
+    pub(crate) fn ramp(mut self, command_bar: f64, duration_s: f64) -> Self {
         self.waypoints.push((self.duration_s() + duration_s, command_bar));
         self
     }
 
-    fn hold(self, duration_s: f64) -> Self {
+    pub(crate) fn hold(self, duration_s: f64) -> Self {
         let (_, command_bar) = self.last();
         self.ramp(command_bar, duration_s)
     }

@@ -32,7 +32,15 @@ pub fn record<'a>(
         let command_bar = protocol.command_bar(time_s);
         let measured = plant.step(command_bar, time_s - last_s);
         last_s = time_s;
-        Row {
+        Row { time_s, command_bar, measured }.rounded()
+    })
+}
+
+impl Row {
+    /// As it is in a file.
+    pub(crate) fn rounded(self) -> Self {
+        let Self { time_s, command_bar, measured } = self;
+        Self {
             time_s: rounded(time_s, 1e6),
             command_bar: rounded(command_bar, 1e4),
             measured: Measurement {
@@ -42,7 +50,7 @@ pub fn record<'a>(
                 temperature_c: rounded(measured.temperature_c, 1e3),
             },
         }
-    })
+    }
 }
 
 /// Writes the rows of a recording as `time_s,command_bar,pressure_bar,contraction_mm`, and

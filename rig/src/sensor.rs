@@ -25,29 +25,59 @@ pub enum Columns {
     All,
 }
 
+/// Noise and steps of a sensor, in its unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolution {
+    /// Standard deviation of the noise.
+    pub noise: f64,
+    /// What its readings are multiples of; 0 where they are not.
+    pub step: f64,
+}
+
+impl Resolution {
+    /// Standard deviation of what a reading is off by.
+    pub fn deviation(&self) -> f64 {
+        self.noise.hypot(self.step / 12.0f64.sqrt())
+    }
+
+    fn read(&self, truth: f64, noise: f64) -> f64 {
+        let value = truth + self.noise * noise;
+        if self.step > 0.0 { (value / self.step).round() * self.step } else { value }
+    }
+}
+
 /// The sensors and the source of their noise.
 #[derive(Debug, Clone)]
 pub struct Sensors {
     noise: Option<Draw>,
+    pressure: Resolution,
+    contraction: Resolution,
 }
 
 impl Sensors {
     /// Sensors with noise: the same seed, the same noise.
     pub fn noisy(seed: u64) -> Self {
-        Self { noise: Some(Draw::new(seed, Stream::Noise)) }
+        let of = |noise| Resolution { noise, step: 0.0 };
+        Self::with(of(PRESSURE_NOISE_BAR), of(CONTRACTION_NOISE_MM), seed)
+    }
+
+    /// Sensors of the stated noise and steps, bar and mm.
+    pub fn with(pressure: Resolution, contraction: Resolution, seed: u64) -> Self {
+        Self { noise: Some(Draw::new(seed, Stream::Noise)), pressure, contraction }
     }
 
     /// Sensors that tell the truth.
     pub fn ideal() -> Self {
-        Self { noise: None }
+        let exact = Resolution { noise: 0.0, step: 0.0 };
+        Self { noise: None, pressure: exact, contraction: exact }
     }
 
     /// Measures once.
     pub fn measure(&mut self, truth: Measurement) -> Measurement {
         let Some(noise) = &mut self.noise else { return truth };
         Measurement {
-            pressure_bar: truth.pressure_bar + PRESSURE_NOISE_BAR * noise.normal(),
-            contraction_mm: truth.contraction_mm + CONTRACTION_NOISE_MM * noise.normal(),
+            pressure_bar: self.pressure.read(truth.pressure_bar, noise.normal()),
+            contraction_mm: self.contraction.read(truth.contraction_mm, noise.normal()),
             ..truth
         }
     }

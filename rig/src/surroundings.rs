@@ -7,6 +7,7 @@ use crate::draw::{Draw, Stream};
 use crate::effect::Effect;
 use crate::effects::Effects;
 use crate::parameters::LOAD_LIMIT_N;
+use crate::scale::Scale;
 use crate::wander::{Staircase, Wave};
 
 /// Temperature at which a muscle that feels it is a sound one, °C.
@@ -42,10 +43,11 @@ pub(crate) struct Course {
     load: Option<(f64, Staircase, Wave)>,
     unrecorded: Option<(f64, Staircase)>,
     friction: Option<(f64, Wave)>,
+    limit_n: f64,
 }
 
 impl Course {
-    pub(crate) fn new(dead_load_n: f64, effects: &Effects, seed: u64) -> Self {
+    pub(crate) fn new(dead_load_n: f64, effects: &Effects, scale: &Scale, seed: u64) -> Self {
         let outsider = |effect| Some(effects.outsider(effect)).filter(|strength| *strength > 0.0);
         Self {
             dead_load_n,
@@ -57,12 +59,13 @@ impl Course {
             }),
             unrecorded: outsider(Effect::LoadUnrecorded).map(|strength| {
                 let draw = Effect::LoadUnrecorded.course(seed);
-                (UNRECORDED_SWING_N * strength, Staircase::new(draw, 2.0, 8.0))
+                (scale.force * UNRECORDED_SWING_N * strength, Staircase::new(draw, 2.0, 8.0))
             }),
             friction: outsider(Effect::FrictionWander).map(|strength| {
                 let mut draw = Effect::FrictionWander.course(seed);
                 (FRICTION_WANDER * strength, Wave::new(&mut draw, 5.0, 30.0))
             }),
+            limit_n: scale.force * LOAD_LIMIT_N,
         }
     }
 
@@ -71,12 +74,12 @@ impl Course {
         let mut recorded_load_n = self.dead_load_n;
         if let Some((swing_n, steps, wave)) = &mut self.load {
             let share = steps.at(time_s) + 0.2 * (1.0 + wave.at(time_s));
-            recorded_load_n = (recorded_load_n + *swing_n * share).clamp(0.0, LOAD_LIMIT_N);
+            recorded_load_n = (recorded_load_n + *swing_n * share).clamp(0.0, self.limit_n);
         }
         let unrecorded_n =
             self.unrecorded.as_mut().map_or(0.0, |(swing_n, steps)| *swing_n * steps.at(time_s));
         Surroundings {
-            load_n: (recorded_load_n + unrecorded_n).min(LOAD_LIMIT_N),
+            load_n: (recorded_load_n + unrecorded_n).min(self.limit_n),
             recorded_load_n,
             temperature_c: REFERENCE_TEMPERATURE_C + TEMPERATURE_WANDER_K * self.temperature.at(time_s),
             friction: self

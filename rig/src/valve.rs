@@ -4,25 +4,24 @@
 //! supply above its range.
 
 use crate::effects::Effects;
-use crate::parameters::{SUPPLY_BAR, VALVE_RANGE_BAR, VALVE_TIME_CONSTANT_S};
+use crate::parameters::VALVE_TIME_CONSTANT_S;
+use crate::set_point::{DeadBand, SetPoint};
 
-/// How a valve ignores small changes of its command.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DeadBand {
-    /// A command nearer than the band to the last accepted one is ignored, any other accepted whole.
-    Hold,
-    /// The accepted command is dragged behind at half the band: play.
-    Backlash,
+/// What turns a command into the pressure in the muscle.
+pub trait Regulator: Send {
+    /// Holds `command_bar` for `dt_s` (0 s and more) with `volume` in the muscle, relative to that at rest.
+    /// A command outside the range or beyond the supply is cut.
+    fn step(&mut self, command_bar: f64, volume: f64, dt_s: f64);
+
+    /// The pressure in the muscle, bar.
+    fn pressure_bar(&self) -> f64;
 }
 
-/// A regulator and the pressure it has reached.
+/// A regulator of first order and the pressure it has reached.
 #[derive(Debug, Clone)]
 pub struct Valve {
-    dead_band: DeadBand,
-    band_bar: f64,
-    supply_bar: f64,
+    set_point: SetPoint,
     time_constant_s: f64,
-    accepted_bar: f64,
     pressure_bar: f64,
 }
 
@@ -36,35 +35,23 @@ impl Valve {
     /// A vented regulator with what of `effects` is the valve's.
     pub fn with(effects: &Effects, dead_band: DeadBand) -> Self {
         Self {
-            dead_band,
-            band_bar: effects.valve_deadband.as_ref().map_or(0.0, |hidden| hidden.band_bar),
-            supply_bar: effects.supply_saturation.as_ref().map_or(SUPPLY_BAR, |hidden| hidden.supply_bar),
+            set_point: SetPoint::with(effects, dead_band),
             time_constant_s: effects
                 .valve_lag
                 .as_ref()
                 .map_or(VALVE_TIME_CONSTANT_S, |hidden| hidden.time_constant_s),
-            accepted_bar: 0.0,
             pressure_bar: 0.0,
         }
     }
+}
 
-    /// The pressure in the muscle, bar.
-    pub fn pressure_bar(&self) -> f64 {
+impl Regulator for Valve {
+    fn pressure_bar(&self) -> f64 {
         self.pressure_bar
     }
 
-    /// Holds `command_bar` for `dt_s` (0 s and more). A command outside the range or beyond the supply is
-    /// cut.
-    pub fn step(&mut self, command_bar: f64, dt_s: f64) {
-        self.accepted_bar = match self.dead_band {
-            DeadBand::Hold if (command_bar - self.accepted_bar).abs() < self.band_bar => self.accepted_bar,
-            DeadBand::Hold => command_bar,
-            DeadBand::Backlash => {
-                let half_bar = 0.5 * self.band_bar;
-                self.accepted_bar.clamp(command_bar - half_bar, command_bar + half_bar)
-            }
-        };
-        let target_bar = self.accepted_bar.clamp(0.0, VALVE_RANGE_BAR.min(self.supply_bar));
+    fn step(&mut self, command_bar: f64, _volume: f64, dt_s: f64) {
+        let target_bar = self.set_point.target_bar(command_bar);
         self.pressure_bar += (target_bar - self.pressure_bar) * -(-dt_s / self.time_constant_s).exp_m1();
     }
 }
@@ -73,6 +60,7 @@ impl Valve {
 mod tests {
     use super::*;
     use crate::effects::{SupplySaturation, ValveDeadband, ValveLag};
+    use crate::parameters::VALVE_RANGE_BAR;
 
     #[test]
     fn step_response_is_a_first_order_lag_at_any_step_size() {
@@ -82,7 +70,7 @@ mod tests {
                 let effects = Effects { valve_lag, ..Effects::default() };
                 let mut valve = Valve::with(&effects, DeadBand::Hold);
                 for _ in 0..steps {
-                    valve.step(4.0, time_constant_s / f64::from(steps));
+                    valve.step(4.0, 1.0, time_constant_s / f64::from(steps));
                 }
                 let expected_bar = 4.0 * (1.0 - (-1.0f64).exp());
                 assert!((valve.pressure_bar() - expected_bar).abs() < 1e-12, "{steps} steps");
@@ -96,9 +84,9 @@ mod tests {
             Effects { supply_saturation: Some(SupplySaturation { supply_bar: 4.5 }), ..Effects::default() };
         for (effects, highest_bar) in [(Effects::default(), VALVE_RANGE_BAR), (weak, 4.5)] {
             let mut valve = Valve::with(&effects, DeadBand::Hold);
-            valve.step(100.0, 10.0);
+            valve.step(100.0, 1.0, 10.0);
             assert!((valve.pressure_bar() - highest_bar).abs() < 1e-12);
-            valve.step(-100.0, 10.0);
+            valve.step(-100.0, 1.0, 10.0);
             assert!(valve.pressure_bar().abs() < 1e-12);
         }
     }
@@ -109,7 +97,7 @@ mod tests {
         let effects = Effects { valve_deadband, ..Effects::default() };
         let settled_bar = |dead_band, commands_bar: &[f64]| {
             let mut valve = Valve::with(&effects, dead_band);
-            commands_bar.iter().for_each(|command_bar| valve.step(*command_bar, 10.0));
+            commands_bar.iter().for_each(|command_bar| valve.step(*command_bar, 1.0, 10.0));
             valve.pressure_bar()
         };
         for (commands_bar, hold_bar, backlash_bar) in [

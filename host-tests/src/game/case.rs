@@ -44,6 +44,19 @@ impl Group {
         Self::WeakOutsider,
     ];
 
+    /// That of a game with these effects hidden.
+    pub fn of(effects: &[Effect], is_strong: bool) -> Self {
+        match effects {
+            [] => Self::Nothing,
+            [effect] if Effect::outsiders().contains(effect) && is_strong => Self::StrongOutsider,
+            [effect] if Effect::outsiders().contains(effect) => Self::WeakOutsider,
+            [_] if is_strong => Self::Strong,
+            [_] => Self::Weak,
+            pair if pair.iter().all(|effect| effect.is_fast()) => Self::FastPair,
+            _ => Self::SlowPair,
+        }
+    }
+
     /// The share of right verdicts that is asked for.
     pub fn bound(self) -> f64 {
         match self {
@@ -88,16 +101,7 @@ pub struct Case {
 impl Case {
     /// What is asked of a diagnosis here.
     pub fn group(&self) -> Group {
-        let strong = self.strength == STRENGTHS[0];
-        match self.effects.as_slice() {
-            [] => Group::Nothing,
-            [effect] if Effect::outsiders().contains(effect) && strong => Group::StrongOutsider,
-            [effect] if Effect::outsiders().contains(effect) => Group::WeakOutsider,
-            [_] if strong => Group::Strong,
-            [_] => Group::Weak,
-            pair if pair.iter().all(|effect| effect.is_fast()) => Group::FastPair,
-            _ => Group::SlowPair,
-        }
+        Group::of(&self.effects, self.strength == STRENGTHS[0])
     }
 
     /// What is hidden, by name.

@@ -6,21 +6,19 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
-use rig::recording::{Row, write_recording};
-use rig::sensor::Columns;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
 /// True of both plants under any finite operator model, so it does not count.
 const SHAPE: &str = "hysteresis_shape";
 
-/// A diagnosis of a recording. It sees the rows and nothing else.
+/// A diagnosis of a recording. It sees the file and nothing else.
 pub trait Finder: Sync {
     /// Its verdict.
     ///
     /// # Errors
     /// There is none; that counts as wrong.
-    fn find(&self, rows: &[Row]) -> Result<Found>;
+    fn find(&self, csv: &[u8]) -> Result<Found>;
 }
 
 /// What a diagnosis says.
@@ -30,6 +28,8 @@ pub struct Found {
     pub verdict: String,
     /// The causes it names with their parameters, `hysteresis_shape` aside.
     pub causes: BTreeMap<String, Map<String, Value>>,
+    /// Other sets of causes that it does not tell apart from these.
+    pub alternatives: Vec<BTreeSet<String>>,
 }
 
 impl Found {
@@ -40,8 +40,11 @@ impl Found {
     pub fn of_json(json: &[u8]) -> Result<Self> {
         let json: Diagnosis = serde_json::from_slice(json).context("no diagnosis")?;
         let causes = json.causes.into_iter().filter(|cause| cause.name != SHAPE);
+        let is_counted = |name: &String| name != SHAPE;
+        let sets = json.alternatives.into_iter();
         Ok(Self {
             verdict: json.verdict,
+            alternatives: sets.map(|set| set.into_iter().filter(is_counted).collect()).collect(),
             causes: causes.map(|cause| (cause.name, cause.parameters)).collect(),
         })
     }
@@ -73,6 +76,8 @@ impl fmt::Display for Found {
 struct Diagnosis {
     verdict: String,
     causes: Vec<Named>,
+    #[serde(default)]
+    alternatives: Vec<BTreeSet<String>>,
 }
 
 #[derive(Deserialize)]
@@ -89,14 +94,19 @@ pub struct DiagnoseCommand {
 }
 
 impl Finder for DiagnoseCommand {
-    fn find(&self, rows: &[Row]) -> Result<Found> {
+    fn find(&self, csv: &[u8]) -> Result<Found> {
         let folder = tempfile::tempdir().context("no place for a recording")?;
         let (recording, json) = (folder.path().join("recording.csv"), folder.path().join("diagnosis.json"));
-        let mut csv = Vec::new();
-        write_recording(&mut csv, &[], rows.iter().copied(), Columns::All)?;
         std::fs::write(&recording, csv)?;
         let mut command = Command::new(&self.program);
-        command.arg("diagnose").arg(&recording).arg("--json").arg(&json).stdout(Stdio::null());
+        // Games run side by side, so that each has one thread.
+        command
+            .env("RAYON_NUM_THREADS", "1")
+            .arg("diagnose")
+            .arg(&recording)
+            .arg("--json")
+            .arg(&json)
+            .stdout(Stdio::null());
         let output = command.output().with_context(|| format!("cannot run {}", self.program.display()))?;
         ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr).trim());
         Found::of_json(&std::fs::read(&json)?)

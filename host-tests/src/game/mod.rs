@@ -1,7 +1,10 @@
 //! The sealed game: a cause is hidden in a plant, a diagnosis sees nothing but the recording, and its verdict
 //! is held against what was hidden.
 //!
-//! [`case`] lists the games, [`finder`] is who is examined, [`score`] counts; [`gain`] holds what an extension gains against
+//! [`zoo`] has plants, experiments and effects drawn whole by a seed; [`judged`] holds a verdict against the truth, and
+//! [`table`] counts.
+//!
+//! The two old plants: [`case`] lists the games, [`finder`] is who is examined, [`score`] counts; [`gain`] holds what an extension gains against
 //! what the parameters in [`hidden`] would. Two plants hide the same effects in different forms, so that whoever has learnt one
 //! of them fails on the other. Right is the exact set of causes; `hysteresis_shape` does not count, since it is true of both
 //! plants under any finite model.
@@ -10,14 +13,18 @@ pub mod case;
 pub mod finder;
 pub mod gain;
 pub mod hidden;
+pub mod judged;
 pub mod score;
+pub mod table;
+pub mod zoo;
 
 use std::time::Instant;
 
 use rayon::prelude::*;
 use rig::plant::Plant;
 use rig::protocol::Protocol;
-use rig::recording::{Row, record};
+use rig::recording::{Row, record, write_recording};
+use rig::sensor::Columns;
 
 use case::Case;
 use finder::Finder;
@@ -39,9 +46,11 @@ impl Case {
 
     /// Plays this game.
     pub fn play(&self, finder: &impl Finder) -> Outcome {
-        let rows = self.recording();
+        let mut csv = Vec::new();
+        let written = write_recording(&mut csv, &[], self.recording().into_iter(), Columns::All);
         let start = Instant::now();
-        let found = finder.find(&rows).map_err(|error| format!("{error:#}"));
+        let found = written.map_err(Into::into).and_then(|()| finder.find(&csv));
+        let found = found.map_err(|error| format!("{error:#}"));
         Outcome::new(self.clone(), self.plant().truth(), found, start.elapsed())
     }
 }

@@ -1,15 +1,17 @@
 //! What came of the games: who was right in which group, what was said instead, how near the parameters are.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::time::Duration;
 
 use rig::effect::Effect;
 use rig::truth::Truth;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::case::{Case, Group};
 use super::finder::Found;
+use super::judged::Truths;
+use super::table::Played;
 
 /// Parameters that a right diagnosis has to give within [`TOLERANCE`]: times, delays and amplitudes.
 const HELD: [&str; 5] = ["time_constant_s", "delay_s", "amplitude_mm", "band_bar", "supply_bar"];
@@ -45,6 +47,24 @@ impl Outcome {
                 found.names(self.truth.causes.keys().copied())
             }
         })
+    }
+
+    /// The same for the table of all games. Both old protocols show everything.
+    pub fn played(&self) -> Played {
+        let outsider = self.truth.outsiders.keys().next().map(|name| ((*name).to_owned(), true));
+        let shown = self.truth.causes.keys().map(|name| (*name).to_owned()).collect();
+        Played {
+            name: self.case.to_string(),
+            part: "old plants",
+            family: String::new(),
+            excitation: "rich",
+            is_sealed: false,
+            group: self.case.group(),
+            truths: Truths { shown, unseen: BTreeSet::new(), outsider },
+            truth: json!(self.truth),
+            found: self.found.clone(),
+            seconds: self.duration.as_secs_f64(),
+        }
     }
 
     /// Relative errors of the parameters that are both hidden and found, by cause and name.
@@ -198,7 +218,7 @@ impl fmt::Display for Score<'_> {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::{Map, json};
+    use serde_json::Map;
 
     use super::*;
     use crate::game::case::{sample, whole};
@@ -214,13 +234,13 @@ mod tests {
         };
         let causes = truth.causes.iter().map(|(name, parameters)| ((*name).to_owned(), scaled(parameters)));
         let verdict = if truth.outsiders.is_empty() { "explained" } else { "unexplained" };
-        let found = Found { verdict: verdict.to_owned(), causes: causes.collect() };
+        let found = Found { verdict: verdict.to_owned(), causes: causes.collect(), alternatives: Vec::new() };
         Outcome::new(case, truth, Ok(found), Duration::ZERO)
     }
 
     fn saying(case: Case, verdict: &str) -> Outcome {
         let truth = case.plant().truth();
-        let found = Found { verdict: verdict.to_owned(), causes: BTreeMap::new() };
+        let found = Found { verdict: verdict.to_owned(), causes: BTreeMap::new(), alternatives: Vec::new() };
         Outcome::new(case, truth, Ok(found), Duration::ZERO)
     }
 

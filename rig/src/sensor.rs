@@ -113,6 +113,17 @@ mod tests {
     }
 
     #[test]
+    fn quantised_readings_are_multiples_of_the_step() {
+        let (coarse, exact) = (Resolution { noise: 0.03, step: 0.125 }, Resolution { noise: 0.0, step: 0.0 });
+        let mut sensors = Sensors::with(exact, coarse, 1);
+        for _ in 0..100 {
+            let steps = sensors.measure(TRUTH).contraction_mm / 0.125;
+            assert!((steps - steps.round()).abs() < 1e-9);
+        }
+        assert!((coarse.deviation() - 0.0469).abs() < 1e-4);
+    }
+
+    #[test]
     fn seed_decides_the_noise_and_ideal_sensors_have_none() {
         assert_eq!(Sensors::noisy(1).measure(TRUTH), Sensors::noisy(1).measure(TRUTH));
         assert_ne!(Sensors::noisy(1).measure(TRUTH), Sensors::noisy(2).measure(TRUTH));

@@ -9,7 +9,7 @@ use clap::{Parser, ValueEnum};
 use host_tests::game::case::{Case, only, sample, whole};
 use host_tests::game::finder::DiagnoseCommand;
 use host_tests::game::score::Score;
-use host_tests::game::table::{Figures, Played};
+use host_tests::game::table::{FalseNames, Figures, Played};
 use host_tests::game::{judged::Judgement, play, zoo};
 use indicatif::{ProgressBar, ProgressStyle};
 use rig::zoo::family::Part;
@@ -112,7 +112,7 @@ fn game(cli: &Cli) -> Result<Vec<String>> {
     if let Some(games) = cli.none {
         let played = of_zoo(&zoo::sound(cli.seed, games, parts), &finder, cli.judge)?;
         write_json(cli.json.as_deref(), &played, cli.judge)?;
-        println!("{}", Figures(&played));
+        println!("{}\n{}", Figures(&played), FalseNames(&played));
         return Ok(Vec::new());
     }
     let (mut played, mut failures) = (Vec::new(), Vec::new());

@@ -86,6 +86,47 @@ impl fmt::Display for Played {
     }
 }
 
+/// Where the true share lies with a confidence of 95 %, by Wilson's interval.
+pub fn wilson(count: usize, of: usize) -> (f64, f64) {
+    const DEVIATIONS: f64 = 1.96;
+    let (of, square) = (of.max(1) as f64, DEVIATIONS * DEVIATIONS);
+    let share = count as f64 / of;
+    let centre = share + square / (2.0 * of);
+    let half = DEVIATIONS * (share * (1.0 - share) / of + square / (4.0 * of * of)).sqrt();
+    ((centre - half) / (1.0 + square / of), (centre + half) / (1.0 + square / of))
+}
+
+/// How often something is named where nothing is hidden.
+pub struct FalseNames<'a>(pub &'a [Played]);
+
+impl fmt::Display for FalseNames<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let is_named = |played: &&Played| {
+            let named = |found: &Found| {
+                let unseen = &played.truths.unseen;
+                found.verdict != "unexplained" && found.causes.keys().any(|cause| !unseen.contains(cause))
+            };
+            played.found.as_ref().is_ok_and(named)
+        };
+        let of_verdict = |verdict: &str| {
+            self.0.iter().filter(|p| p.found.as_ref().is_ok_and(|f| f.verdict == verdict)).count()
+        };
+        let (named, all) = (self.0.iter().filter(is_named).count(), self.0.len());
+        let (low, high) = wilson(named, all);
+        let share = 100.0 * named as f64 / all.max(1) as f64;
+        let (low, high) = (100.0 * low, 100.0 * high);
+        writeln!(
+            f,
+            "nothing hidden: a cause is named in {named} of {all}, {share:.2} % ({low:.2} to {high:.2} %)"
+        )?;
+        let verdicts = ["adequate", "explained", "confounded", "unexplained"];
+        let counts: Vec<_> =
+            verdicts.iter().map(|verdict| format!("{verdict} {}", of_verdict(verdict))).collect();
+        let errors = self.0.iter().filter(|played| played.found.is_err()).count();
+        writeln!(f, "verdicts: {}; no answer {errors}", counts.join(", "))
+    }
+}
+
 /// Figures of many games.
 pub struct Figures<'a>(pub &'a [Played]);
 
@@ -133,5 +174,18 @@ impl fmt::Display for Figures<'_> {
         let Some(longest) = seconds.last() else { return Ok(()) };
         let of = |share: f64| seconds[((seconds.len() - 1) as f64 * share) as usize];
         writeln!(f, "seconds: median {:.1}, 95 % below {:.1}, longest {longest:.1}", of(0.5), of(0.95))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wilsons_interval_is_that_of_the_tables() {
+        let (low, high) = wilson(0, 100);
+        assert!(low.abs() < 1e-12 && (high - 0.0370).abs() < 1e-4, "{low} {high}");
+        let (low, high) = wilson(10, 100);
+        assert!((low - 0.0552).abs() < 1e-4 && (high - 0.1744).abs() < 1e-4, "{low} {high}");
     }
 }

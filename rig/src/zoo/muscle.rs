@@ -307,3 +307,103 @@ fn root(start: f64, falling: impl Fn(f64) -> f64) -> f64 {
     }
     b
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draw::Stream;
+    use crate::zoo::family::Family;
+
+    /// Muscles of every family.
+    fn muscles() -> impl Iterator<Item = (Family, u64, Muscle, Size)> {
+        Family::all().flat_map(|family| (0..4).map(move |seed| (family, seed))).map(|(family, seed)| {
+            let mut draw = Draw::new(seed, Stream::Protocol);
+            let size = Size::drawn(&mut draw, Load::ALL[seed as usize % 3]);
+            let sites = Sites::drawn(&mut draw);
+            let none = |_| Effects::default();
+            let muscle = Muscle::at_rest((family.law, family.friction), size, sites, &mut draw, none);
+            (family, seed, muscle, size)
+        })
+    }
+
+    fn still(size: &Size) -> Surroundings {
+        Surroundings {
+            load_n: size.weight_n,
+            recorded_load_n: size.weight_n,
+            temperature_c: REFERENCE_TEMPERATURE_C,
+            friction: 1.0,
+        }
+    }
+
+    #[test]
+    fn muscles_contract_with_pressure_by_a_plausible_stroke_and_their_loops_are_as_wide_as_friction_makes_them()
+     {
+        for (family, seed, mut muscle, size) in muscles() {
+            let mut cycle = |steps: std::ops::RangeInclusive<i32>, is_rising: bool| -> Vec<f64> {
+                let count = *steps.end();
+                let bars = steps.map(|step| if is_rising { step } else { count - step });
+                bars.map(|step| {
+                    muscle.step(FULL_BAR * f64::from(step) / f64::from(count), &still(&size), 0.1)
+                })
+                .collect()
+            };
+            // The first stroke is another one.
+            drop((cycle(0..=200, true), cycle(0..=200, false)));
+            let (up, down) = (cycle(0..=200, true), cycle(0..=200, false));
+            assert!(up.is_sorted_by(|a, b| *b >= a - 1e-6), "{family:?} {seed} does not rise");
+            assert!(down.is_sorted_by(|a, b| *b <= a + 1e-6), "{family:?} {seed} does not fall");
+            let stroke_mm = up[200] - up[0];
+            let share = stroke_mm / size.length_mm;
+            assert!((0.08..0.35).contains(&share), "{family:?} {seed}: {share} of the length");
+            let width: f64 =
+                up.iter().rev().zip(&down).map(|(up, down)| (down - up) / stroke_mm / 200.0).sum();
+            assert!((0.003..0.3).contains(&width), "{family:?} {seed}: {width} of the stroke");
+        }
+    }
+
+    #[test]
+    fn friction_gives_back_less_than_it_took_over_closed_paths() {
+        for (family, seed) in Family::all().flat_map(|family| (0..6).map(move |seed| (family, seed))) {
+            let mut draw = Draw::new(seed, Stream::Protocol);
+            let mut friction = family.friction.drawn(&mut draw, 0.0, 0.03, 1000.0);
+            let limits_n =
+                crate::dynamics::Dynamics::default().step(&Motion::resting(0.0), 1.0).limits_n(30.0, 0.0);
+            let turns: Vec<f64> = (0..6).map(|_| draw.uniform(0.0, 0.2)).chain([0.0]).collect();
+            let mut work = [0.0, 0.0];
+            for of_cycle in &mut work {
+                let mut at = 0.0;
+                for turn in &turns {
+                    for _ in 0..400 {
+                        let next = at + (turn - at) * 0.05;
+                        *of_cycle += friction.resistance_n(next, &limits_n) * (next - at);
+                        friction.settle(next, &limits_n);
+                        at = next;
+                    }
+                }
+            }
+            // The second cycle begins as it ends.
+            assert!(work[1] >= -1e-9, "{family:?} {seed}: {work:?}");
+        }
+    }
+
+    #[test]
+    fn a_mass_without_anything_that_drives_it_comes_to_rest() {
+        for (family, seed, _, size) in muscles() {
+            let mut draw = Draw::new(seed, Stream::Protocol);
+            let inertia = Some(crate::effects::Inertia { natural_frequency_hz: 4.0, damping_ratio: 0.2 });
+            let effects = Effects { inertia, ..Effects::default() };
+            let sites = Sites::drawn(&mut draw);
+            let mut muscle =
+                Muscle::at_rest((family.law, family.friction), size, sites, &mut draw, |_| effects);
+            let swing = |muscle: &mut Muscle| {
+                let course: Vec<_> = (0..1000).map(|_| muscle.step(4.0, &still(&size), 1e-3)).collect();
+                let (low, high) =
+                    course.iter().fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(*y), h.max(*y)));
+                high - low
+            };
+            let swings = [(); 4].map(|()| swing(&mut muscle));
+            assert!(swings[0] > 0.05 * size.length_mm, "{family:?} {seed}: {swings:?}");
+            assert!(swings[3] < 0.01 * swings[0], "{family:?} {seed}: {swings:?}");
+        }
+    }
+}

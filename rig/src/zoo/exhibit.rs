@@ -127,8 +127,8 @@ pub struct ExhibitTruth {
     pub misfit_mm: f64,
     /// What the sensor of the contraction is off by, mm.
     pub noise_mm: f64,
-    /// What the recording shows beyond what was hidden: a sound regulator's lag where only its command is
-    /// recorded. A diagnosis may name it.
+    /// What is true besides, and may be named: a sound regulator lags too, which a recording of its command
+    /// can show.
     pub also_true: Vec<&'static str>,
 }
 
@@ -201,7 +201,7 @@ impl Exhibit {
             visible: visible.collect(),
             misfit_mm: Hysteresis::of(&seen.input).rest(&seen.output),
             noise_mm: seen.noise,
-            also_true: if self.channels.pressure { Vec::new() } else { vec![Effect::ValveLag.name()] },
+            also_true: if self.channels.command { vec![Effect::ValveLag.name()] } else { Vec::new() },
         }
     }
 

@@ -6,6 +6,8 @@ use super::fit::Fit;
 use super::gain::Score;
 use super::physical::{DAMPED, RINGS, has_mass_and_viscosity_in_balance};
 
+/// What a set costs that is not what it is called: more than any ratio of errors.
+const NEVER: f64 = 1e3;
 /// Weight of the pure error beside the held-out one.
 const PURE: f64 = 0.3;
 /// What a second cause that resists motion has to be better by: neither is quite of our form. Not a lag before a mass, which
@@ -42,6 +44,8 @@ pub struct Candidate {
     pub spread: Option<f64>,
     /// Whether the motion that its causes name shows.
     pub shows: bool,
+    /// Whether its creep goes on beyond the longest hold, if it has one.
+    pub outlasts: bool,
     /// Whether a warm-up of it takes strokes away with travel instead of bringing them.
     pub fades: bool,
     /// The damping ratio of its mass, if it has one, by all that damps it.
@@ -63,7 +67,8 @@ impl Candidate {
         };
         let leaning = if self.leans() { LEANING } else { 0.0 };
         let fading = if self.fades { FADING } else { 0.0 };
-        let form = ALIKE * dynamic as f64 + unseen + leaning + fading;
+        let over = if self.outlasts { 0.0 } else { NEVER };
+        let form = ALIKE * dynamic as f64 + unseen + leaning + fading + over;
         self.score.mean().max(1e-12).ln() + pure + complexity + self.containment() + form
     }
 
@@ -168,6 +173,7 @@ mod tests {
             pure_error: None,
             spread: None,
             shows: true,
+            outlasts: true,
             fades: false,
             damping_ratio,
         }

@@ -277,7 +277,7 @@ pub fn diagnose_and_extend(
     progress(0.1, "baseline");
     let (input_noise, scored_rows) = (signals.input_noise, signals.scored());
     let searched = || {
-        let search = Search::new(&mut signals, muscle)?;
+        let search = Search::new(&mut signals, muscle, excitation.longest_hold_s())?;
         let found = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
         Some((search, found))
     };

@@ -96,6 +96,10 @@ pub fn parameters(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> Vec<(Caus
         .collect()
 }
 
+/// An element of a creep is over after so many of its time constants: less than a hundredth is left.
+const OVER: f64 = 5.0;
+/// The share of a creep that is not over when the longest hold ends, at least.
+const GOES_ON: f64 = 0.1;
 /// From this damping ratio on a mass overshoots by less than a tenth.
 pub const DAMPED: f64 = 0.6;
 /// Below this one by more than a sixth.
@@ -145,6 +149,27 @@ pub fn shows(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
             _ => true,
         })
     })
+}
+
+/// Whether a creep, if there is one, still goes on when the longest hold ends: one that is over long before is the tail of a faster
+/// effect, drawn by a sum of lags.
+pub fn outlasts(signals: &Signals, longest_hold_s: f64, causes: &[Cause], fit: &Fit) -> bool {
+    let first = fit.effects.len() - causes.len();
+    let Some(place) = causes.iter().position(|cause| *cause == Cause::Creep) else { return true };
+    let fractions = fractions(&fit.effects[first + place], fit.output_weights(signals, first + place));
+    let slow = fractions.iter().zip(&signals.creep_s).filter(|(_, tau_s)| OVER * **tau_s > longest_hold_s);
+    slow.map(|(fraction, _)| fraction).sum::<f64>() > GOES_ON * fractions.iter().sum::<f64>()
+}
+
+/// The shares of a creep's elements.
+fn fractions(effect: &Effect, weights: &[f64]) -> Vec<f64> {
+    match effect.form {
+        Form::Creep => {
+            let sum: f64 = weights.iter().sum();
+            weights.iter().map(|weight| weight / (1.0 + sum)).collect()
+        }
+        _ => effect.parameters.iter().map(|parameter| parameter.value).collect(),
+    }
 }
 
 /// Whether there is a warm-up whose first strokes are too long instead of too short.
@@ -207,16 +232,7 @@ fn of_effect(signals: &Signals, cause: Cause, effect: &Effect, weights: &[f64], 
             });
             moved(&signals.knots, cause, driver, parameter(0), &changes)
         }
-        Form::Creep | Form::CreepOfInput => {
-            let fractions: Vec<f64> = match effect.form {
-                Form::Creep => {
-                    let sum: f64 = weights.iter().sum();
-                    weights.iter().map(|weight| weight / (1.0 + sum)).collect()
-                }
-                _ => effect.parameters.iter().map(|parameter| parameter.value).collect(),
-            };
-            creep(&fractions, &signals.creep_s)
-        }
+        Form::Creep | Form::CreepOfInput => creep(&fractions(effect, weights), &signals.creep_s),
         Form::Drift => vec![("mm_per_s", weight(0) / signals.duration_s().max(1e-9))],
         Form::Tone => {
             vec![("frequency_hz", parameter(0)), ("amplitude_mm", weight(0).hypot(weight(1)))]

@@ -13,7 +13,7 @@ use super::cause::Cause;
 use super::effect::{Effect, Form};
 use super::fit::{Fit, fit};
 use super::gain::{Score, mask};
-use super::physical::{Loop, damping_ratio, fades, shows};
+use super::physical::{Loop, damping_ratio, fades, outlasts, shows};
 use super::pure_error::{PureError, pure_error};
 use super::race::{Runner, is_same};
 use super::screen::Screen;
@@ -73,6 +73,8 @@ pub struct Search<'a> {
     pub basis: Basis,
     /// The causes that it can show.
     pub examinable: Vec<Cause>,
+    /// The longest hold of the recording. Unit: s.
+    pub longest_hold_s: f64,
     /// The rows that are scored.
     pub mask: Vec<bool>,
     /// The set without causes.
@@ -85,7 +87,7 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// Fits the baseline, for a fresh and for a preconditioned muscle, from several starts.
-    pub fn new(signals: &'a mut Signals, examinable: Vec<Cause>) -> Option<Self> {
+    pub fn new(signals: &'a mut Signals, examinable: Vec<Cause>, longest_hold_s: f64) -> Option<Self> {
         let (low, high) = range(&signals.input);
         let basis = Basis::new(low, high, true);
         let first = fit(signals, &basis, &[])?;
@@ -120,6 +122,7 @@ impl<'a> Search<'a> {
             pure_error,
             spread: pure_error,
             shows: true,
+            outlasts: true,
             fades: false,
             damping_ratio: None,
         };
@@ -128,6 +131,7 @@ impl<'a> Search<'a> {
             thinned: signals.thinned(),
             basis,
             examinable,
+            longest_hold_s,
             mask,
             baseline,
             largest: LARGEST,
@@ -193,8 +197,20 @@ impl<'a> Search<'a> {
         let pure_error = pure.map(|error| error.square.sqrt().max(least));
         let spread = self.pure.zip(pure).map(|(before, after)| after.beside(&before, &free).max(least));
         let (shows, fades) = (shows(self, &causes, &fit), fades(self, &causes, &fit));
+        let outlasts = outlasts(self.signals, self.longest_hold_s, &causes, &fit);
         let damping_ratio = damping_ratio(self, &causes, &fit);
-        Candidate { causes, fit, score, pure_error, spread, residual: free, shows, fades, damping_ratio }
+        Candidate {
+            causes,
+            fit,
+            score,
+            pure_error,
+            spread,
+            residual: free,
+            shows,
+            outlasts,
+            fades,
+            damping_ratio,
+        }
     }
 
     /// A set without one of its causes: the rest fitted from where it stands, or as it was found before if that is better.

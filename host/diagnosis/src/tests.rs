@@ -275,7 +275,7 @@ fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     let plant = Plant::new();
     let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
     let mut signals = Signals::new(&plant.recorded(&hysteresis(&late)));
-    let search = Search::new(&mut signals, vec![Cause::TransportDelay]).expect("a baseline");
+    let search = Search::new(&mut signals, vec![Cause::TransportDelay], 0.0).expect("a baseline");
     let starts = Effect::starts(Cause::TransportDelay, search.signals);
     let found = search.race(search.runners(&search.baseline, Cause::TransportDelay, starts), f64::INFINITY);
     let erring = |times: f64| {

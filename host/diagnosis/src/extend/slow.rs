@@ -80,7 +80,7 @@ mod tests {
     fn rows_that_do_not_teach_have_no_say_in_what_goes_slowly() {
         let columns = recorded();
         let mut signals = Signals::new(&columns);
-        let search = Search::new(&mut signals, vec![Cause::Temperature]).expect("a baseline");
+        let search = Search::new(&mut signals, vec![Cause::Temperature], 0.0).expect("a baseline");
         let (set, _) = search.run(&|_| ());
         assert_eq!(set.causes, [Cause::Temperature]);
         let all = carry::extensions(&columns, &search, &set);

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::extend::Extender;
+use super::race::is_same;
 use super::search::Search;
 use recording::numbers::legible;
 
@@ -58,7 +59,7 @@ pub fn settled(
     let mut alike: Vec<&Candidate> = sizes.iter().flatten().filter(|set| is_rival(best, set)).collect();
     alike.sort_by(by_cost);
     let larger = sizes.iter().flatten().filter(|set| is_larger_rival(best, set)).min_by(by_cost);
-    running_free(search, (best, &alike, larger), extender).unwrap_or_else(|| {
+    let mut settled = running_free(search, (best, &alike, larger), extender).unwrap_or_else(|| {
         let is_as_good = |set: &&&Candidate| {
             set.causes.len() <= best.causes.len()
                 && (set.cost() - best.cost()).max(set.evidence(best)) < APART
@@ -69,7 +70,30 @@ pub fn settled(
             alternatives: alike.iter().filter(is_as_good).map(|set| set.causes.clone()).collect(),
             evidence: None,
         }
-    })
+    });
+    let Settled { set, alternatives, .. } = &mut settled;
+    let untold = sizes.iter().flatten().filter(|rival| is_untold(search, set, rival));
+    for rival in untold {
+        if !alternatives.iter().any(|other| is_same(other, &rival.causes)) {
+            alternatives.push(rival.causes.clone());
+        }
+    }
+    settled
+}
+
+/// Whether a rival differs from the set that is left by less than that is off itself beyond the noise: forms that are so near
+/// each other are not told apart by a model that is that far from the muscle, however small the noise is.
+fn is_untold(search: &Search<'_>, set: &Candidate, rival: &Candidate) -> bool {
+    let square = |set: &Candidate| set.score.mean().powi(2);
+    let misfit = square(set) - search.signals.noise.powi(2);
+    rival.shows
+        && rival.outlasts
+        && !set.causes.is_empty()
+        && rival.count() <= set.count()
+        && !is_within(rival, set)
+        && !is_within(set, rival)
+        && square(rival) - square(set) < misfit
+        && says_enough(search, set, rival)
 }
 
 /// What the operator model makes of a set, of those alike, and of a larger one; None where there are no others, or where the model is

@@ -81,17 +81,16 @@ pub fn settled(
     settled
 }
 
-/// Whether a rival differs from the set that is left by less than that is off itself beyond the noise: forms that are so near
-/// each other are not told apart by a model that is that far from the muscle, however small the noise is.
+/// Whether a rival of fewer causes is worse than the set that is left by less than that is off itself beyond the noise: a model
+/// that is so far from the muscle does not show that the simpler form is wrong, however small the noise is.
 fn is_untold(search: &Search<'_>, set: &Candidate, rival: &Candidate) -> bool {
     let square = |set: &Candidate| set.score.mean().powi(2);
     let misfit = square(set) - search.signals.noise.powi(2);
     rival.shows
         && rival.outlasts
         && !set.causes.is_empty()
-        && rival.count() <= set.count()
+        && rival.count() < set.count()
         && !is_within(rival, set)
-        && !is_within(set, rival)
         && square(rival) - square(set) < misfit
         && says_enough(search, set, rival)
 }

@@ -91,6 +91,7 @@ fn is_untold(search: &Search<'_>, set: &Candidate, rival: &Candidate) -> bool {
         && !set.causes.is_empty()
         && rival.count() < set.count()
         && !is_within(rival, set)
+        && !is_within(set, rival)
         && square(rival) - square(set) < misfit
         && says_enough(search, set, rival)
 }

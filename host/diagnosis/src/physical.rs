@@ -157,7 +157,15 @@ pub fn outlasts(signals: &Signals, longest_hold_s: f64, causes: &[Cause], fit: &
     let first = fit.effects.len() - causes.len();
     let Some(place) = causes.iter().position(|cause| *cause == Cause::Creep) else { return true };
     let fractions = fractions(&fit.effects[first + place], fit.output_weights(signals, first + place));
-    let slow = fractions.iter().zip(&signals.creep_s).filter(|(_, tau_s)| OVER * **tau_s > longest_hold_s);
+    goes_on(&fractions, &signals.creep_s, longest_hold_s)
+}
+
+/// Whether elements of these shares and time constants still go on when a hold ends. Units: s.
+fn goes_on(fractions: &[f64], time_constants_s: &[f64], hold_s: f64) -> bool {
+    // A hold may be longer than what the slowest element is given to last.
+    let slowest_s = time_constants_s.last().copied().unwrap_or(0.0);
+    let from_s = (hold_s / OVER).min(slowest_s);
+    let slow = fractions.iter().zip(time_constants_s).filter(|(_, tau_s)| **tau_s >= from_s);
     slow.map(|(fraction, _)| fraction).sum::<f64>() > GOES_ON * fractions.iter().sum::<f64>()
 }
 

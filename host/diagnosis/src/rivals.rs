@@ -84,16 +84,19 @@ pub fn settled(
 /// Whether a rival of fewer causes is worse than the set that is left by less than that is off itself beyond the noise: a model
 /// that is so far from the muscle does not show that the simpler form is wrong, however small the noise is.
 fn is_untold(search: &Search<'_>, set: &Candidate, rival: &Candidate) -> bool {
-    let square = |set: &Candidate| set.score.mean().powi(2);
-    let misfit = square(set) - search.signals.noise.powi(2);
     rival.shows
         && rival.outlasts
         && !set.causes.is_empty()
         && rival.count() < set.count()
         && !is_within(rival, set)
         && !is_within(set, rival)
-        && square(rival) - square(set) < misfit
+        && differ_less_than_misfit(set.score.mean(), rival.score.mean(), search.signals.noise)
         && says_enough(search, set, rival)
+}
+
+/// Whether what a rival is off by more than a set is less than what that is off by itself beyond the noise, as root mean squares.
+fn differ_less_than_misfit(set: f64, rival: f64, noise: f64) -> bool {
+    rival.powi(2) - set.powi(2) < set.powi(2) - noise.powi(2)
 }
 
 /// What the operator model makes of a set, of those alike, and of a larger one; None where there are no others, or where the model is
@@ -201,6 +204,14 @@ mod tests {
     fn of_sets_near_each_other_the_one_is_left_that_the_free_running_model_errs_less_with() {
         let costs = [total(0.0, 0.155), total(0.05, 0.087)];
         assert_eq!(decided(&costs, &[0.155, 0.087]), Some(1));
+    }
+
+    #[test]
+    fn within_the_misfit_that_is_left_a_simpler_form_is_not_refuted() {
+        assert!(differ_less_than_misfit(0.19, 0.21, 0.03));
+        assert!(!differ_less_than_misfit(0.19, 0.35, 0.03));
+        // Where only the noise is left, the smallest difference tells.
+        assert!(!differ_less_than_misfit(0.03, 0.031, 0.03));
     }
 
     #[test]

@@ -303,7 +303,22 @@ pub(super) fn creep(fractions: &[f64], time_constants_s: &[f64]) -> Parameters {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cause, Driver, moved};
+    use super::{Cause, Driver, goes_on, moved};
+
+    const TAU_S: [f64; 5] = [0.1, 0.316, 1.0, 3.16, 10.0];
+
+    #[test]
+    fn a_creep_that_is_over_long_before_the_hold_ends_does_not_go_on() {
+        assert!(!goes_on(&[0.1, 0.2, 0.1, 0.0, 0.0], &TAU_S, 9.0));
+        assert!(goes_on(&[0.1, 0.1, 0.1, 0.1, 0.1], &TAU_S, 9.0));
+        assert!(goes_on(&[0.1, 0.2, 0.1, 0.0, 0.0], &TAU_S, 3.0));
+    }
+
+    #[test]
+    fn behind_a_hold_that_is_longer_than_any_element_lasts_the_slowest_decides() {
+        assert!(goes_on(&[0.1; 5], &TAU_S, 300.0));
+        assert!(!goes_on(&[0.1, 0.1, 0.1, 0.1, 0.0], &TAU_S, 300.0));
+    }
 
     #[test]
     fn what_the_first_strokes_lack_is_a_share_of_the_stroke_that_comes_to_be() {

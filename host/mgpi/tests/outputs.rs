@@ -234,3 +234,17 @@ fn a_model_that_does_not_describe_the_recording_is_called_that() {
     assert!(bench.read("model.toml").contains("limited_by = \"output_falls\""));
     assert!(bench.succeeds("simulate model.toml --input rec.csv -o out.csv").contains("rows simulated"));
 }
+
+/// Not about outputs, but about all of these tests: the bench is theirs.
+#[test]
+fn a_test_that_fails_leaves_no_program_at_work() {
+    let bench = Bench::new();
+    let mut sleeping = std::process::Command::new("sleep");
+    let mut sleeping = sleeping.arg("600").current_dir(bench.path("")).spawn().expect("it starts");
+    let failed = std::panic::catch_unwind(move || {
+        let _bench = bench;
+        panic!("a test that fails on purpose");
+    });
+    assert!(failed.is_err());
+    assert!(!sleeping.wait().expect("a child").success(), "it was not left to end by itself");
+}

@@ -31,11 +31,7 @@ fn record(bench: &Bench, name: &str, units: &Units) {
     let ((input, per_bar), (output, per_mm)) = (units.input, units.output);
     let mut text = format!("time_s,command_{input},pressure_{input},load_n,contraction_{output}\n");
     let (mut pressure, mut plays) = (0.0_f64, [0.0_f64; 3]);
-    let mut seed = 1_u64;
-    let mut noise = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
-    };
+    let mut noise = common::noise(1);
     for row in 0..3600 {
         let time_s = f64::from(row) / 20.0;
         let (period_s, high) = [(20.0, 5.5), (10.0, 5.5), (10.0, 4.0), (20.0, 3.0)][row as usize / 300 % 4];

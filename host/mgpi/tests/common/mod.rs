@@ -87,6 +87,23 @@ impl Bench {
     }
 }
 
+impl Drop for Bench {
+    /// A test that fails leaves no program at work, which would take the processor from all others.
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            processes::kill(self);
+        }
+    }
+}
+
+/// Even noise of -0.5 to 0.5, the same for the same seed.
+pub fn noise(mut seed: u64) -> impl FnMut() -> f64 {
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
+    }
+}
+
 /// A recording: triangles of falling height (6 to 1 bar) and the paper's model's answer, 20 rows a
 /// second.
 pub fn recording(bench: &Bench, name: &str) {

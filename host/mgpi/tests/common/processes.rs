@@ -37,6 +37,14 @@ fn processes(bench: &Bench) -> Vec<u32> {
         .collect()
 }
 
+/// Ends them, whatever they do.
+pub fn kill(bench: &Bench) {
+    for number in processes(bench).into_iter().filter(|&number| number != std::process::id()) {
+        // One that has just ended by itself is no matter.
+        let _ = Command::new("kill").args(["-KILL", &number.to_string()]).status();
+    }
+}
+
 /// The emulators among them.
 pub fn emulators(bench: &Bench) -> Vec<u32> {
     let mut numbers = processes(bench);

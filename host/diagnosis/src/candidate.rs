@@ -6,7 +6,7 @@ use super::fit::Fit;
 use super::gain::Score;
 use super::physical::{DAMPED, RINGS, has_mass_and_viscosity_in_balance};
 
-/// What a set costs that is not what it is called: more than any ratio of errors.
+/// What a set costs whose creep is the tail of a faster effect, as a difference of logarithms of errors: no gain makes up for it.
 const NEVER: f64 = 1e3;
 /// Weight of the pure error beside the held-out one.
 const PURE: f64 = 0.3;

@@ -306,7 +306,7 @@ pub fn diagnose_and_extend(
     let is_third_order = !is_needless && named.is_third_order();
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
     let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();
-    let does_better = unexplained.is_none() && !unexamined.is_empty();
+    let has_unexamined_rival = unexplained.is_none() && !unexamined.is_empty();
     let unexplained = unexplained.or_else(|| poor(&search, columns, &extended).map(Unexplained::Poor));
     if unexplained.is_some() {
         let sets = likely((&best, &sizes), &extended.causes);
@@ -316,7 +316,7 @@ pub fn diagnose_and_extend(
         true => (search.baseline.clone(), Vec::new(), None, None),
         false => (best, alternatives, evidence, valve),
     };
-    if does_better {
+    if has_unexamined_rival {
         alternatives.push(unexamined.clone());
     }
     let inseparable = inseparable(&examinable, &excitation);

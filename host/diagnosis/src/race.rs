@@ -213,6 +213,6 @@ fn has_forms_of(one: &Fit, other: &Fit) -> bool {
 }
 
 /// Whether the causes are the same, in whatever order.
-pub(super) fn is_same(one: &[Cause], other: &[Cause]) -> bool {
+pub(crate) fn is_same(one: &[Cause], other: &[Cause]) -> bool {
     one.len() == other.len() && one.iter().all(|cause| other.contains(cause))
 }

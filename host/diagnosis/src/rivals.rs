@@ -81,8 +81,8 @@ pub fn settled(
     settled
 }
 
-/// Whether a rival of fewer causes is worse than the set that is left by less than that is off itself beyond the noise: a model
-/// that is so far from the muscle does not show that the simpler form is wrong, however small the noise is.
+/// Whether a rival with fewer causes is worse than the chosen set by less than the misfit of that set, which is its error beyond the
+/// noise: a model that is so far from the muscle does not show that the simpler form is wrong, however small the noise is.
 fn is_untold(search: &Search<'_>, set: &Candidate, rival: &Candidate) -> bool {
     rival.shows
         && rival.outlasts
@@ -94,7 +94,8 @@ fn is_untold(search: &Search<'_>, set: &Candidate, rival: &Candidate) -> bool {
         && says_enough(search, set, rival)
 }
 
-/// Whether what a rival is off by more than a set is less than what that is off by itself beyond the noise, as root mean squares.
+/// Whether the squared error of a rival exceeds that of a set by less than the set's own squared error exceeds the noise's. All are
+/// root mean squares, output unit.
 fn differ_less_than_misfit(set: f64, rival: f64, noise: f64) -> bool {
     rival.powi(2) - set.powi(2) < set.powi(2) - noise.powi(2)
 }
@@ -210,7 +211,7 @@ mod tests {
     fn within_the_misfit_that_is_left_a_simpler_form_is_not_refuted() {
         assert!(differ_less_than_misfit(0.19, 0.21, 0.03));
         assert!(!differ_less_than_misfit(0.19, 0.35, 0.03));
-        // Where only the noise is left, the smallest difference tells.
+        // Where the set leaves nothing but noise, any difference decides.
         assert!(!differ_less_than_misfit(0.03, 0.031, 0.03));
     }
 

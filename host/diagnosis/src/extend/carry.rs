@@ -28,7 +28,8 @@ const FILTER_S: f64 = 0.01;
 const PRESSURE_FILTER_S: f64 = 0.02;
 /// The least slope of the loop that an output is divided by, as a share of the mean one.
 pub(super) const LEAST_SLOPE: f64 = 0.1;
-/// The largest sum of the shares of a creep that a refinement begins with; the model's bound is 1.
+/// The largest sum of the shares of a creep that a refinement begins with: the model's bound is 1, and a tenth of the way is left to
+/// move at once. The refinement may come nearer to the bound.
 const MOST_LATE: f64 = 0.9;
 /// The least half width of a loop, as a share of the input's span.
 const LEAST_WIDTH: f64 = 0.01;
@@ -301,7 +302,7 @@ impl Carrier<'_> {
     }
 }
 
-/// What shares of a creep are multiplied with to be less than the whole: the search has no such bound, and the model does.
+/// The factor that brings the sum of a creep's shares below 1: the model has that bound, the search has not.
 fn below_the_whole(fractions: &[f64]) -> f64 {
     let sum: f64 = fractions.iter().sum();
     if sum > MOST_LATE { MOST_LATE / sum } else { 1.0 }

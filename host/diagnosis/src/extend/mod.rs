@@ -22,9 +22,10 @@
 //!
 //! # Contract
 //! What is fitted has seen nothing of the output but the scored rows before the split, when the models are compared behind
-//! it; then it goes on from there with all rows. The model without extensions is fitted in the same way, of the same size, from the
+//! it; then it is fitted further, with all rows. The model without extensions is fitted in the same way, of the same size, from the
 //! extended one's operator too, but that its operator, which sees what was recorded, is free to rise as unevenly as that says; with
-//! all rows it is never worse than what `mgpi identify` finds.
+//! all rows, and the input as it was measured, it is never worse than what `mgpi identify` finds. Where nothing explains the
+//! recording, other sets of causes are tried too, for what is written alone.
 //!
 //! # Limits
 //! The causes, and where the fit begins, come from the whole recording, but for what stays near there (`slow`); a gain that is free
@@ -57,6 +58,7 @@ use rayon::prelude::*;
 use super::Columns;
 use super::candidate::Candidate;
 use super::cause::Cause;
+use super::race::is_same;
 use super::search::Search;
 use super::valve::ValveFit;
 use beginnings::{continued, nearer, plainer};
@@ -250,14 +252,12 @@ fn rows(columns: &Columns) -> Rows<'_> {
 /// Sets of each size whose models are tried where the search's own choice explains nothing.
 const LIKELY: usize = 2;
 
-/// The set that the search is for and the best of each size, without those of the given causes: where nothing may be named, one of
-/// them may predict all the same.
+/// The set that the search has chosen and the best of each size, without the set of the given causes: where no cause can be named,
+/// a model with one of them may still predict better.
 pub fn likely<'a>((best, sizes): (&'a Candidate, &'a [Vec<Candidate>]), but: &[Cause]) -> Vec<&'a Candidate> {
     let mut likely: Vec<&Candidate> = Vec::new();
     for set in [best].into_iter().chain(sizes.iter().flat_map(|size| size.iter().take(LIKELY))) {
-        let is_known = |causes: &[Cause]| {
-            causes.len() == set.causes.len() && set.causes.iter().all(|cause| causes.contains(cause))
-        };
+        let is_known = |causes: &[Cause]| is_same(causes, &set.causes);
         if !set.causes.is_empty() && !is_known(but) && !likely.iter().any(|other| is_known(&other.causes)) {
             likely.push(set);
         }
@@ -346,7 +346,7 @@ impl<'a> Extender<'a> {
         Some(operator)
     }
 
-    /// Extends the operator model by each of a few sets; those are left out with which no model runs through the recording.
+    /// Extends the operator model by each of a few sets; a set with which no model can be simulated is left out.
     pub fn extend_each(
         &self,
         sets: &[&Candidate],

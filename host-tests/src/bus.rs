@@ -145,7 +145,7 @@ impl BusBoard {
     }
 
     /// Sends a request (function and data) to the board, and answers function and data of its
-    /// response; an empty one is none. The first byte of an exception is its function with the
+    /// response; empty if the server did not answer. The first byte of an exception is its function with the
     /// highest bit.
     ///
     /// # Panics

@@ -51,7 +51,7 @@ impl Bus {
         Self { receiver: Receiver::new(pause, silence), session: Session::new(), response: Vec::new() }
     }
 
-    /// Takes a byte, or the news that there is none, at a moment of a clock that wraps; to be
+    /// Takes a received byte, or `None` if none has come, at a moment of a clock that wraps; to be
     /// called at least every few ticks. Answers what is to be sent.
     pub fn take(&mut self, byte: Option<u8>, moment: u32, node: &mut impl Node) -> &[u8] {
         self.response.clear();

@@ -114,7 +114,7 @@ impl<F: NorFlash> ParameterStore<F> {
     /// Keeps a set. `state`: the board's, in which it stays meanwhile.
     ///
     /// # Errors
-    /// The state is not a vented one; the set is none; the flash fails. The old set is then still
+    /// The state is not vented; the set is not valid; the flash fails. The old set is then still
     /// the newest; after a failure of the flash the new one may be.
     pub fn save(&mut self, state: State, parameters: &Parameters) -> Result<(), SaveError> {
         if state.is_driven() {
@@ -136,7 +136,7 @@ impl<F: NorFlash> ParameterStore<F> {
         }
     }
 
-    /// Erases the sector that the newest record is not in, `sector` if there is none, and makes the
+    /// Erases the sector without the newest record (`sector`, where no record is stored) and makes the
     /// set its first record.
     fn begin(&mut self, sector: Sector, parameters: &Parameters) -> Result<(), SaveError> {
         let (sector, sequence) = match self.newest() {

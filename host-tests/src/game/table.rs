@@ -88,6 +88,7 @@ impl fmt::Display for Played {
 
 /// Where the true share lies with a confidence of 95 %, by Wilson's interval.
 pub fn wilson(count: usize, of: usize) -> (f64, f64) {
+    // Standard deviations of a normal distribution that hold 95 % of it.
     const DEVIATIONS: f64 = 1.96;
     let (of, square) = (of.max(1) as f64, DEVIATIONS * DEVIATIONS);
     let share = count as f64 / of;

@@ -10,7 +10,7 @@ use super::structure::Structure;
 use super::{DEAD_ZONES, FREE, IdentificationError, Options, PLAYS, Problem, Weights};
 use recording::numbers::range;
 
-/// The smallest slope that the stage behind the plays may get, as a share of the mean slope: how
+/// The smallest slope allowed in the stage behind the plays, as a share of the mean slope: how
 /// far a model is kept from being non-invertible.
 const LEAST_SLOPE: f64 = 1e-2;
 

@@ -25,7 +25,8 @@ use crate::scale::Scale;
 use crate::sensor::{Resolution, Sensors};
 use crate::truth::Truth;
 
-/// Stroke and force of the muscle that the effects are sized for, and the length of its recording.
+/// The muscle that the sizes of the effects (`parameters.rs`) are meant for: its stroke, its force by the data sheet, and the length
+/// of the protocol `rich`.
 const RIG_STROKE_MM: f64 = 125.0;
 const RIG_FORCE_N: f64 = 1500.0;
 const RIG_DURATION_S: f64 = 120.0;

@@ -334,7 +334,7 @@ fn stream(board: &mut Board) -> Result<Block, BoardError> {
     Ok(board.read(Id::StreamState, Id::StreamStart)?)
 }
 
-/// The smallest distance of recorded ticks that the bus keeps up with, by the time of a reading of
+/// The smallest spacing of recorded ticks that the bus can carry, from the measured time to read
 /// a window.
 fn carried(board: &mut Board, period_s: f64) -> Result<u16, BoardError> {
     let begin = Instant::now();

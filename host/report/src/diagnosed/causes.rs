@@ -48,8 +48,9 @@ fn parameters(named: &Named, units: Names) -> Markup {
     table(&["parameter (unit)", "value"].map(str::to_owned), &rows)
 }
 
-/// A share in percent; what is not all does not look like it.
+/// A share in percent; a share below 1 is never rounded to 100 %.
 fn percent(share: f64) -> String {
+    // From here on four digits would say 100.0.
     const ALMOST_ALL: f64 = 0.9995;
     if (ALMOST_ALL..1.0).contains(&share) {
         return "more than 99.9".to_owned();

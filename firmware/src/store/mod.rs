@@ -136,8 +136,8 @@ impl<F: NorFlash> ParameterStore<F> {
         }
     }
 
-    /// Erases the sector without the newest record (`sector`, where no record is stored) and makes the
-    /// set its first record.
+    /// Erases the sector without the newest record (`sector`, where no record is stored) and makes
+    /// the set its first record.
     fn begin(&mut self, sector: Sector, parameters: &Parameters) -> Result<(), SaveError> {
         let (sector, sequence) = match self.newest() {
             Ok(Some(Found { record, sector })) => (sector.other(), record.next_sequence()),

@@ -153,8 +153,8 @@ fn simulated_rmse(bench: &Bench, model: &str) -> f64 {
     figure.expect("an error").parse().expect("a number")
 }
 
-/// Diagnoses the recording and writes a model, which is no worse than that of `identify`, and as good
-/// as the JSON says; answers what the command has printed.
+/// Diagnoses the recording and writes a model, which is no worse than that of `identify`, and as
+/// good as the JSON says; answers what the command has printed.
 fn diagnosed_no_worse_than_identified(bench: &Bench) -> String {
     let said = bench.succeeds("diagnose rec.csv -o written.toml --json d.json");
     bench.succeeds("identify rec.csv -o identified.toml --no-holdout");

@@ -65,8 +65,8 @@ impl<F: NorFlash> Sectors<F> {
         self.0
     }
 
-    /// Shows every readable record of a sector, the oldest first, up to the last one, or to one that
-    /// is longer than the buffer.
+    /// Shows every readable record of a sector, the oldest first, up to the last one, or to one
+    /// that is longer than the buffer.
     pub fn for_each(
         &mut self,
         sector: Sector,

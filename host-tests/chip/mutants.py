@@ -3,7 +3,7 @@
     MGPI_CHIP_PYTHON=target/chip-model/bin/python MGPI_CHIP_PROGRAM=mutants.py \
         cargo test -p host-tests --test chip
 
-The changes are those of `mutants.csv`: a file below `firmware/src`, what stands there exactly once, what takes its place, the
+The changes are those of `mutants.csv`: a file below `firmware`, what stands there exactly once, what takes its place, the
 tests that are most likely to catch it, and why none has to where none does. A copy of the project is changed, and
 built. Ends with 1 where less than 95 % are caught, where one that is not caught has no reason, or where one cannot be built.
 
@@ -26,7 +26,7 @@ TARGET = PROJECT / "target" / "mutants"
 TRIPLE = "thumbv7em-none-eabihf"
 IMAGE = TARGET / TRIPLE / "firmware" / "stm32f405"
 BUILD = [
-    "cargo", "build", "--quiet", "--package", "firmware", "--profile", "firmware", "--bin", "stm32f405",
+    "cargo", "build", "--quiet", "--package", "images", "--profile", "firmware", "--bin", "stm32f405",
     "--features", "stm32f405", "--target", TRIPLE, "--target-dir", str(TARGET),
 ]
 LEAST_SHARE = 0.95
@@ -83,7 +83,7 @@ def main():
         for number, mutant in enumerate(csv.DictReader(file), 1):
             if numbers is not None and number not in numbers:
                 continue
-            place = COPY / "firmware" / "src" / mutant["file"]
+            place = COPY / "firmware" / mutant["file"]
             text = place.read_text(encoding="utf-8")
             was, becomes = (mutant[name].replace("\\n", "\n") for name in ("was", "becomes"))
             shown = f"{number:3} {mutant['file']}: `{mutant['was']}` -> `{mutant['becomes']}`"

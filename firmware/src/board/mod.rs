@@ -4,7 +4,8 @@
 //! |---|---|
 //! | [`pwm_valve`] | a solenoid by the duty cycle of anything that has [`embedded_hal::pwm`] |
 //! | [`spi_dac`] | a set point by a converter on a bus, by [`embedded_hal::spi`] |
-//! | `stm32f405/` | the processor's own converters and timers; part of the image, not of this library |
+//!
+//! The processor's own converters and timers are driven by the crate `bsp`.
 
 pub mod pwm_valve;
 pub mod spi_dac;

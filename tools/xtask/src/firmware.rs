@@ -30,7 +30,7 @@ pub fn build(compiler: &BoardCompiler) -> Result<()> {
 /// # Errors
 /// When cargo fails.
 pub fn build_images(compiler: &BoardCompiler, features: &str) -> Result<()> {
-    let mut cargo = run::cargo(&["build", "--package", "firmware", "--profile", "firmware", "--bins"]);
+    let mut cargo = run::cargo(&["build", "--package", "images", "--profile", "firmware", "--bins"]);
     cargo.args(["--features", features, "--target", TARGET]);
     cargo.arg("--target-dir").arg(run::target_dir().join("firmware"));
     compiler.apply(&mut cargo);

@@ -25,58 +25,63 @@
 //! # Parameters
 //! A configuration and limits that were accepted are stored, and taken again behind the next start.
 //! Storing them stops the processor for some milliseconds, up to half a second when a sector is
-//! full: see [`drivers::parameter_flash`].
+//! full: see [`bsp::stm32f405::parameter_flash`].
 //!
 //! # Limits
 //! The internal oscillator, which is the fall-back, is 1 % off; so is the tick then.
 #![no_std]
 #![no_main]
 
-#[path = "../../hardware/bus_port.rs"]
-mod bus_port;
-#[path = "../../board/stm32f405/mod.rs"]
-mod drivers;
-#[path = "../../hardware/link.rs"]
-mod link;
-#[path = "../../hardware/ports.rs"]
-mod ports;
-#[path = "../../hardware/safe_end.rs"]
-mod safe_end;
-#[path = "../../hardware/serial.rs"]
-mod serial;
-
+use bsp::safe_end::SafeEnd;
+use bsp::stm32f405::{memory, valve};
 use defmt_rtt as _;
-use drivers::{memory, valve};
 use firmware::watchdog::CheckIns;
 use wire::Fault;
 
 /// Where the tasks check in.
 static CHECK_INS: CheckIns = CheckIns::new();
 
-/// Vents, whatever state the program is in.
-fn make_safe() {
-    valve::vent();
+/// Vents, records what happened, and resets the processor.
+enum Restart {}
+
+impl SafeEnd for Restart {
+    fn make_safe() {
+        valve::vent();
+    }
+
+    fn end(fault: Fault, detail: u32) -> ! {
+        memory::seal(fault, detail);
+        cortex_m::peripheral::SCB::sys_reset()
+    }
 }
 
-/// Records what happened, and resets the processor.
-fn end(fault: Fault, detail: u32) -> ! {
-    memory::seal(fault, detail);
-    cortex_m::peripheral::SCB::sys_reset()
-}
+bsp::end_safely!(Restart);
 
 /// The crystal has stopped: the internal oscillator has taken over, and all that measures time is
 /// wrong.
 #[cortex_m_rt::exception]
 unsafe fn NonMaskableInt() -> ! {
     cortex_m::interrupt::disable();
-    make_safe();
-    end(Fault::Clock, 0)
+    Restart::make_safe();
+    Restart::end(Fault::Clock, 0)
 }
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
     use core::sync::atomic::{AtomicBool, Ordering};
 
+    use bsp::bus_port::{BusBuffers, Stamped, serve};
+    use bsp::link::{LinkBuffers, LinkLine, answer, log_change};
+    use bsp::ports;
+    use bsp::serial::{self, Line, Mover, Port};
+    use bsp::stm32f405::clock::{self, Source};
+    use bsp::stm32f405::parameter_flash::ParameterFlash;
+    use bsp::stm32f405::pins::{self, BusDriver, DumpValve, Light, VoltageDetector};
+    use bsp::stm32f405::scan::Scan;
+    use bsp::stm32f405::thermometer::Thermometer;
+    use bsp::stm32f405::tick::{TICKS_PER_SECOND, Tick, moment_us};
+    use bsp::stm32f405::watchdog::HardwareWatchdog;
+    use bsp::stm32f405::{SensorsAndValve, memory, output};
     use firmware::bus::Bus;
     use firmware::node::{Node, apply};
     use firmware::store::{ParameterStore, Parameters, SaveError};
@@ -86,18 +91,7 @@ mod app {
     use stm32f4::stm32f405::{Interrupt, USART1, USART2};
     use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State, registers};
 
-    use crate::bus_port::{BusBuffers, Stamped, serve};
-    use crate::drivers::clock::{self, Source};
-    use crate::drivers::parameter_flash::ParameterFlash;
-    use crate::drivers::pins::{self, BusDriver, DumpValve, Light, VoltageDetector};
-    use crate::drivers::scan::Scan;
-    use crate::drivers::thermometer::Thermometer;
-    use crate::drivers::tick::{TICKS_PER_SECOND, Tick, moment_us};
-    use crate::drivers::watchdog::HardwareWatchdog;
-    use crate::drivers::{SensorsAndValve, memory, output};
-    use crate::link::{LinkBuffers, LinkLine, answer, log_change};
-    use crate::serial::{Line, Mover, Port};
-    use crate::{CHECK_INS, ports, serial};
+    use crate::CHECK_INS;
 
     /// Times from the end of a byte to that of the next, which takes 87 µs. Masters leave hardly
     /// more than 0.75 ms before a request; the standard asks for 1.75 ms (Modbus over serial line
@@ -373,9 +367,9 @@ mod app {
         CHECK_INS.check_in(Task::Link);
         let mut node = BoardNode::new(cx.shared.control, cx.shared.kept);
         if !link_port.is_sending()
-            && let Some(received) = crate::link::next(link_port, receiver)
+            && let Some(received) = bsp::link::next(link_port, receiver)
         {
-            crate::link::send(link_port, frame, &answer(received, &mut node));
+            bsp::link::send(link_port, frame, &answer(received, &mut node));
         }
     }
 

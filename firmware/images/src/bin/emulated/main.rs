@@ -20,31 +20,30 @@
 #![no_std]
 #![no_main]
 
-#[path = "../../hardware/bus_port.rs"]
-mod bus_port;
-#[path = "../../hardware/link.rs"]
-mod link;
-#[path = "../../hardware/ports.rs"]
-mod ports;
-#[path = "../../hardware/safe_end.rs"]
-mod safe_end;
-#[path = "../../hardware/serial.rs"]
-mod serial;
-
+use bsp::safe_end::SafeEnd;
 use defmt_semihosting as _;
 
-/// There is no valve.
-fn make_safe() {}
+/// Ends the emulator with a failure. There is no valve.
+enum Failure {}
 
-/// Ends the emulator with a failure.
-fn end(_: wire::Fault, _: u32) -> ! {
-    semihosting::process::exit(1)
+impl SafeEnd for Failure {
+    fn make_safe() {}
+
+    fn end(_: wire::Fault, _: u32) -> ! {
+        semihosting::process::exit(1)
+    }
 }
+
+bsp::end_safely!(Failure);
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
     use core::sync::atomic::{AtomicU32, Ordering};
 
+    use bsp::bus_port::{BusBuffers, Stamped, serve};
+    use bsp::link::{LinkBuffers, LinkLine, answer, log_change};
+    use bsp::ports;
+    use bsp::serial::{self, Line, Mover, Port};
     use firmware::bus::Bus;
     use firmware::control::TickOutcome;
     use firmware::lock_step::reply;
@@ -55,11 +54,6 @@ mod app {
     use stm32f4::stm32f405::Interrupt;
     use stm32f4::stm32f405::{USART1, USART2};
     use wire::{FRAME_BYTES, Receiver, Request, Response, State, TickRequest, registers};
-
-    use crate::bus_port::{BusBuffers, Stamped, serve};
-    use crate::link::{LinkBuffers, LinkLine, answer, log_change};
-    use crate::serial::{Line, Mover, Port};
-    use crate::{ports, serial};
 
     /// The emulated port does not time its bits; any clock will do.
     const CLOCK_HZ: u32 = 16_000_000;
@@ -144,7 +138,7 @@ mod app {
         let parameters = Parameters::FACTORY;
         let mut control = Control::new(parameters.protection, None, cx.local.black_box, cx.local.capture);
         let mut frame = [0; FRAME_BYTES];
-        crate::link::send(&mut link_port, &mut frame, &control.apply(Order::Identify));
+        bsp::link::send(&mut link_port, &mut frame, &control.apply(Order::Identify));
         defmt::info!("emulated board, messages version {=u16}", wire::VERSION);
         let logged = control.state();
         let lock_step = LockStep { control, board: LockStepBoard::new(), outcome: None };
@@ -184,14 +178,14 @@ mod app {
         if link_port.is_sending() {
             return;
         }
-        let Some(received) = crate::link::next(link_port, receiver) else {
+        let Some(received) = bsp::link::next(link_port, receiver) else {
             return;
         };
         let response = match received {
             Ok(Request::Tick(request)) => run_tick(lock_step, request),
             other => answer(other, &mut EmulatedNode { lock_step, parameters: cx.shared.parameters }),
         };
-        crate::link::send(link_port, frame, &response);
+        bsp::link::send(link_port, frame, &response);
         log_change(logged, lock_step.lock(|shared| shared.control.state()));
     }
 

@@ -12,6 +12,7 @@
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use cortex_m::peripheral::NVIC;
 use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4::stm32f405::Interrupt;
 use stm32f4::stm32f405::usart1::RegisterBlock;
@@ -102,7 +103,7 @@ impl<P: Deref<Target = RegisterBlock>, L: Line> Mover<P, L> {
         let is_echo = L::HAS_ECHO && self.is_sending.load(Ordering::Acquire);
         if status.rxne().bit_is_set() && !is_echo {
             let _ = self.arrived.enqueue(self.line.received(byte));
-            rtic::pend(L::TASK);
+            NVIC::pend(L::TASK);
         }
     }
 
@@ -122,7 +123,7 @@ impl<P: Deref<Target = RegisterBlock>, L: Line> Mover<P, L> {
             self.line.drive(false);
             self.is_driving = false;
             self.is_sending.store(false, Ordering::Release);
-            rtic::pend(L::TASK);
+            NVIC::pend(L::TASK);
         }
         // The next interrupt: room for a byte, or the end of the last one.
         let is_driving = self.is_driving;
@@ -161,6 +162,6 @@ impl<L: Line> Port<L> {
             let _ = self.outgoing.enqueue(byte);
         }
         self.sending.store(true, Ordering::Release);
-        rtic::pend(L::PORT);
+        NVIC::pend(L::PORT);
     }
 }

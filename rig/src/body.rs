@@ -1,8 +1,10 @@
-//! What turns pressure into contraction inside a plant: a trait, and the body that is a balance of forces.
+//! What turns pressure into contraction inside a plant: a trait, and the body that is a balance of
+//! forces.
 //!
-//! [`Balance`] puts every effect where it acts in the forces on the muscle; what an effect does to the valve,
-//! the line or the sensor is the plant's matter. Its time constants and frequencies hold at mid stroke of the
-//! frictionless muscle, with the stiffness it has there while all friction slips.
+//! [`Balance`] puts every effect where it acts in the forces on the muscle; what an effect does to
+//! the valve, the line or the sensor is the plant's matter. Its time constants and frequencies hold
+//! at mid stroke of the frictionless muscle, with the stiffness it has there while all friction
+//! slips.
 
 use crate::braid::Braid;
 use crate::creep::Creep;
@@ -122,8 +124,8 @@ fn dynamics(load_n: f64, effects: &Effects) -> Dynamics {
     dynamics
 }
 
-/// Stiffness at mid stroke between 0 bar and the range's end, without friction, N per unit of contraction
-/// ratio.
+/// Stiffness at mid stroke between 0 bar and the range's end, without friction, N per unit of
+/// contraction ratio.
 fn mid_stroke_stiffness_n(load_n: f64) -> f64 {
     let ends = [0.0, VALVE_RANGE_BAR].map(|pressure_bar| frictionless_ratio(pressure_bar, load_n, 1.0));
     let middle = 0.5 * (ends[0] + ends[1]);
@@ -137,7 +139,8 @@ fn sliding_stiffness_n(pressure_bar: f64, ratio: f64) -> f64 {
     SKIN_STIFFNESS_N - Braid::new().pull_n(pressure_bar, ratio).1
 }
 
-/// The contraction ratio at which pull, skin and load balance. `skin`: factor on the skin's stiffness.
+/// The contraction ratio at which pull, skin and load balance. `skin`: factor on the skin's
+/// stiffness.
 fn frictionless_ratio(pressure_bar: f64, load_n: f64, skin: f64) -> f64 {
     let (braid, stiffness_n) = (Braid::new(), skin * SKIN_STIFFNESS_N);
     bisected(-load_n / stiffness_n, braid.neutral_ratio(), |ratio| {

@@ -1,9 +1,10 @@
 //! Pulling force of the inflated braid.
 //!
-//! Inextensible fibres wound at an angle turn radial pressure into a pull (Chou and Hannaford 1996): `F = A
-//! p_eff (a (1 - k e)^2 - b)` with `a = 3/tan²`, `b = 1/sin²` of the fibre angle, contraction ratio `e` and
-//! the end correction `k` of Tondu and Lopez (2000). The tube bears on the fibres only beyond a threshold,
-//! and not everywhere at once, so the effective pressure is a smooth hinge that is 0 at 0 bar.
+//! Inextensible fibres wound at an angle turn radial pressure into a pull (Chou and Hannaford
+//! 1996): `F = A p_eff (a (1 - k e)^2 - b)` with `a = 3/tan²`, `b = 1/sin²` of the fibre angle,
+//! contraction ratio `e` and the end correction `k` of Tondu and Lopez (2000). The tube bears on
+//! the fibres only beyond a threshold, and not everywhere at once, so the effective pressure is a
+//! smooth hinge that is 0 at 0 bar.
 
 use crate::parameters::{
     BORE_FORCE_N_PER_BAR, END_CORRECTION, FIBRE_ANGLE_DEG, THRESHOLD_PRESSURE_BAR, THRESHOLD_WIDTH_BAR,
@@ -38,8 +39,8 @@ impl Braid {
     }
 }
 
-/// The part of the pressure that reaches the fibres, bar: 0 at 0 bar, parallel to the pressure far above the
-/// threshold.
+/// The part of the pressure that reaches the fibres, bar: 0 at 0 bar, parallel to the pressure far
+/// above the threshold.
 fn effective_pressure_bar(pressure_bar: f64) -> f64 {
     let hinge = |above_bar: f64| 0.5 * (above_bar + above_bar.hypot(THRESHOLD_WIDTH_BAR));
     hinge(pressure_bar - THRESHOLD_PRESSURE_BAR) - hinge(-THRESHOLD_PRESSURE_BAR)

@@ -1,9 +1,9 @@
 //! An elasto-plastic bristle: a spring in series with friction.
 //!
-//! The spring holds the contraction to an anchor until its force reaches the limit, then the anchor is
-//! dragged along. The limits are given by the caller at every step since they grow with pressure, and may
-//! grow with the speed of sliding. Six of these in parallel are the muscle's memory (Maxwell slip; for
-//! muscles Vo-Minh et al. 2011).
+//! The spring holds the contraction to an anchor until its force reaches the limit, then the anchor
+//! is dragged along. The limits are given by the caller at every step since they grow with
+//! pressure, and may grow with the speed of sliding. Six of these in parallel are the muscle's
+//! memory (Maxwell slip; for muscles Vo-Minh et al. 2011).
 
 use crate::dynamics::Limits;
 
@@ -20,7 +20,8 @@ impl Bristle {
         Self { stiffness_n, anchor_ratio: contraction_ratio }
     }
 
-    /// Resistance to contraction in N and its slope in N, if the contraction went to `contraction_ratio`.
+    /// Resistance to contraction in N and its slope in N, if the contraction went to
+    /// `contraction_ratio`.
     pub(crate) fn resistance_n(&self, contraction_ratio: f64, limits_n: &Limits) -> (f64, f64) {
         let elastic_n = self.stiffness_n * (contraction_ratio - self.anchor_ratio);
         if elastic_n > limits_n.rising.0 {

@@ -1,5 +1,5 @@
-//! The commands of `rig`: `record` writes a recording, `plant` is a plant on standard input and output,
-//! `reference` writes a reference to track. They are those of `mgpi rig` too.
+//! The commands of `rig`: `record` writes a recording, `plant` is a plant on standard input and
+//! output, `reference` writes a reference to track. They are those of `mgpi rig` too.
 
 use std::path::PathBuf;
 
@@ -28,8 +28,8 @@ const RATE_HZ: f64 = 200.0;
 pub enum Command {
     /// Play a protocol on the plant and write a recording
     Record(RecordArgs),
-    /// Be a plant: `time_s command_bar` a line on standard input, `pressure_bar contraction_mm` on standard
-    /// output
+    /// Be a plant: `time_s command_bar` a line on standard input, `pressure_bar contraction_mm` on
+    /// standard output
     Plant(PlantArgs),
     /// Write a reference of raised cosines
     Reference(ReferenceArgs),
@@ -69,8 +69,8 @@ pub struct PlantArgs {
     /// Sensors that tell the truth
     #[arg(long)]
     no_noise: bool,
-    /// What to hide in the plant: effects joined by `+`, `none`, `random` or `random-pair`; load and
-    /// temperature are then told too
+    /// What to hide in the plant: effects joined by `+`, `none`, `random` or `random-pair`; load
+    /// and temperature are then told too
     #[arg(long, value_name = "EFFECT[+EFFECT]")]
     hide: Option<Hide>,
     /// How strongly: 1 is plainly visible, 0.33 just so

@@ -1,7 +1,7 @@
 //! Creep: part of a quantity comes late, through Kelvin-Voigt elements in series.
 //!
-//! Each element is a spring beside a dashpot and follows the quantity with its own time constant; together
-//! they take up a fixed share of it, the rest is there at once.
+//! Each element is a spring beside a dashpot and follows the quantity with its own time constant;
+//! together they take up a fixed share of it, the rest is there at once.
 
 use crate::effects;
 

@@ -1,4 +1,5 @@
-//! Seeded randomness. Every user has a stream of its own, so that hiding one effect changes no other draw.
+//! Seeded randomness. Every user has a stream of its own, so that hiding one effect changes no
+//! other draw.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

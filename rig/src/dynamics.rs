@@ -1,13 +1,15 @@
 //! Forces of motion: mass, viscosity, and friction that grows with the speed of sliding.
 //!
-//! A step by Newmark's average acceleration turns mass and viscosity into one more spring, from the ratio the
-//! muscle would fly to; so the balance of forces keeps its form and its single root. The friction's limit is
-//! `F0 (1 + k s^a)` with the speed s in the direction of sliding, in units of [`RATE_UNIT_MM_PER_S`]; below
-//! 1 mm/s the power is rounded off, since its slope at rest would be infinite.
+//! A step by Newmark's average acceleration turns mass and viscosity into one more spring, from the
+//! ratio the muscle would fly to; so the balance of forces keeps its form and its single root. The
+//! friction's limit is `F0 (1 + k s^a)` with the speed s in the direction of sliding, in units of
+//! [`RATE_UNIT_MM_PER_S`]; below 1 mm/s the power is rounded off, since its slope at rest would be
+//! infinite.
 
 use crate::parameters::NOMINAL_LENGTH_MM;
 
-/// Speed at which a rate-dependent friction has grown by its gain, mm/s: at mid stroke that of 1 bar/s.
+/// Speed at which a rate-dependent friction has grown by its gain, mm/s: at mid stroke that of 1
+/// bar/s.
 pub const RATE_UNIT_MM_PER_S: f64 = 20.0;
 
 /// Speed below which the growth of the friction is rounded off, mm/s.

@@ -1,4 +1,5 @@
-//! The effects that can be hidden, by name: the causes that a diagnosis knows, and outsiders that it does not.
+//! The effects that can be hidden, by name: the causes that a diagnosis knows, and outsiders that
+//! it does not.
 
 use std::fmt;
 use std::str::FromStr;
@@ -72,8 +73,8 @@ impl Effect {
         Self::ALL.split_at(CAUSES).1
     }
 
-    /// Whether it acts within fractions of a second behind the pressure sensor. Two of these are the hardest
-    /// to tell apart.
+    /// Whether it acts within fractions of a second behind the pressure sensor. Two of these are
+    /// the hardest to tell apart.
     pub fn is_fast(self) -> bool {
         matches!(self, Self::TransportDelay | Self::ViscousLag | Self::Inertia | Self::RateDependentWidth)
     }

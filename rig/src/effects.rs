@@ -1,8 +1,9 @@
-//! The parameters of the hidden effects: drawn by the seed around nominal values, scaled by the strength.
+//! The parameters of the hidden effects: drawn by the seed around nominal values, scaled by the
+//! strength.
 //!
-//! They are written as a model's user names them; where an effect acts, the plant turns them into forces,
-//! thresholds or volts. Strength 1 adds several times the misfit of a good operator model (0.3 to 0.6 mm),
-//! strength 0.33 is just visible. Strength 0 hides nothing at all.
+//! They are written as a model's user names them; where an effect acts, the plant turns them into
+//! forces, thresholds or volts. Strength 1 adds several times the misfit of a good operator model
+//! (0.3 to 0.6 mm), strength 0.33 is just visible. Strength 0 hides nothing at all.
 
 use serde::Serialize;
 
@@ -92,7 +93,8 @@ pub struct ViscousLag {
     pub time_constant_s: f64,
 }
 
-/// Friction `F0 (1 + width_gain rate^rate_exponent)`; the rate is 1 at 1 bar/s, or near it at 20 mm/s.
+/// Friction `F0 (1 + width_gain rate^rate_exponent)`; the rate is 1 at 1 bar/s, or near it at 20
+/// mm/s.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RateDependentWidth {
     /// Growth at rate 1, dimensionless.
@@ -145,7 +147,8 @@ pub struct Drift {
 /// Stiffness that goes with travel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WarmUp {
-    /// Additional share of the skin's stiffness at first. The operator plant's curve lacks this share.
+    /// Additional share of the skin's stiffness at first. The operator plant's curve lacks this
+    /// share.
     pub fraction: f64,
     /// Travel after which a part 1/e of it is left, mm.
     pub travel_mm: f64,
@@ -246,7 +249,8 @@ impl Effects {
                 });
             }
             Effect::Inertia => {
-                // At a constant damping ratio both the lag and the time to swing go with the strength.
+                // At a constant damping ratio both the lag and the time to swing go with the
+                // strength.
                 self.inertia = Some(Inertia {
                     natural_frequency_hz: draw.around(4.0) / strength,
                     damping_ratio: draw.around(0.25),

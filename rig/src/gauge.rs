@@ -1,7 +1,8 @@
 //! The length gauge: what stands between the muscle's contraction and the reading, noise aside.
 //!
-//! Tone and drift are causes a diagnosis can name. The rest is not on its list: a step of the zero, a bend of
-//! the curve that comes and goes, a rod that sticks and jumps, bursts of a foreign signal, outliers.
+//! Tone and drift are causes a diagnosis can name. The rest is not on its list: a step of the zero,
+//! a bend of the curve that comes and goes, a rod that sticks and jumps, bursts of a foreign
+//! signal, outliers.
 
 use std::f64::consts::TAU;
 

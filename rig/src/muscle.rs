@@ -4,21 +4,23 @@
 //! braid(p, e) - skin stiffness * e - sum of bristles(e, limit(p)) - load = 0,    e = contraction / nominal length
 //! ```
 //!
-//! Every term falls with the contraction, the skin strictly, so there is exactly one root; Newton's method
-//! finds it inside a bracket that bisection keeps shrinking. Then the bristles settle at the root. Hysteresis
-//! comes from the bristles alone. The core is rate-independent: it knows the order of the pressures, not
-//! their times. A mass and a viscous force ([`Dynamics`]) stand on the right-hand side where there are any,
-//! and sliding may strengthen the friction. Time is then stepped by Newmark's average acceleration, which
-//! neither damps nor grows, and the rest of the balance stays as it is: the terms that are added fall with
-//! the contraction too.
+//! Every term falls with the contraction, the skin strictly, so there is exactly one root; Newton's
+//! method finds it inside a bracket that bisection keeps shrinking. Then the bristles settle at the
+//! root. Hysteresis comes from the bristles alone. The core is rate-independent: it knows the order
+//! of the pressures, not their times. A mass and a viscous force ([`Dynamics`]) stand on the
+//! right-hand side where there are any, and sliding may strengthen the friction. Time is then
+//! stepped by Newmark's average acceleration, which neither damps nor grows, and the rest of the
+//! balance stays as it is: the terms that are added fall with the contraction too.
 //!
-//! What it is not: a Prandtl-Ishlinskii model. The friction's limits grow with pressure and the geometry is
-//! nonlinear, so loops between the same pressures are not congruent (heights differ by some 3 %), and an
-//! inner loop closes only to about 0.2 mm: as the pressure falls so do the limits, and bristles slip that
-//! have hardly moved. A wider loop does wipe out what was inside it, to less than 1 µm.
+//! What it is not: a Prandtl-Ishlinskii model. The friction's limits grow with pressure and the
+//! geometry is nonlinear, so loops between the same pressures are not congruent (heights differ by
+//! some 3 %), and an inner loop closes only to about 0.2 mm: as the pressure falls so do the
+//! limits, and bristles slip that have hardly moved. A wider loop does wipe out what was inside it,
+//! to less than 1 µm.
 //!
-//! Limits: 0 to 6 bar, load 0 to [`LOAD_LIMIT_N`](crate::parameters::LOAD_LIMIT_N). A pressure path taken in
-//! steps of 0.1 bar and one taken in far finer steps differ by less than 5 µm; with dynamics steps of 1 ms.
+//! Limits: 0 to 6 bar, load 0 to [`LOAD_LIMIT_N`](crate::parameters::LOAD_LIMIT_N). A pressure path
+//! taken in steps of 0.1 bar and one taken in far finer steps differ by less than 5 µm; with
+//! dynamics steps of 1 ms.
 
 use crate::braid::Braid;
 use crate::bristle::Bristle;
@@ -97,8 +99,8 @@ impl Muscle {
         self.motion.ratio * NOMINAL_LENGTH_MM
     }
 
-    /// Moves a sound muscle to the equilibrium at `pressure_bar` (0 bar and more) under `load_n` (0 N and
-    /// more), however long that takes.
+    /// Moves a sound muscle to the equilibrium at `pressure_bar` (0 bar and more) under `load_n` (0
+    /// N and more), however long that takes.
     pub fn step(&mut self, pressure_bar: f64, load_n: f64) {
         self.advance(&Condition::sound(pressure_bar, load_n), f64::INFINITY);
     }
@@ -131,9 +133,9 @@ impl Muscle {
 
     /// The root of [`surplus_n`](Self::surplus_n).
     fn balance_ratio(&self, condition: &Condition, step: &Step) -> f64 {
-        // Below, the skin alone outweighs load and friction; above, the braid no longer pulls and the skin
-        // outweighs friction. On the far side of where the step begins friction does not grow with speed, on
-        // the far side of the free flight the mass helps.
+        // Below, the skin alone outweighs load and friction; above, the braid no longer pulls and
+        // the skin outweighs friction. On the far side of where the step begins friction does not
+        // grow with speed, on the far side of the free flight the mass helps.
         let (start, friction_n) = (step.start_ratio(), condition.friction_n());
         let lowest = -(condition.load_n + friction_n) / condition.skin_stiffness_n();
         let highest = self.braid.neutral_ratio().max(friction_n / condition.skin_stiffness_n());
@@ -149,7 +151,8 @@ impl Muscle {
                 above = ratio;
             }
             let newton = ratio - surplus_n / slope_n;
-            // Bisect where Newton leaves the bracket, or hops between two bristles' kinks without converging.
+            // Bisect where Newton leaves the bracket, or hops between two bristles' kinks without
+            // converging.
             let converges = (newton - ratio).abs() <= 0.5 * last_step.abs();
             let next =
                 if converges && below <= newton && newton <= above { newton } else { 0.5 * (below + above) };

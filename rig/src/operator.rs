@@ -1,7 +1,8 @@
 //! A plant that is an operator model: the paper's tabled MGPI with parameters varied by the seed.
 //!
-//! Unlike the balance of forces it lies in the family of models that are identified from it, and the same
-//! effects act in it in other forms, so that a finder that has learnt the one plant fails on the other:
+//! Unlike the balance of forces it lies in the family of models that are identified from it, and
+//! the same effects act in it in other forms, so that a finder that has learnt the one plant fails
+//! on the other:
 //!
 //! | effect | form here |
 //! |---|---|
@@ -21,7 +22,8 @@ use crate::effects::{Effects, Inertia, RateDependentWidth, Temperature, ViscousL
 use crate::sensitivity::{Sensitivities, Sensitivity};
 use crate::surroundings::{REFERENCE_TEMPERATURE_C, Surroundings};
 
-/// What a newton does: the shift near that of the balance of forces at no contraction and at a large one.
+/// What a newton does: the shift near that of the balance of forces at no contraction and at a
+/// large one.
 const PER_NEWTON: Sensitivity = Sensitivity { offset_mm: -0.3, gain: 0.002 };
 
 /// Time constant of the rate of the pressure, s: friction takes a moment to know its speed.

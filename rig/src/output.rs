@@ -5,8 +5,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 
-/// Lets `write` fill a file beside `path`, then gives it that name; with `force` in place of an existing
-/// file.
+/// Lets `write` fill a file beside `path`, then gives it that name; with `force` in place of an
+/// existing file.
 ///
 /// # Errors The name is taken and `force` is not set, is not a file's, or the folder or the medium refuses.
 /// Whatever fails, `path` is as it was and nothing is left beside it.
@@ -20,7 +20,8 @@ pub fn write_whole(
     ensure!(force || !path.exists(), "{name}: exists already; --force overwrites it");
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    // Temporary files are private by default; the finished one is an ordinary file under the user's umask.
+    // Temporary files are private by default; the finished one is an ordinary file under the user's
+    // umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file =

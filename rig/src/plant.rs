@@ -1,9 +1,9 @@
 //! The rig as a controller sees it: command in, measured pressure and contraction out.
 //!
-//! Valve, pressure sensor, line, then a [`Body`] in its surroundings, then the gauge and the sensors. The
-//! caller sets the pace: a command is held over any time step, the valve is exact for it and a sound muscle
-//! has no time in it. Steps of 50 ms and of 1 ms agree within 5 µm. Where effects are hidden the plant takes
-//! steps of at most [`SUBSTEP_S`] inside.
+//! Valve, pressure sensor, line, then a [`Body`] in its surroundings, then the gauge and the
+//! sensors. The caller sets the pace: a command is held over any time step, the valve is exact for
+//! it and a sound muscle has no time in it. Steps of 50 ms and of 1 ms agree within 5 µm. Where
+//! effects are hidden the plant takes steps of at most [`SUBSTEP_S`] inside.
 //!
 //! What is recorded of the pressure is the valve's; dead time and leaks lie behind it.
 

@@ -1,6 +1,7 @@
 //! Command waveforms of the recordings, all piecewise linear: waypoints of time and command.
 //!
-//! Two waypoints at one time are a jump; the later one holds from that time on. Each protocol starts at 0 s.
+//! Two waypoints at one time are a jump; the later one holds from that time on. Each protocol
+//! starts at 0 s.
 
 use crate::draw::{Draw, Stream};
 use crate::parameters::VALVE_RANGE_BAR;
@@ -31,8 +32,8 @@ impl Protocol {
         })
     }
 
-    /// Jumps with holds of 10 s: up and down the range in steps of 1 bar, then ever larger jumps around 3
-    /// bar.
+    /// Jumps with holds of 10 s: up and down the range in steps of 1 bar, then ever larger jumps
+    /// around 3 bar.
     pub fn holds() -> Self {
         [0, 1, 2, 3, 4, 5, 6, 5, 4, 3, 2, 1, 0, 3, 4, 2, 5, 1, 6, 0]
             .iter()
@@ -47,9 +48,9 @@ impl Protocol {
         })
     }
 
-    /// A recording to diagnose from, 12,000 rows at 100 Hz: slow triangles of falling height, jumps with
-    /// holds of 3 to 12 s at all levels, faster triangles at all levels, random ramps, more holds, and the
-    /// first triangle again. Levels, their order and the ramps are by the seed.
+    /// A recording to diagnose from, 12,000 rows at 100 Hz: slow triangles of falling height, jumps
+    /// with holds of 3 to 12 s at all levels, faster triangles at all levels, random ramps, more
+    /// holds, and the first triangle again. Levels, their order and the ramps are by the seed.
     pub fn rich(seed: u64) -> Self {
         let mut draw = Draw::new(seed, Stream::Protocol);
         let near = |draw: &mut Draw, bar: f64| (bar * draw.uniform(0.9, 1.1)).min(VALVE_RANGE_BAR);

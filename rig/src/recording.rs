@@ -1,7 +1,8 @@
 //! The CSV files the rig writes: recordings of the plant, and references to track.
 //!
-//! Comment lines say how the file was made, then comes the header. Times are rounded to 1 µs, pressures to
-//! 0.1 mbar, contractions to 0.1 µm, loads to 1 mN and temperatures to 1 mK: a tenth of the noise and less.
+//! Comment lines say how the file was made, then comes the header. Times are rounded to 1 µs,
+//! pressures to 0.1 mbar, contractions to 0.1 µm, loads to 1 mN and temperatures to 1 mK: a tenth
+//! of the noise and less.
 
 use std::f64::consts::TAU;
 use std::io::{self, Write};
@@ -80,14 +81,14 @@ pub fn write_recording(
     Ok(())
 }
 
-/// A reference to track: raised cosines of one period between a trough and a peak each, rising from 0 at
-/// first.
+/// A reference to track: raised cosines of one period between a trough and a peak each, rising from
+/// 0 at first.
 #[derive(Debug, Clone)]
 pub struct RaisedCosines {
     /// Peak of each, mm.
     pub peaks_mm: Vec<f64>,
-    /// Where each ends and the next begins, mm. A muscle that has contracted does not come back to 0 mm by
-    /// itself.
+    /// Where each ends and the next begins, mm. A muscle that has contracted does not come back to
+    /// 0 mm by itself.
     pub trough_mm: f64,
     /// Period of each, s.
     pub period_s: f64,

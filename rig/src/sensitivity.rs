@@ -1,4 +1,5 @@
-//! What a newton or a kelvin does to the contraction: an offset, and a gain on the contraction itself; and what a first stroke lacks.
+//! What a newton or a kelvin does to the contraction: an offset, and a gain on the contraction
+//! itself; and what a first stroke lacks.
 
 /// Shift of the contraction y for one unit of a quantity: `offset_mm + gain y`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +29,7 @@ pub struct Sensitivities {
     pub per_n: Sensitivity,
     /// For one kelvin, where the body feels it.
     pub per_k: Option<Sensitivity>,
-    /// The most that a stroke lacks before any travel, as a share of the whole stroke, where it does.
+    /// The most that a stroke lacks before any travel, as a share of the whole stroke, where it
+    /// does.
     pub lacking: Option<f64>,
 }

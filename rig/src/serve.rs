@@ -1,10 +1,10 @@
-//! The plant protocol: a line of `time_s command_bar` in, a line of `pressure_bar contraction_mm` out,
-//! with `load_n temperature_c` behind them where asked for.
+//! The plant protocol: a line of `time_s command_bar` in, a line of `pressure_bar contraction_mm`
+//! out, with `load_n temperature_c` behind them where asked for.
 //!
-//! The first line sets the clock and finds the plant at rest. From then on a line says: this command, from
-//! the previous time to this one; and the answer is what the sensors say at this time. Numbers are written in
-//! the shortest form that reads back the same. The end of the input ends the plant; a line that makes no
-//! sense is an error that names it.
+//! The first line sets the clock and finds the plant at rest. From then on a line says: this
+//! command, from the previous time to this one; and the answer is what the sensors say at this
+//! time. Numbers are written in the shortest form that reads back the same. The end of the input
+//! ends the plant; a line that makes no sense is an error that names it.
 
 use std::io::{BufRead, ErrorKind, Read, Write};
 

@@ -6,7 +6,8 @@ use crate::parameters::{SUPPLY_BAR, VALVE_RANGE_BAR};
 /// How a valve ignores small changes of its command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeadBand {
-    /// A command nearer than the band to the last accepted one is ignored, any other accepted whole.
+    /// A command nearer than the band to the last accepted one is ignored, any other accepted
+    /// whole.
     Hold,
     /// The accepted command is dragged behind at half the band: play.
     Backlash,

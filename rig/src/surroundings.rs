@@ -1,7 +1,7 @@
 //! What the muscle hangs in: its load, the room's temperature, and what is wrong with them.
 //!
-//! The temperature always wanders and is always there to be recorded; whether the muscle feels it is the
-//! muscle's matter. The load is the dead one unless it is hidden that it changes.
+//! The temperature always wanders and is always there to be recorded; whether the muscle feels it
+//! is the muscle's matter. The load is the dead one unless it is hidden that it changes.
 
 use crate::draw::{Draw, Stream};
 use crate::effect::Effect;

@@ -1,7 +1,7 @@
 //! The proportional pressure regulator: dead band, limits, then a first-order lag.
 //!
-//! Exact for a command held over the step, whatever the step. A sound regulator has no dead band, and a
-//! supply above its range.
+//! Exact for a command held over the step, whatever the step. A sound regulator has no dead band,
+//! and a supply above its range.
 
 use crate::effects::Effects;
 use crate::parameters::VALVE_TIME_CONSTANT_S;
@@ -9,8 +9,8 @@ use crate::set_point::{DeadBand, SetPoint};
 
 /// What turns a command into the pressure in the muscle.
 pub trait Regulator: Send {
-    /// Holds `command_bar` for `dt_s` (0 s and more) with `volume` in the muscle, relative to that at rest.
-    /// A command outside the range or beyond the supply is cut.
+    /// Holds `command_bar` for `dt_s` (0 s and more) with `volume` in the muscle, relative to that
+    /// at rest. A command outside the range or beyond the supply is cut.
     fn step(&mut self, command_bar: f64, volume: f64, dt_s: f64);
 
     /// The pressure in the muscle, bar.

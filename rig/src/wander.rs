@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use crate::draw::Draw;
 
-/// A smooth course around 0: three sines of random periods and phases, with a root mean square near 1.
+/// A smooth course around 0: three sines of random periods and phases, with a root mean square near
+/// 1.
 #[derive(Debug, Clone)]
 pub(crate) struct Wave([(f64, f64); 3]);
 

@@ -3,7 +3,8 @@
 use rig::muscle::Muscle;
 use rig::parameters::{DEAD_LOAD_N, VALVE_RANGE_BAR};
 
-/// Contraction at the end of each straight leg between `turns_bar`, taken in steps of at most `step_bar`, mm.
+/// Contraction at the end of each straight leg between `turns_bar`, taken in steps of at most
+/// `step_bar`, mm.
 fn at_turns_mm(turns_bar: &[f64], step_bar: f64) -> Vec<f64> {
     let mut muscle = Muscle::at_rest(DEAD_LOAD_N);
     let legs = turns_bar.windows(2);
@@ -17,7 +18,8 @@ fn at_turns_mm(turns_bar: &[f64], step_bar: f64) -> Vec<f64> {
     .collect()
 }
 
-/// Contraction at 1 to 5 bar on the way up from rest, and on the way back from 6 bar; and the stroke, mm.
+/// Contraction at 1 to 5 bar on the way up from rest, and on the way back from 6 bar; and the
+/// stroke, mm.
 fn major_loop_mm() -> (Vec<f64>, Vec<f64>, f64) {
     let up = at_turns_mm(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0], 0.001);
     let down = up[6..].iter().rev().copied().collect();
@@ -94,7 +96,8 @@ fn loops_between_the_same_pressures_are_not_congruent() {
         println!("{low_bar} to {high_bar} bar: heights {first_mm:.2} and {second_mm:.2} mm");
         worst = worst.max((second_mm / first_mm - 1.0).abs());
     }
-    // Generalized Prandtl-Ishlinskii models, with one envelope or two, have equal heights to rounding.
+    // Generalized Prandtl-Ishlinskii models, with one envelope or two, have equal heights to
+    // rounding.
     assert!(worst > 0.02, "heights agree within {worst}");
 }
 

@@ -1,4 +1,5 @@
-//! What the plant claims: the valve's lag reaches the muscle, the pace is the caller's, the seed decides.
+//! What the plant claims: the valve's lag reaches the muscle, the pace is the caller's, the seed
+//! decides.
 
 use rig::parameters::{DEAD_LOAD_N, VALVE_TIME_CONSTANT_S};
 use rig::plant::Plant;

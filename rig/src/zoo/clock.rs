@@ -8,8 +8,8 @@ const RATES_HZ: [f64; 8] = [20.0, 50.0, 100.0, 100.0, 200.0, 200.0, 500.0, 1000.
 /// Shortest and longest recording, s.
 const DURATIONS_S: (f64, f64) = (60.0, 600.0);
 
-/// Most rows of a recording that is longer than the shortest. It bounds the time of a game (about 4 s of one core), since hundreds are
-/// played.
+/// Most rows of a recording that is longer than the shortest. It bounds the time of a game (about 4
+/// s of one core), since hundreds are played.
 const MOST_ROWS: f64 = 24_000.0;
 
 /// A logger's clock.

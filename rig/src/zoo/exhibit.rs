@@ -1,4 +1,5 @@
-//! One plant of the zoo with its experiment, all by one seed: what it is, what is hidden in it, its recording.
+//! One plant of the zoo with its experiment, all by one seed: what it is, what is hidden in it, its
+//! recording.
 
 use std::io::{self, Write};
 
@@ -25,8 +26,8 @@ use crate::scale::Scale;
 use crate::sensor::{Resolution, Sensors};
 use crate::truth::Truth;
 
-/// The muscle that the sizes of the effects (`parameters.rs`) are meant for: its stroke, its force by the data sheet, and the length
-/// of the protocol `rich`.
+/// The muscle that the sizes of the effects (`parameters.rs`) are meant for: its stroke, its force
+/// by the data sheet, and the length of the protocol `rich`.
 const RIG_STROKE_MM: f64 = 125.0;
 const RIG_FORCE_N: f64 = 1500.0;
 const RIG_DURATION_S: f64 = 120.0;
@@ -35,7 +36,8 @@ const RIG_DURATION_S: f64 = 120.0;
 const STRONG: (f64, f64) = (0.8, 1.25);
 const WEAK: (f64, f64) = (0.25, 0.4);
 
-/// Who draws what: each part of a plant has a stream of its own, so that hiding an effect changes no other.
+/// Who draws what: each part of a plant has a stream of its own, so that hiding an effect changes
+/// no other.
 #[derive(Clone, Copy)]
 enum Drawn {
     Family,
@@ -71,8 +73,8 @@ pub struct Channels {
 }
 
 impl Channels {
-    /// Both command and pressure in six of ten, the pressure alone in three, the command alone in one. What is
-    /// hidden in load or temperature is recorded.
+    /// Both command and pressure in six of ten, the pressure alone in three, the command alone in
+    /// one. What is hidden in load or temperature is recorded.
     fn drawn(draw: &mut Draw, hidden: &[Effect]) -> Self {
         let input = draw.index(10);
         let mut beside = |effect| draw.index(2) == 0 || hidden.contains(&effect);
@@ -128,8 +130,8 @@ pub struct ExhibitTruth {
     pub misfit_mm: f64,
     /// What the sensor of the contraction is off by, mm.
     pub noise_mm: f64,
-    /// What is true besides, and may be named: a sound regulator lags too, which a recording of its command
-    /// can show.
+    /// What is true besides, and may be named: a sound regulator lags too, which a recording of its
+    /// command can show.
     pub also_true: Vec<&'static str>,
 }
 

@@ -1,9 +1,10 @@
 //! A family of plants: a force law with a friction.
 //!
-//! The split is made once, here, and never after looking at a result: every law and every friction occurs in
-//! development, and validation and sealed families are new combinations of them. Development families may be
-//! looked at game by game; validation families are played to see whether what was learnt is general; of sealed
-//! ones only totals are printed, and they are for the final judge.
+//! The split is made once, here, and never after looking at a result: every law and every friction
+//! occurs in development, and validation and sealed families are new combinations of them.
+//! Development families may be looked at game by game; validation families are played to see
+//! whether what was learnt is general; of sealed ones only totals are printed, and they are for the
+//! final judge.
 
 use super::friction::Friction;
 use super::law::Law;

@@ -4,9 +4,9 @@
 //! full force * law(p, e) - spring * e - friction(e) - load - damper * e' - mass * e'' = 0
 //! ```
 //!
-//! Every term falls with the contraction ratio `e`, so there is one root at every step. Time constants and
-//! frequencies of effects hold at mid stroke of the frictionless muscle. Mass and damper are stepped as in the
-//! rig's own muscle.
+//! Every term falls with the contraction ratio `e`, so there is one root at every step. Time
+//! constants and frequencies of effects hold at mid stroke of the frictionless muscle. Mass and
+//! damper are stepped as in the rig's own muscle.
 
 use std::f64::consts::TAU;
 
@@ -260,7 +260,8 @@ fn static_ratio(law: &dyn Pull, size: &Size, bar: f64, load_n: f64) -> f64 {
     root(0.0, |ratio| static_n(law, size, bar, ratio) - load_n)
 }
 
-/// Stiffness without friction at a contraction ratio, at the pressure that holds it, N per unit of ratio.
+/// Stiffness without friction at a contraction ratio, at the pressure that holds it, N per unit of
+/// ratio.
 fn mid_stiffness_n(law: &dyn Pull, size: &Size, ratio: f64) -> f64 {
     let bar = -root(0.0, |below| static_n(law, size, (-below).max(0.0), ratio) + 1e-9 * below.min(0.0));
     let h = 1e-4;
@@ -271,7 +272,8 @@ fn mid_stiffness_n(law: &dyn Pull, size: &Size, ratio: f64) -> f64 {
 const FIRST_STEP: f64 = 2e-5;
 const TOLERANCE: f64 = 1e-10;
 
-/// The root of a falling function near `start`: brackets of growing width, then the Illinois method.
+/// The root of a falling function near `start`: brackets of growing width, then the Illinois
+/// method.
 fn root(start: f64, falling: impl Fn(f64) -> f64) -> f64 {
     let (mut a, mut value_a) = (start, falling(start));
     if value_a == 0.0 {

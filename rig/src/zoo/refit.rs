@@ -1,5 +1,5 @@
-//! The best rate-independent hysteresis of an input, by least squares: static curve, and plays of many
-//! thresholds whose weights change over the input.
+//! The best rate-independent hysteresis of an input, by least squares: static curve, and plays of
+//! many thresholds whose weights change over the input.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,8 +1,8 @@
 //! What a hidden effect changes in a recording, and whether the recording can show it.
 //!
-//! The plant is run free, without noise, with the effect and without it. The difference that is left after the
-//! best refit of a rate-independent hysteresis is what a diagnosis has to go by; where it does not exceed what
-//! the sensors are off by, the recording cannot show the effect.
+//! The plant is run free, without noise, with the effect and without it. The difference that is
+//! left after the best refit of a rate-independent hysteresis is what a diagnosis has to go by;
+//! where it does not exceed what the sensors are off by, the recording cannot show the effect.
 
 use serde::Serialize;
 
@@ -19,7 +19,8 @@ pub(crate) struct Seen {
     pub(crate) noise: f64,
 }
 
-/// How much of an effect there is to see. Amounts in the output's unit: mm, or bar for the valve's pressure.
+/// How much of an effect there is to see. Amounts in the output's unit: mm, or bar for the valve's
+/// pressure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Visible {
     /// The effect.

@@ -11,10 +11,11 @@ use anyhow::{Context, Result, ensure};
 use crate::run;
 
 /// The folders that are held to it.
-const FOLDERS: [&str; 10] = [
+const FOLDERS: [&str; 11] = [
     "model-core",
     "wire",
     "firmware",
+    "rig",
     "host/recording",
     "host/identification",
     "host/board-client",

@@ -1,5 +1,5 @@
-//! Bouc-Wen of exponent 2 with equal shape parameters: the restoring force nears its limit as a hyperbolic
-//! tangent of the travel and unloads along a straight line. Exact for any travel.
+//! Bouc-Wen of exponent 2 with equal shape parameters: the restoring force nears its limit as a
+//! hyperbolic tangent of the travel and unloads along a straight line. Exact for any travel.
 
 use super::resist::Resist;
 use crate::draw::Draw;

@@ -1,5 +1,5 @@
-//! Elasto-plastic bristles in parallel, for dry friction that does not know the pressure and for Maxwell slip
-//! whose limits grow with it.
+//! Elasto-plastic bristles in parallel, for dry friction that does not know the pressure and for
+//! Maxwell slip whose limits grow with it.
 
 use super::resist::Resist;
 use crate::bristle::Bristle;
@@ -14,7 +14,8 @@ pub(super) struct Bristles {
 }
 
 impl Bristles {
-    /// Few equal ones of a constant limit, at rest at `ratio`; `friction_n` is the nominal friction.
+    /// Few equal ones of a constant limit, at rest at `ratio`; `friction_n` is the nominal
+    /// friction.
     pub(super) fn coulomb(draw: &mut Draw, ratio: f64, friction_n: f64) -> Self {
         let count = 2 + draw.index(3);
         Self::with(count, 0.0, (0.002, 0.05), ratio, friction_n, |_| 1.0)

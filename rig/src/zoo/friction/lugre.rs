@@ -1,5 +1,5 @@
-//! LuGre (Canudas de Wit et al. 1995): one bristle deflection that nears its limit exponentially, with the
-//! slight Stribeck effect of a lubricated guide. Exact for a constant speed over the step.
+//! LuGre (Canudas de Wit et al. 1995): one bristle deflection that nears its limit exponentially,
+//! with the slight Stribeck effect of a lubricated guide. Exact for a constant speed over the step.
 
 use super::resist::Resist;
 use crate::draw::Draw;

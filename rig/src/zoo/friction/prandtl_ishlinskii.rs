@@ -18,7 +18,8 @@ impl PrandtlIshlinskii {
         let fall = draw.uniform(0.5, 2.0);
         let thresholds = (1..=count).map(|index| widest_bar * index as f64 / count as f64);
         let raw: Vec<_> = thresholds.map(|r| (r, (-fall * r).exp())).collect();
-        // Half the loop's width is what the plays lose: as much pressure as the friction would take force.
+        // Half the loop's width is what the plays lose: as much pressure as the friction would take
+        // force.
         let lost: f64 = raw.iter().map(|(r, w)| r * w).sum();
         let times = (6.0 * friction / lost).min(0.7 / raw.iter().map(|(_, w)| w).sum::<f64>());
         let plays: Vec<_> = raw.into_iter().map(|(r, w)| (r, w * times)).collect();

@@ -1,4 +1,5 @@
-//! Inextensible fibres wound at an angle (Chou and Hannaford 1996), with tapered ends (Tondu and Lopez 2000).
+//! Inextensible fibres wound at an angle (Chou and Hannaford 1996), with tapered ends (Tondu and
+//! Lopez 2000).
 
 use super::pull::{FULL_BAR, Pull, beyond};
 use crate::draw::Draw;

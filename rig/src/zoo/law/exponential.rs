@@ -1,4 +1,5 @@
-//! The empirical formula `(a1 p + a2) exp(a3 e) + a4 p e + a5 p + a6` (Sarosi 2012) near a muscle of 20 mm.
+//! The empirical formula `(a1 p + a2) exp(a3 e) + a4 p e + a5 p + a6` (Sarosi 2012) near a muscle
+//! of 20 mm.
 
 use super::pull::{FULL_BAR, Pull};
 use crate::draw::Draw;

@@ -1,5 +1,5 @@
-//! A proportional orifice between supply, chamber and exhaust: mass flow by ISO 6358, isothermal, into a
-//! chamber that grows with the contraction.
+//! A proportional orifice between supply, chamber and exhaust: mass flow by ISO 6358, isothermal,
+//! into a chamber that grows with the contraction.
 
 use crate::effects::Effects;
 use crate::set_point::{DeadBand, SetPoint};
@@ -26,7 +26,8 @@ pub(super) struct Orifice {
 }
 
 impl Orifice {
-    /// One that follows small steps in mid-range with `time_constant_s` and opens wide at `open_bar`.
+    /// One that follows small steps in mid-range with `time_constant_s` and opens wide at
+    /// `open_bar`.
     pub(super) fn new(effects: &Effects, time_constant_s: f64, open_bar: f64) -> Self {
         Self {
             set_point: SetPoint::with(effects, DeadBand::Hold),

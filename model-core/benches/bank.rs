@@ -10,8 +10,9 @@ mod reference;
 
 use std::hint::black_box;
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use model_core::play::{PlayBank, PlayParameters};
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use model_core::play::{PlayBank, PlayParameters, PlayState};
 use reference::PlainBank;
 
 const SAMPLES: usize = 10_000;
@@ -27,31 +28,44 @@ fn parameters<const N: usize>(plays: usize) -> PlayParameters<f64, N> {
     PlayParameters::exponential(plays, 0.3, 1.4 / plays as f64, 2.0, alpha).expect("they fit")
 }
 
-/// `PLAYS` of them, in banks with room for one more: only with room for more than ten are plays
-/// kept by turning points.
-fn banks<const PLAYS: usize, const N: usize>(criterion: &mut Criterion) {
-    let reference = reference();
-    let mut group = criterion.benchmark_group("bank");
-    group.throughput(Throughput::Elements(SAMPLES as u64));
-    let bank = PlayBank::<f64, N>::try_new(&parameters(PLAYS)).expect("valid");
-    let rest = bank.rest_state(0.0);
-    let mut kept = vec![("turning points", bank.by_turning_points(&rest))];
-    if kept[0].1 != rest {
-        kept.push(("outputs", rest));
-    }
-    for (name, mut state) in kept {
-        group.bench_function(BenchmarkId::new(name, PLAYS), |bencher| {
-            bencher.iter(|| {
-                reference.iter().map(|&v| bank.step(&mut state, black_box(v)).unwrap_or(0.0)).sum::<f64>()
-            });
-        });
-    }
-    let mut plain = PlainBank::<f64, PLAYS>::new(&parameters(PLAYS));
-    group.bench_function(BenchmarkId::new("plain", PLAYS), |bencher| {
-        bencher.iter(|| reference.iter().map(|&v| plain.step(black_box(v))).sum::<f64>());
-    });
-    group.finish();
+fn main() {
+    divan::main();
 }
 
-criterion_group!(benches, banks::<10, 11>, banks::<100, 101>, banks::<1000, 1001>);
-criterion_main!(benches);
+/// A bank with room for one play more than it has: only with room for more than ten are plays kept
+/// by turning points.
+fn bank<const ROOM: usize>() -> PlayBank<f64, ROOM> {
+    PlayBank::try_new(&parameters(ROOM - 1)).expect("valid")
+}
+
+/// Measures a course through a bank. `state`: at rest.
+fn run<const ROOM: usize>(bencher: Bencher, bank: &PlayBank<f64, ROOM>, mut state: PlayState<f64, ROOM>) {
+    let reference = reference();
+    bencher.counter(ItemsCount::new(SAMPLES)).bench_local(|| {
+        reference.iter().map(|&v| bank.step(&mut state, black_box(v)).unwrap_or(0.0)).sum::<f64>()
+    });
+}
+
+#[divan::bench(consts = [11, 101, 1001])]
+fn by_turning_points<const ROOM: usize>(bencher: Bencher) {
+    let bank = bank::<ROOM>();
+    let state = bank.by_turning_points(&bank.rest_state(0.0));
+    run(bencher, &bank, state);
+}
+
+/// Ten plays only: more are always kept by turning points.
+#[divan::bench]
+fn by_outputs(bencher: Bencher) {
+    let bank = bank::<11>();
+    let state = bank.rest_state(0.0);
+    run(bencher, &bank, state);
+}
+
+#[divan::bench(consts = [11, 101, 1001])]
+fn plain<const ROOM: usize>(bencher: Bencher) {
+    let reference = reference();
+    let mut plain = PlainBank::<f64, ROOM>::new(&parameters(ROOM - 1));
+    bencher
+        .counter(ItemsCount::new(SAMPLES))
+        .bench_local(|| reference.iter().map(|&v| plain.step(black_box(v))).sum::<f64>());
+}

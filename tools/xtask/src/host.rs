@@ -70,10 +70,11 @@ pub fn with_installed<'a>(command: &'a mut Command, folder: &Path) -> Result<&'a
 /// # Errors
 /// When cargo fails, or the verdicts stay under their bounds.
 pub fn game(arguments: &[String]) -> Result<()> {
-    // The game starts the `mgpi` that stands beside it.
-    run::succeed(&mut run::cargo(&["build", "--package", "mgpi", "--bin", "mgpi"]))?;
-    let game = ["run", "--package", "host-tests", "--bin", "game", "--"];
-    run::succeed(run::cargo(&game).args(arguments))
+    // The game starts the `mgpi` that stands beside it. Of the whole workspace, so that what the
+    // tests have built is built: one package alone would have its dependencies with fewer features.
+    run::succeed(&mut run::cargo(&["build", "--workspace", "--bin", "mgpi", "--bin", "game"]))?;
+    let game = run::target_dir().join("debug/game");
+    run::succeed(Command::new(game).current_dir(run::root()).args(arguments))
 }
 
 /// Runs every test of the workspace; those that need the emulator find the firmware.

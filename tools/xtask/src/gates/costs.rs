@@ -1,5 +1,5 @@
 //! What the controller costs on the board with a model, in the image `emulated`, which is quick to
-//! drive: tells the dearest sample, and makes the table of `mgpi compare`.
+//! drive: the table of `mgpi compare`, and the check that the image computes what the host does.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -25,8 +25,6 @@ pub struct Cost {
     pub calls: u64,
     /// Of the dearest call.
     pub most: u64,
-    /// The first call as dear as that, counted from 0.
-    pub dearest: usize,
 }
 
 /// Runs an image while `drive` talks to it, and counts the instructions of some of its functions,
@@ -108,6 +106,6 @@ pub fn read_costs(text: &str, names: &[&str]) -> Result<Vec<Cost>> {
 fn read_cost(line: &str, name: &str) -> Option<Cost> {
     let numbers: Vec<u64> =
         line.strip_prefix(name)?.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
-    let [calls, _, most, _, dearest] = numbers[..] else { return None };
-    Some(Cost { calls, most, dearest: dearest as usize })
+    let [calls, _, most, _, _] = numbers[..] else { return None };
+    Some(Cost { calls, most })
 }

@@ -3,20 +3,21 @@
 //! most stack that the image can take ([`super::deepest`]), which is no less than what it has taken
 //! meanwhile.
 //!
-//! Each run leads to the sample that asks the most of the controller, and through some before it,
-//! which build its memory: told by the image `emulated`, which is quicker to drive
-//! ([`super::costs`]). The references come over the image's link, one after the other as it
-//! acknowledges them, several ticks each: the memory of the plays takes the same course as with one
-//! a tick. The samples are put in by the debug stub ([`probe`]).
+//! Each run goes through all samples from the start: what a tick costs hangs on all of the past,
+//! since extensions remember travel and slow states, so that neither one sample nor some before it
+//! tell the most. The references come over the image's link, one after the other as it acknowledges
+//! them, several ticks each: the memory of the plays takes the same course as with one a tick. The
+//! samples are put in by the debug stub ([`probe`]).
 //!
 //! # Limits
 //! What stands in for the read of the converter is 4 instructions; the function itself, which is
 //! not run here, has no loop, and all its instructions are added.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::thread;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use board_models::{extended_parameters, paper_parameters};
 use firmware::{AdcCode, Samples, scaling};
 use model_core::{Mode, Surroundings};
@@ -48,8 +49,6 @@ const SCAN: &str = "adc_scan";
 const WRITE: &str = "dac_write";
 /// The counter's name of the way from one to the other.
 const WAY: &str = "to_dac_write";
-/// Samples before the dearest: two nests of reversals.
-const LEADING: usize = 130;
 /// A period of the tick. Unit: cycle of the core.
 const PERIOD_CYCLES: f64 = 168_000.0;
 
@@ -59,19 +58,30 @@ const PERIOD_CYCLES: f64 = 168_000.0;
 /// # Errors
 /// The image does not start, track or answer.
 pub fn figures(image: &Image, emulated: &Image, plugin: &Path, samples: &[Sample]) -> Result<Vec<Figure>> {
-    let mut figures = Vec::new();
-    let (mut stack, mut room) = (0, 0);
-    for (title, parameters) in [
+    let models = [
         ("image stm32f405", paper_parameters()?),
         ("image stm32f405, every extension", extended_parameters()?),
-    ] {
-        let [Cost { dearest, .. }, _] = costs::of_halves(plugin, emulated, &parameters, samples)?[..] else {
-            bail!("the controller has two halves");
+    ];
+    // What is counted here has to be what was tested there.
+    for (title, parameters) in &models {
+        costs::of_halves(plugin, emulated, parameters, samples).with_context(|| (*title).to_owned())?;
+    }
+    let runs = thread::scope(|scope| {
+        let begin = |(number, (title, parameters))| {
+            let results = image.path.with_extension(format!("{number}.counts"));
+            scope.spawn(move || Ok((title, run(image, plugin, parameters, samples, results)?)))
         };
-        let leading = &samples[dearest.saturating_sub(LEADING)..=dearest];
-        let (costs, [used, of]) = run(image, plugin, parameters, leading)?;
+        let threads: Vec<_> = models.into_iter().enumerate().map(begin).collect();
+        let end = |thread: thread::ScopedJoinHandle<'_, Result<_>>| {
+            thread.join().map_err(|_| anyhow!("a run of the production image has panicked"))?
+        };
+        threads.into_iter().map(end).collect::<Result<Vec<_>>>()
+    })?;
+    let mut figures = Vec::new();
+    let (mut stack, mut room) = (0, 0);
+    for (title, (costs, [used, of])) in runs {
         (stack, room) = (stack.max(used), of);
-        for (way, Cost { calls, most, .. }) in
+        for (way, Cost { calls, most }) in
             ["whole tick", "tick from interrupt to valve"].into_iter().zip(costs)
         {
             let most = most + image.function(SCAN)?.instructions as u64;
@@ -112,14 +122,15 @@ fn deepest_stack(image: &Image, used: u32, room: u32) -> Result<Figure> {
     })
 }
 
-/// Costs of tick and way to the valve; bytes of stack, used and in all.
+/// Costs of tick and way to the valve; bytes of stack, used and in all. `results`: the counter's
+/// file.
 fn run(
     image: &Image,
     plugin: &Path,
     parameters: BoardParameters,
     samples: &[Sample],
+    results: PathBuf,
 ) -> Result<([Cost; 2], [u32; 2])> {
-    let results = image.path.with_extension("counts");
     let (tick, write) = (image.function(TICK)?, image.function(WRITE)?);
     let option = plugin_option(image, plugin, &[tick, write], Some([tick, write]), &results);
     let options = ["-plugin".to_owned(), option];

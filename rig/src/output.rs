@@ -8,7 +8,8 @@ use anyhow::{Context, Result, ensure};
 /// Lets `write` fill a file beside `path`, then gives it that name; with `force` in place of an
 /// existing file.
 ///
-/// # Errors The name is taken and `force` is not set, is not a file's, or the folder or the medium refuses.
+/// # Errors
+/// The name is taken and `force` is not set, is not a file's, or the folder or the medium refuses.
 /// Whatever fails, `path` is as it was and nothing is left beside it.
 pub fn write_whole(
     path: &Path,

@@ -18,7 +18,8 @@ const LINE_LIMIT: usize = 256;
 
 /// Answers every line of `input` on `output`, each flushed.
 ///
-/// # Errors A line that is not two finite numbers, or whose time is not after the previous one's; a broken
+/// # Errors
+/// A line that is not two finite numbers, or whose time is not after the previous one's; a broken
 /// input or output.
 pub fn serve(
     mut input: impl BufRead,

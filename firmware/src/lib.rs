@@ -24,6 +24,7 @@ pub mod bus;
 pub mod capture;
 pub mod control;
 pub mod faults;
+pub mod identity;
 pub mod law;
 pub mod led;
 pub mod lock_step;

@@ -3,6 +3,7 @@
 use wire::{Refusal, Request, Response};
 
 use crate::control::Control;
+use crate::identity::Identity;
 use crate::order::prepare;
 use crate::store::{Parameters, SaveError};
 
@@ -13,6 +14,9 @@ pub trait Node {
 
     /// The raw set behind what the control has.
     fn parameters(&self) -> &Parameters;
+
+    /// Which board it is.
+    fn identity(&self) -> &Identity;
 
     /// Keeps a set that the control has taken, without power too where there is a store.
     ///

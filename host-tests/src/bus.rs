@@ -1,14 +1,15 @@
 //! A board with its bus on the host, and the frames of a Modbus client.
 
 use board_models::paper_parameters;
-use firmware::bus::Bus;
+use firmware::bus::{Bus, Timing};
+use firmware::identity::Identity;
 use firmware::node::{Node, carry_out};
 use firmware::store::{Parameters, SaveError};
 use firmware::{BlackBox, Capture, Control, LockStepBoard};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wire::registers::{Exception, Id, UNIT, Value};
-use wire::{Configuration, Protection, Request, Response, TickReply, TickRequest, VERSION};
+use wire::{BusParameters, Configuration, Protection, Request, Response, TickReply, TickRequest, VERSION};
 
 /// Ticks of silence before a frame.
 const SILENCE_TICKS: u32 = 2;
@@ -28,7 +29,16 @@ pub struct BusBoard {
 struct HostNode {
     control: Control,
     parameters: Parameters,
+    /// The last parameters that the bus has asked its line to take.
+    line: Option<BusParameters>,
 }
+
+/// Who the board says it is.
+pub const IDENTITY: Identity = Identity {
+    unique_id: [0x0039, 0x0045, 0x3134, 0x510E, 0x3238, 0x3732],
+    processor: 0x1007_6413,
+    hardware_revision: 3,
+};
 
 impl Node for HostNode {
     fn control<R>(&mut self, work: impl FnOnce(&mut Control) -> R) -> R {
@@ -37,6 +47,10 @@ impl Node for HostNode {
 
     fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    fn identity(&self) -> &Identity {
+        &IDENTITY
     }
 
     fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError> {
@@ -74,9 +88,9 @@ impl BusBoard {
 
     fn with(black_box: &'static mut BlackBox, capture: &'static mut Capture) -> Self {
         let control = Control::simulated(black_box, capture);
-        let parameters = Parameters { protection: Protection::SIMULATED, tracking: None };
-        let node = HostNode { control, parameters };
-        Self { node, board: LockStepBoard::new(), bus: Bus::new(SILENCE_TICKS, SILENCE_TICKS) }
+        let parameters = Parameters { protection: Protection::SIMULATED, ..Parameters::FACTORY };
+        let node = HostNode { control, parameters, line: None };
+        Self { node, board: LockStepBoard::new(), bus: Bus::new(Timing::Ticks(SILENCE_TICKS)) }
     }
 
     /// Sends a request over the link.
@@ -117,8 +131,21 @@ impl BusBoard {
         self.take(None)
     }
 
+    /// What the line has last been asked to be.
+    pub fn line(&self) -> Option<BusParameters> {
+        self.node.line
+    }
+
+    /// The board's number.
+    pub fn unit(&self) -> u8 {
+        self.node.line.map_or(UNIT, |line| line.unit)
+    }
+
     fn take(&mut self, byte: Option<u8>) -> Vec<u8> {
         let tick = self.node.control.ticks();
+        if let Some(line) = self.bus.line(tick, &self.node) {
+            self.node.line = Some(line);
+        }
         self.bus.take(byte, tick, &mut self.node).to_vec()
     }
 

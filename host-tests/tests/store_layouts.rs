@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use firmware::store::{LAYOUT, LoadError, ParameterStore, Parameters};
 use host_tests::flash::MockFlash;
 use host_tests::store::paper_set;
-use wire::{OnModelFault, Protection, State};
+use wire::{BusParameters, OnModelFault, Parity, Protection, State};
 
 const SECTOR: usize = 4096;
 /// A layout that no firmware has yet.
@@ -33,7 +33,8 @@ fn golden(layout: u16) -> Vec<u8> {
 fn stored() -> Parameters {
     let protection =
         Protection { bus_silent_ticks: 250, on_model_fault: OnModelFault::Vent, ..Protection::STANDARD };
-    Parameters { protection, ..paper_set() }
+    let bus = BusParameters { unit: 17, baud: 19_200, parity: Parity::Even, turnaround_us: 2_500 };
+    Parameters { protection, bus, ..paper_set() }
 }
 
 /// What is written of a flash.
@@ -56,8 +57,9 @@ fn the_present_layout_is_written_and_read_as_ever() {
 }
 
 #[test]
-fn the_previous_layout_is_read_with_the_limits_of_a_new_board() {
-    assert_eq!(store(&golden(LAYOUT - 1)).load(), Ok(paper_set()));
+fn the_previous_layout_is_read_and_the_board_reached_as_a_new_one() {
+    let expected = Parameters { bus: BusParameters::STANDARD, ..stored() };
+    assert_eq!(store(&golden(LAYOUT - 1)).load(), Ok(expected));
 }
 
 #[test]

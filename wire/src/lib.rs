@@ -23,6 +23,7 @@
     deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)
 )]
 
+mod bus_parameters;
 pub mod fault;
 mod frame;
 mod message;
@@ -30,6 +31,7 @@ mod protection;
 pub mod registers;
 mod status;
 
+pub use bus_parameters::{BusParameters, Parity};
 pub use fault::{FAULTS, Fault};
 pub use frame::{FRAME_BYTES, FrameError, Receiver, encode};
 pub use message::{

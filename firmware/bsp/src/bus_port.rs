@@ -22,6 +22,9 @@ pub fn serve<L: Line<Received = Stamped>>(
     while !port.is_sending() {
         // Before the look into the queue: a byte that comes in between is not taken for a silence.
         let moment = now();
+        if let Some(parameters) = modbus.line(moment, node) {
+            port.set(parameters.baud, parameters.parity);
+        }
         let received = port.read();
         let (byte, moment) = received.map_or((None, moment), |(byte, moment)| (Some(byte), moment));
         port.send(modbus.take(byte, moment, node));

@@ -1,25 +1,26 @@
-//! A serial port, 8 data bits, no parity, one stop bit, in two halves with a queue each way between
-//! them: an interrupt above the tick moves bytes, a task below it works on them.
+//! A serial port, 8 data bits, one stop bit, in two halves with a queue each way between them: an interrupt above the tick moves bytes, a task below it works on them.
 //!
 //! # Contract
 //! No wait: the interrupt takes and hands over what the port has room for at the moment, whatever
 //! tick, lock or request is at work, within some 80 instructions. A byte is lost when the queue is
 //! full only, and its frame with it; the frame's checksum tells. Where the line is shared, its
 //! transceiver drives it from the first bit to the last and listens at all other times; what comes
-//! in meanwhile is an echo, and dropped. Clock and pins are the caller's business: an emulated
+//! in meanwhile is an echo, and dropped. Rate and parity change between two frames, by the
+//! interrupt. Clock and pins are the caller's business: an emulated
 //! board has neither.
 
 use core::ops::Deref;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use cortex_m::peripheral::NVIC;
 use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4::stm32f405::Interrupt;
 use stm32f4::stm32f405::usart1::RegisterBlock;
+use wire::Parity;
 
 /// What a port hangs on, and who works on its bytes.
 pub trait Line {
-    /// Unit: bit/s.
+    /// By which it is opened. Unit: bit/s.
     const BAUD: u32;
     /// The port's interrupt.
     const PORT: Interrupt;
@@ -43,12 +44,52 @@ pub struct Buffers<R, const IN: usize, const OUT: usize> {
     incoming: Queue<R, IN>,
     outgoing: Queue<u8, OUT>,
     is_sending: AtomicBool,
+    /// The format to be taken, as [`Format::packed`]; 0 for none.
+    wanted: AtomicU32,
 }
 
 impl<R, const IN: usize, const OUT: usize> Buffers<R, IN, OUT> {
     /// Empty.
     pub const fn new() -> Self {
-        Self { incoming: Queue::new(), outgoing: Queue::new(), is_sending: AtomicBool::new(false) }
+        Self {
+            incoming: Queue::new(),
+            outgoing: Queue::new(),
+            is_sending: AtomicBool::new(false),
+            wanted: AtomicU32::new(0),
+        }
+    }
+}
+
+/// Rate and parity as the port's registers have them.
+struct Format {
+    /// Of the peripheral's clock, in sixteenths; above 0.
+    divider: u16,
+    parity: Parity,
+}
+
+impl Format {
+    /// The nearest to a rate (bit/s).
+    fn new(clock_hz: u32, baud: u32, parity: Parity) -> Self {
+        Self { divider: ((clock_hz + baud / 2) / baud.max(1)) as u16, parity }
+    }
+
+    /// In a word that is not 0.
+    fn packed(&self) -> u32 {
+        u32::from(self.parity.number()) << 16 | u32::from(self.divider)
+    }
+
+    /// Puts a packed one into the registers of a port that sends nothing. With a parity a byte has
+    /// nine bits.
+    fn apply(packed: u32, registers: &RegisterBlock) {
+        registers.cr1().modify(|_, w| w.ue().disabled());
+        // SAFETY: mantissa and fraction together are the divider in sixteenths; any value is
+        // allowed.
+        registers.brr().write(|w| unsafe { w.bits(packed as u16) });
+        let parity = Parity::of_number((packed >> 16) as u16).unwrap_or(Parity::None);
+        let has_parity = parity != Parity::None;
+        registers.cr1().modify(|_, w| {
+            w.m().bit(has_parity).pce().bit(has_parity).ps().bit(parity == Parity::Odd).ue().enabled()
+        });
     }
 }
 
@@ -59,16 +100,14 @@ pub fn open<P: Deref<Target = RegisterBlock>, L: Line, const IN: usize, const OU
     line: L,
     buffers: &'static mut Buffers<L::Received, IN, OUT>,
 ) -> (Mover<P, L>, Port<L>) {
-    let divider = ((clock_hz + L::BAUD / 2) / L::BAUD) as u16;
-    // SAFETY: mantissa and fraction together are the divider in sixteenths; any value is allowed.
-    registers.brr().write(|w| unsafe { w.bits(divider) });
-    registers.cr1().write(|w| w.ue().enabled().te().enabled().re().enabled().rxneie().enabled());
+    Format::apply(Format::new(clock_hz, L::BAUD, Parity::None).packed(), &registers);
+    registers.cr1().modify(|_, w| w.te().enabled().re().enabled().rxneie().enabled());
     let (arrived, incoming) = buffers.incoming.split();
     let (outgoing, leaving) = buffers.outgoing.split();
-    let is_sending = &buffers.is_sending;
+    let (is_sending, wanted) = (&buffers.is_sending, &buffers.wanted);
     (
-        Mover { registers, line, arrived, leaving, is_sending, is_driving: false },
-        Port { incoming, outgoing, sending: is_sending },
+        Mover { registers, line, arrived, leaving, is_sending, wanted, is_driving: false },
+        Port { incoming, outgoing, sending: is_sending, wanted, clock_hz },
     )
 }
 
@@ -79,6 +118,7 @@ pub struct Mover<P, L: Line> {
     arrived: Producer<'static, L::Received>,
     leaving: Consumer<'static, u8>,
     is_sending: &'static AtomicBool,
+    wanted: &'static AtomicU32,
     is_driving: bool,
 }
 
@@ -89,6 +129,13 @@ impl<P: Deref<Target = RegisterBlock>, L: Line> Mover<P, L> {
         self.receive();
         if self.is_sending.load(Ordering::Acquire) {
             self.send();
+        } else {
+            // Whoever wants it sends nothing yet, and waits for this.
+            let wanted = self.wanted.load(Ordering::Acquire);
+            if wanted != 0 {
+                Format::apply(wanted, &self.registers);
+                self.wanted.store(0, Ordering::Release);
+            }
         }
     }
 
@@ -139,6 +186,8 @@ pub struct Port<L: Line> {
     outgoing: Producer<'static, u8>,
     /// Whether the port has something to send, or the line.
     pub sending: &'static AtomicBool,
+    wanted: &'static AtomicU32,
+    clock_hz: u32,
 }
 
 impl<L: Line> Port<L> {
@@ -150,6 +199,12 @@ impl<L: Line> Port<L> {
     /// Whether the port has something to send, or the line.
     pub fn is_sending(&self) -> bool {
         self.sending.load(Ordering::Acquire)
+    }
+
+    /// Takes a rate (bit/s) and a parity, at once; for a port that is not sending.
+    pub fn set(&mut self, baud: u32, parity: Parity) {
+        self.wanted.store(Format::new(self.clock_hz, baud, parity).packed(), Ordering::Release);
+        NVIC::pend(L::PORT);
     }
 
     /// Begins to send; nothing is sent if there is nothing. For a port that is not sending: a frame

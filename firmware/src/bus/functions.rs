@@ -7,16 +7,17 @@
 //! | 17 | the board's number, 0xFF while the valve is driven, name and release |
 //! | 22 | mask write: one register of one word becomes `(it AND mask) OR (other AND NOT mask)` |
 //! | 23 | writes registers, then reads registers, in one request |
-//! | 43/14 | who made it, what it is, its release |
+//! | 43/14 | who made it, what it is, its release; by code 3 also which one it is, and its firmware's commit |
 
 use core::fmt::Write as _;
 
 use heapless::{String, Vec};
-use wire::registers::{Exception, FRAME_BYTES, MOST_READ, Register, UNIT};
+use wire::registers::{Exception, FRAME_BYTES, MOST_READ, Register};
 
 use super::read::read;
 use super::session::Session;
 use super::write::{Audience, Words, write};
+use crate::identity::{Identity, SOURCE};
 use crate::node::Node;
 use crate::report::FIRMWARE_VERSION;
 
@@ -29,8 +30,14 @@ pub const ENCAPSULATED: u8 = 43;
 /// The one kind of encapsulated request: read device identification.
 pub const DEVICE_IDENTIFICATION: u8 = 14;
 
-/// Identification: basic and regular objects, as a whole or one by one.
-const CONFORMITY: u8 = 0x82;
+/// Identification: basic, regular and extended objects, as a whole or one by one.
+const CONFORMITY: u8 = 0x83;
+/// Objects of this board's own: the processor's number, the board's revision, the processor's line
+/// and revision, the commit of the firmware's sources.
+const UNIQUE_ID: u8 = 0x80;
+const HARDWARE_REVISION: u8 = 0x81;
+const PROCESSOR: u8 = 0x82;
+const SOURCE_COMMIT: u8 = 0x83;
 /// What the board is called.
 const NAME: &str = "valve board";
 
@@ -75,7 +82,7 @@ pub fn carry_out(
         (REPORT_SERVER_ID, []) => {
             let is_driven = node.control(|control| control.state().is_driven());
             let text = named();
-            append(pdu, &[2 + text.len() as u8, UNIT, if is_driven { 0xFF } else { 0 }])?;
+            append(pdu, &[2 + text.len() as u8, session.unit(), if is_driven { 0xFF } else { 0 }])?;
             append(pdu, text.as_bytes())
         }
         (MASK_WRITE, &[high, low, and_high, and_low, or_high, or_low]) => {
@@ -115,22 +122,45 @@ pub fn carry_out(
             pdu.resize(begin + 2 * usize::from(count), 0).map_err(|_| Exception::DeviceFailure)?;
             read(session, from, pdu.get_mut(begin..).unwrap_or_default(), node)
         }
-        (ENCAPSULATED, &[DEVICE_IDENTIFICATION, code, object]) => identify(code, object, pdu),
+        (ENCAPSULATED, &[DEVICE_IDENTIFICATION, code, object]) => {
+            identify(node.identity(), code, object, pdu)
+        }
         (ENCAPSULATED, [kind, ..]) if *kind != DEVICE_IDENTIFICATION => Err(Exception::IllegalFunction),
         _ => Err(Exception::IllegalValue),
     }
 }
 
-/// Read device identification: from an object on, by code 1 of the basic ones, 2 and 3 of all; by
-/// code 4 one of them.
-fn identify(code: u8, object: u8, pdu: &mut Pdu) -> Result<(), Exception> {
+/// Read device identification: from an object on, by code 1 of the basic ones, 2 of the regular
+/// ones too, 3 of all; by code 4 one of them.
+fn identify(identity: &Identity, code: u8, object: u8, pdu: &mut Pdu) -> Result<(), Exception> {
     let release = release();
-    let objects = [(0, "mgpi"), (1, "mgpi-valve-board"), (2, &*release), (4, NAME), (5, "STM32F405")];
+    let [unique_id, revision, processor] = [
+        in_digits(&identity.unique_id),
+        in_digits(&[identity.hardware_revision]),
+        in_digits(&[(identity.processor >> 16) as u16, identity.processor as u16]),
+    ];
+    let mut commit = in_digits(&SOURCE.commit);
+    if SOURCE.is_modified {
+        // There is room.
+        let _ = commit.push('+');
+    }
+    let objects = [
+        (0, "mgpi"),
+        (1, "mgpi-valve-board"),
+        (2, &*release),
+        (4, NAME),
+        (5, "STM32F405"),
+        (UNIQUE_ID, &*unique_id),
+        (HARDWARE_REVISION, &*revision),
+        (PROCESSOR, &*processor),
+        (SOURCE_COMMIT, &*commit),
+    ];
     let is_known = objects.iter().any(|(id, _)| *id == object);
     let from = if is_known { object } else { 0 };
     let range = match code {
         1 => from..=2,
-        2 | 3 => from..=0x7F,
+        2 => from..=0x7F,
+        3 => from..=0xFF,
         4 if is_known => object..=object,
         4 => return Err(Exception::IllegalAddress),
         _ => return Err(Exception::IllegalValue),
@@ -143,6 +173,16 @@ fn identify(code: u8, object: u8, pdu: &mut Pdu) -> Result<(), Exception> {
         append(pdu, text.as_bytes())?;
     }
     Ok(())
+}
+
+/// Words by their hexadecimal digits.
+fn in_digits(words: &[u16]) -> String<41> {
+    let mut text = String::new();
+    for word in words {
+        // Ten words, the most there are, fit.
+        let _ = write!(text, "{word:04x}");
+    }
+    text
 }
 
 /// The release, as `0.1.0`.

@@ -8,17 +8,18 @@ use wire::registers::{
     CAPTURE_SAMPLES, Exception, Id, Register, SAMPLE_REGISTERS, STREAM_POINTS, TRACE_ENTRY_REGISTERS,
     UPLOAD_BYTES, VERSION, Value, mode_number, pack_bytes, pack_sample, pack_trace_entry, state_number,
 };
-use wire::{Captured, FaultRecord, Protection, Telemetry};
+use wire::{BusParameters, Captured, FaultRecord, Protection, Telemetry};
 
 use super::player::PlayerStatus;
 use super::session::Session;
 use crate::control::Control;
+use crate::identity::{Identity, SOURCE};
 use crate::node::Node;
 use crate::report::{FIRMWARE_VERSION, Outputs};
 use crate::scaling::{COMMAND, CONTRACTION, PRESSURE};
 use crate::store::LAYOUT;
 use wire::BoardParameters;
-use wire::registers::fields::{CONTROLLER, of_controller, of_protection};
+use wire::registers::fields::{CONTROLLER, of_bus, of_controller, of_protection};
 
 /// What a reading is answered from.
 // Lives for one request, on the stack; boxing it needs a heap, which the board does not have.
@@ -26,6 +27,7 @@ use wire::registers::fields::{CONTROLLER, of_controller, of_protection};
 enum View {
     Identification {
         period_s: f32,
+        identity: Identity,
     },
     Control(Outputs),
     Status(Telemetry, Outputs),
@@ -42,6 +44,8 @@ enum View {
         window: Captured,
     },
     Upload,
+    /// As it is kept.
+    Bus(BusParameters),
 }
 
 /// Writes the values of registers into `words`, big-endian, from an address on.
@@ -72,7 +76,10 @@ pub fn read(
 #[inline(never)]
 fn view(session: &Session, address: u16, node: &mut impl Node) -> View {
     match address >> 8 {
-        0 => View::Identification { period_s: node.control(|control| control.period_s()) },
+        0 => View::Identification {
+            period_s: node.control(|control| control.period_s()),
+            identity: *node.identity(),
+        },
         1 => View::Control(node.control(|control| control.outputs())),
         2 => node.control(|control| View::Status(control.telemetry(), control.outputs())),
         3 => View::Controller(node.parameters().tracking.as_ref().map_or([Value::F32(0.0); _], controller)),
@@ -83,7 +90,8 @@ fn view(session: &Session, address: u16, node: &mut impl Node) -> View {
             View::Stream(control.player.status(), waiting.collect())
         }),
         7 => node.control(|control| capture(control, session.capture_from)),
-        _ => View::Upload,
+        8 => View::Upload,
+        _ => View::Bus(node.parameters().bus),
     }
 }
 
@@ -108,7 +116,7 @@ fn capture(control: &Control, from: u32) -> View {
 /// The value of this number in a register's run.
 fn value(session: &Session, view: &View, id: Id, index: u16) -> Value {
     match view {
-        View::Identification { period_s } => identification(id, index, *period_s),
+        View::Identification { period_s, identity } => identification(id, index, *period_s, identity),
         View::Control(outputs) => match id {
             Id::Command => Value::U16(session.command.number()),
             Id::Mode => Value::U16(mode_number(session.mode)),
@@ -138,22 +146,33 @@ fn value(session: &Session, view: &View, id: Id, index: u16) -> Value {
             }),
         },
         View::Upload => upload(session, id, index),
+        View::Bus(bus) => match id {
+            Id::BusTake => Value::U16(0),
+            Id::BusListens => Value::U16(session.listening.told(bus).number()),
+            _ => of_bus(&mut bus.clone(), id).map_or(Value::U16(0), |field| field.get()),
+        },
     }
 }
 
-fn identification(id: Id, index: u16, period_s: f32) -> Value {
+fn identification(id: Id, index: u16, period_s: f32, identity: &Identity) -> Value {
+    let of = |words: &[u16]| Value::U16(words.get(usize::from(index)).copied().unwrap_or(0));
     match id {
         Id::RegistersVersion => Value::U16(VERSION),
         Id::WireVersion => Value::U16(wire::VERSION),
         Id::StorageVersion => Value::U16(LAYOUT),
-        Id::Release => Value::U16(FIRMWARE_VERSION.get(usize::from(index)).copied().unwrap_or(0)),
+        Id::Release => of(&FIRMWARE_VERSION),
         Id::TickPeriod => Value::U32((1e6 * period_s + 0.5) as u32),
         Id::PressureZero => Value::F32(PRESSURE.zero_code),
         Id::PressureGain => Value::F32(PRESSURE.codes_per_unit),
         Id::ContractionZero => Value::F32(CONTRACTION.zero_code),
         Id::ContractionGain => Value::F32(CONTRACTION.codes_per_unit),
         Id::CommandZero => Value::F32(COMMAND.zero_code),
-        _ => Value::F32(COMMAND.codes_per_unit),
+        Id::CommandGain => Value::F32(COMMAND.codes_per_unit),
+        Id::UniqueId => of(&identity.unique_id),
+        Id::Processor => Value::U32(identity.processor),
+        Id::HardwareRevision => Value::U16(identity.hardware_revision),
+        Id::SourceCommit => of(&SOURCE.commit),
+        _ => Value::U16(SOURCE.is_modified.into()),
     }
 }
 

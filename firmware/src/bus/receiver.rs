@@ -11,7 +11,7 @@
 //! it.
 
 use heapless::Vec;
-use wire::registers::{FRAME_BYTES, UNIT};
+use wire::registers::FRAME_BYTES;
 
 use super::functions::{
     DEVICE_IDENTIFICATION, DIAGNOSTICS, ENCAPSULATED, MASK_WRITE, READ_WRITE, REPORT_SERVER_ID,
@@ -27,6 +27,8 @@ pub(super) const BROADCAST: u8 = 0;
 #[derive(Debug)]
 pub struct Receiver {
     bytes: Vec<u8, FRAME_BYTES>,
+    /// The board's number.
+    unit: u8,
     /// From the end of a byte to the end of the first one of the next frame, at the least. Unit:
     /// that of the moments.
     pause: u32,
@@ -43,10 +45,27 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// A receiver at the start of a frame.
-    pub const fn new(pause: u32, silence: u32) -> Self {
+    /// A receiver at the start of a frame, which [`Receiver::set`] has told nothing yet.
+    pub const fn new() -> Self {
         let bytes = Vec::new();
-        Self { bytes, pause, silence, last: 0, is_overlong: false, begin: 0, taken: None, damaged: 0 }
+        Self {
+            bytes,
+            unit: BROADCAST,
+            pause: u32::MAX,
+            silence: u32::MAX,
+            last: 0,
+            is_overlong: false,
+            begin: 0,
+            taken: None,
+            damaged: 0,
+        }
+    }
+
+    /// Sets the board's number, and the times behind which a frame may begin, and does. What has
+    /// come by others is forgotten.
+    pub fn set(&mut self, unit: u8, [pause, silence]: [u32; 2]) {
+        (self.unit, self.pause, self.silence, self.taken) = (unit, pause, silence, None);
+        self.clear();
     }
 
     /// Runs of bytes that were no frame.
@@ -65,7 +84,9 @@ impl Receiver {
         let is_silent = elapsed >= self.silence;
         match byte {
             // Of a function that is known it would have been complete before.
-            None if is_silent && lengths(&self.bytes).is_none() && self.is_whole(0) => self.taken = Some(0),
+            None if is_silent && lengths(&self.bytes, self.unit).is_none() && self.is_whole(0) => {
+                self.taken = Some(0)
+            }
             None if is_silent => self.drop_bytes(),
             None => {}
             Some(byte) => {
@@ -110,7 +131,8 @@ impl Receiver {
     /// Whether what has come from a byte on is as long as its function says, and ends with its CRC.
     fn is_complete(&self, begin: usize) -> bool {
         let bytes = self.bytes.get(begin..).unwrap_or_default();
-        lengths(bytes).is_some_and(|lengths| lengths.contains(&bytes.len())) && self.is_whole(begin)
+        lengths(bytes, self.unit).is_some_and(|lengths| lengths.contains(&bytes.len()))
+            && self.is_whole(begin)
     }
 
     /// Whether what has come from a byte on ends with its CRC.
@@ -128,7 +150,7 @@ fn ends_with_crc(bytes: &[u8]) -> bool {
 /// How long a frame of the function is (Modbus application protocol 1.1b3, chapter 6), CRC
 /// included: a request, and another board's answer, behind which the next request need not wait for
 /// a silence. `None` while that is not known.
-fn lengths(bytes: &[u8]) -> Option<[usize; 2]> {
+fn lengths(bytes: &[u8], unit: u8) -> Option<[usize; 2]> {
     let at = |place: usize| bytes.get(place).map(|&byte| usize::from(byte));
     let [request, answer] = match *bytes.get(1)? {
         1..=4 => [8, 5 + at(2)?],
@@ -145,7 +167,7 @@ fn lengths(bytes: &[u8]) -> Option<[usize; 2]> {
         _ => return None,
     };
     // Nobody but this board answers by its number.
-    let is_others = !matches!(bytes.first(), Some(&(BROADCAST | UNIT)));
+    let is_others = bytes.first().is_some_and(|of| ![BROADCAST, unit].contains(of));
     Some([request, if is_others { answer } else { request }])
 }
 

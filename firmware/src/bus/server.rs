@@ -4,7 +4,7 @@ use heapless::Vec;
 use rmodbus::consts::ModbusFunction;
 use rmodbus::server::{ModbusFrame, Read, Write};
 use rmodbus::{ErrorKind, ModbusProto};
-use wire::registers::{Exception, FRAME_BYTES, UNIT};
+use wire::registers::{Exception, FRAME_BYTES};
 
 use super::functions;
 use super::read::read;
@@ -29,7 +29,7 @@ pub fn answer(
     if functions::is_known(function) {
         return answer_ourselves(session, unit, function, data, audience, node, response);
     }
-    let mut frame = ModbusFrame::new(UNIT, bytes, ModbusProto::Rtu, response);
+    let mut frame = ModbusFrame::new(session.unit(), bytes, ModbusProto::Rtu, response);
     let is_read = frame.parse().is_ok();
     if !is_read || !frame.processing_required && !frame.response_required {
         return;
@@ -84,17 +84,18 @@ fn answer_ourselves(
     node: &mut impl Node,
     response: &mut Vec<u8, FRAME_BYTES>,
 ) {
-    if unit != UNIT && !(audience == Audience::All && function == functions::MASK_WRITE) {
+    let own = session.unit();
+    if unit != own && !(audience == Audience::All && function == functions::MASK_WRITE) {
         return;
     }
     session.frames = session.frames.wrapping_add(1);
     node.control(|control| control.hear());
     // There is room for these and for whatever follows.
-    let _ = response.extend_from_slice(&[UNIT, function]);
+    let _ = response.extend_from_slice(&[own, function]);
     if let Err(exception) = functions::carry_out(session, function, data, audience, node, response) {
         session.refused = session.refused.wrapping_add(1);
         response.clear();
-        let _ = response.extend_from_slice(&[UNIT, function | 0x80, exception.number() as u8]);
+        let _ = response.extend_from_slice(&[own, function | 0x80, exception.number() as u8]);
     }
     let crc = CRC.checksum(response).to_le_bytes();
     if audience == Audience::All || response.extend_from_slice(&crc).is_err() {

@@ -5,6 +5,7 @@ use model_core::Mode;
 use wire::registers::{Command, Exception, UploadResult};
 use wire::{Refusal, text};
 
+use super::listening::Listening;
 use super::upload::Upload;
 
 /// What earlier requests have left.
@@ -15,6 +16,10 @@ pub struct Session {
     /// That of the next start.
     pub mode: Mode,
     pub capture_from: u32,
+    /// By which parameters the board listens.
+    pub listening: Listening,
+    /// Whether those that are kept are to be taken, behind the answer.
+    pub takes_line: bool,
     pub upload: Upload,
     pub result: UploadResult,
     /// Why a request was refused, where there is more to say than by the exception.
@@ -26,12 +31,19 @@ pub struct Session {
 }
 
 impl Session {
+    /// The board's number.
+    pub const fn unit(&self) -> u8 {
+        self.listening.in_use().unit
+    }
+
     /// One that has heard nothing.
     pub const fn new() -> Self {
         Self {
             command: Command::None,
             mode: Mode::Both,
             capture_from: 0,
+            listening: Listening::new(),
+            takes_line: false,
             upload: Upload::new(),
             result: UploadResult::None,
             message: String::new(),

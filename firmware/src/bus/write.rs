@@ -16,6 +16,7 @@ use super::session::Session;
 use crate::node::{Node, carry_out};
 use crate::order::Order;
 use crate::scaling::{COMMAND, VENT};
+use crate::store::Parameters;
 
 /// Whom a request is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,6 +105,7 @@ pub fn write(
         6 => stream(values, node),
         7 => capture(session, values, node),
         8 => upload(session, values, node),
+        9 => line(session, values, audience, node),
         _ => Err(Exception::IllegalAddress),
     }
 }
@@ -324,4 +326,36 @@ fn commit(session: &mut Session, node: &mut impl Node) -> Result<(), Exception> 
             Err(Exception::IllegalValue)
         }
     }
+}
+
+/// How the board is reached: kept here, taken by [`super::Bus::line`].
+#[inline(never)]
+fn line(
+    session: &mut Session,
+    values: impl Iterator<Item = Assignment>,
+    audience: Audience,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    let kept = node.parameters().bus;
+    let (mut bus, mut is_taken) = (kept, false);
+    for Assignment { id, value, .. } in values {
+        match id {
+            Id::BusTake => is_taken |= value == Value::U16(1),
+            _ => fields::of_bus(&mut bus, id).into_iter().for_each(|field| field.set(value)),
+        }
+    }
+    let state = node.control(|control| control.state());
+    if state.is_driven() {
+        return Err(session.refuse(Refusal::WrongState(state)));
+    }
+    if bus != kept {
+        if audience == Audience::All {
+            // All boards would have one number, and nobody would hear which have kept the rest.
+            return Err(Exception::DeviceBusy);
+        }
+        let parameters = Parameters { bus, ..node.parameters().clone() };
+        node.keep(parameters).map_err(|_| session.refuse(Refusal::NotStored))?;
+    }
+    session.takes_line |= is_taken;
+    Ok(())
 }

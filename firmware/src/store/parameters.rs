@@ -1,7 +1,7 @@
 //! What a board keeps.
 
 use serde::{Deserialize, Serialize};
-use wire::{BoardParameters, Configuration, Protection, Request, VERSION};
+use wire::{BoardParameters, BusParameters, Configuration, Protection, Request, VERSION};
 
 /// A set of parameters, saved and loaded as a whole. Raw: validated each time that it is taken.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -10,13 +10,17 @@ pub struct Parameters {
     pub protection: Protection,
     /// Model, gains and limits, as a host has configured them; none before that.
     pub tracking: Option<BoardParameters>,
+    /// How the board is reached on its bus.
+    pub bus: BusParameters,
 }
 
 impl Parameters {
     /// The set of a new board: no model, since one of another muscle would drive this one wrongly.
-    pub const FACTORY: Self = Self { protection: Protection::STANDARD, tracking: None };
+    pub const FACTORY: Self =
+        Self { protection: Protection::STANDARD, tracking: None, bus: BusParameters::STANDARD };
 
-    /// What a host would ask a new board for, to give it this set.
+    /// What a host would ask a new board for over the link, to give it this set; the bus takes its own
+    /// by itself.
     pub fn requests(&self) -> impl Iterator<Item = Request> {
         let configure = |tracking| Request::Configure(Configuration { version: VERSION, tracking });
         [Request::Protect(self.protection)].into_iter().chain(self.tracking.clone().map(configure))

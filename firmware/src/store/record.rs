@@ -3,8 +3,8 @@
 //! # Layouts
 //! | layout | set |
 //! |---|---|
-//! | 1 | [`super::previous`] |
-//! | 2 | [`Parameters`] |
+//! | 2 | [`super::previous`] |
+//! | 3 | [`Parameters`] |
 //!
 //! A change of [`Parameters`], or of anything in it, is a new layout: [`LAYOUT`] is raised, and the
 //! struct as it was takes the place of the previous one.
@@ -16,10 +16,10 @@ use super::parameters::Parameters;
 use super::previous::{self, Previous};
 
 /// Number of the layout that is written.
-pub const LAYOUT: u16 = 2;
+pub const LAYOUT: u16 = 3;
 
-/// The longest record: the parts of a set fit in a frame of the bus each, and the limits of the
-/// plant in 96 bytes. Unit: byte, a multiple of the flash's word.
+/// The longest record: model and gains fit in a frame of the bus, the limits of the plant in 96
+/// bytes, the bus's parameters in 12. Unit: byte, a multiple of the flash's word.
 pub const RECORD_BYTES: usize = (wire::FRAME_BYTES + 128).next_multiple_of(32);
 
 /// A record that was read.

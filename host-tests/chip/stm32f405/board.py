@@ -17,11 +17,20 @@ class Line:
 
     def __init__(self, baud):
         self.baud = baud
+        # "none", "even" or "odd".
+        self.parity = "none"
         # (moment when it is complete, byte), what the board has sent.
         self.sent = []
         self.is_plugged = True
         # When the host is done with what it sends.
         self.free_at = 0.0
+
+    def bits(self):
+        """Of a byte: start, data, what checks them, stop."""
+        return 10 if self.parity == "none" else 11
+
+    def byte_s(self):
+        return self.bits() / self.baud
 
 
 class Board:
@@ -110,7 +119,7 @@ class Board:
         """A host sends bytes, with a gap between them; returns when the last is complete."""
         line = self.line(usart)
         begin = max(at if at is not None else self.chip.now, line.free_at, self.chip.now)
-        byte_s = 10 / line.baud
+        byte_s = line.byte_s()
         for byte in frame:
             end = begin + byte_s
             if line is self.bus:
@@ -124,7 +133,7 @@ class Board:
         if line.is_plugged and self.is_connected(usart.RX, 7):
             if line is self.bus and self.drives_bus():
                 self.collisions += 1
-            usart.receive(byte, line.baud)
+            usart.receive(byte, line)
 
     def unplug(self, usart, seed_hz=2_000.0):
         """Takes the cable off: a floating input sees noise, so many false bytes a second."""
@@ -133,7 +142,7 @@ class Board:
 
         def noise():
             if self.is_floating(usart.RX) and self.is_connected(usart.RX, 7):
-                usart.receive(0xFF, line.baud)
+                usart.receive(0xFF, line)
             if not line.is_plugged:
                 self.chip.after(1 / seed_hz, noise)
 
@@ -154,8 +163,8 @@ class Board:
                 self.undriven += 1
                 return
             if self.has_echo:
-                usart.receive(byte, usart.baud())
-        if abs(usart.baud() / line.baud - 1) > 0.03:
+                usart.receive(byte, usart)
+        if not usart.agrees(line):
             byte ^= 0x55
         line.sent.append((self.chip.now, byte))
 

@@ -41,6 +41,8 @@ RAM, RAM_BYTES, CCM, FLASH_BYTES = 0x2000_0000, 0x20000, 0x1000_0000, 0x100000
 SYSTEM = 0x1FFF_7000
 # Factory values of the temperature's sensor at 30 and 110 °C, and of the reference, at 3.3 V.
 TS_CAL1, TS_CAL2, VREFINT_CAL = 0x1FFF_7A2C, 0x1FFF_7A2E, 0x1FFF_7A2A
+# The processor's number of 96 bits, lowest word first, and the area that is written once.
+UNIQUE_ID, ONCE = 0x1FFF_7A10, 0x1FFF_7800
 # What a handler returns to: thread or handler, main stack, frame with the floating point's registers.
 EXIT_HANDLER, EXIT_THREAD = 0xFFFF_FFE1, 0xFFFF_FFE9
 EXITS = [EXIT_HANDLER & ~1, EXIT_THREAD & ~1]
@@ -103,6 +105,8 @@ class Chip:
                 uc.mem_write(address, data)
         # Of a chip of the middle of the batch: 0.76 V at 25 °C, 2.5 mV/K.
         uc.mem_write(VREFINT_CAL, struct.pack("<HHH", 1501, 959, 1207))
+        uc.mem_write(UNIQUE_ID, struct.pack("<III", 0x0039_0045, 0x3134_510E, 0x3238_3732))
+        uc.mem_write(ONCE, b"\xff" * 0x210)
         for base, size in MAPPED:
             uc.mmio_map(
                 base, size,

@@ -47,8 +47,9 @@ def write_frame(address, data, unit=UNIT):
 class Master:
     """Asks by whole frames; a request waits for the answer."""
 
-    def __init__(self, chip):
+    def __init__(self, chip, unit=UNIT):
         self.chip = chip
+        self.unit = unit
 
     def exchange(self, frame, timeout_s=0.1, pause_s=4e-3):
         """Sends a frame, and returns the answer, empty if there is none."""
@@ -67,7 +68,7 @@ class Master:
 
         chip.run(until=is_whole, most_s=timeout_s)
         # The last bit has to leave, too.
-        chip.run(2 * BYTE_S)
+        chip.run(2 * line.byte_s())
         return bytes(byte for _, byte in line.sent)
 
     def ask(self, frame, **how):
@@ -81,17 +82,23 @@ class Master:
             raise Refused(answer[2])
         return answer[2:-2]
 
-    def get(self, name):
+    def get(self, name, **how):
         """Reads a register."""
         row = TABLE[name]
-        data = self.ask(read_frame(int(row["address"]), int(row["words"])))[1:]
-        return struct.unpack(FORMATS[row["type"]], data)[0]
+        data = self.ask(read_frame(int(row["address"]), int(row["words"]), self.unit), **how)[1:]
+        return struct.unpack(FORMATS[row["type"]], data[: struct.calcsize(FORMATS[row["type"]])])[0]
 
     def set(self, name, value, **how):
         """Writes a register."""
         row = TABLE[name]
         data = struct.pack(FORMATS[row["type"]], value)
-        self.ask(write_frame(int(row["address"]), data), **how)
+        self.ask(write_frame(int(row["address"]), data, self.unit), **how)
+
+    def words(self, name):
+        """Reads all words of a run."""
+        row = TABLE[name]
+        data = self.ask(read_frame(int(row["address"]), int(row["words"]), self.unit))[1:]
+        return struct.unpack(f">{len(data) // 2}H", data)
 
     def drive(self, bar):
         """Service: a pressure at the valve, without a controller."""

@@ -4,10 +4,9 @@ from .peripheral import Peripheral, Register
 
 PE, FE, NF, ORE, IDLE, RXNE, TC, TXE = range(8)
 UE, TE, RE, RXNEIE, TCIE, TXEIE, IDLEIE = 13, 3, 2, 5, 6, 7, 4
-# 8 data bits, one start bit, one stop bit.
-BITS = 10
-# When within a byte it is known: in the middle of the stop bit.
-KNOWN_BITS = 9.6
+M, PCE, PS = 12, 10, 9
+# When a byte is known before its end: in the middle of the stop bit. Unit: bit.
+UNKNOWN_BITS = 0.4
 # How far the rates of both sides may be apart.
 TOLERANCE = 0.03
 
@@ -35,8 +34,21 @@ class Usart(Peripheral):
         """The rate by the divider."""
         return self.chip.rcc.apb_hz(self.BUS) / max(self["BRR"], 1)
 
+    def parity(self):
+        """The bit that checks the others: "none", "even" or "odd"."""
+        return ("even", "odd")[self.bit("CR1", PS)] if self.bit("CR1", PCE) else "none"
+
+    def bits(self):
+        """Of a byte: start, 8 or, with M, 9, of which the last may check the others, and stop."""
+        return 10 + self.bit("CR1", M)
+
     def byte_s(self):
-        return BITS / self.baud()
+        return self.bits() / self.baud()
+
+    def agrees(self, line):
+        """Whether both sides have one format."""
+        is_same = self.parity() == line.parity and self.bits() == line.bits()
+        return is_same and abs(self.baud() / line.baud - 1) <= TOLERANCE
 
     def read_SR(self, value):
         self.sr_read = True
@@ -54,9 +66,16 @@ class Usart(Peripheral):
     def write_CR1(self, value):
         if value >> TE & 1 and not self.chip.board.is_connected(self.TX, 7):
             self.violation(f"the transmitter is enabled while {self.TX} is not its pin")
+        changed = value ^ self["CR1"]
+        if self.shifting is not None and changed & (1 << M | 1 << PCE | 1 << PS | 1 << UE):
+            self.violation("the format is changed while a byte is sent")
+        if value >> PCE & 1 and not value >> M & 1:
+            self.violation("with a parity and without M a byte has seven bits")
         self["CR1"] = value
 
     def write_BRR(self, value):
+        if value < 16:
+            self.violation(f"the divider {value} is below 16, a bit's samples")
         if self.bit("CR1", UE) and self.shifting is not None:
             self.violation("the rate is changed while a byte is sent")
         self["BRR"] = value
@@ -80,7 +99,7 @@ class Usart(Peripheral):
         self["SR"] = self["SR"] | 1 << TXE
         self.chip.board.byte_begins(self, self.shifting)
         generation, byte = self.generation, self.shifting
-        self.chip.after(KNOWN_BITS / self.baud(), lambda: self._known(generation, byte))
+        self.chip.after((self.bits() - UNKNOWN_BITS) / self.baud(), lambda: self._known(generation, byte))
         self.chip.after(self.byte_s(), lambda: self._shifted(generation))
 
     def _known(self, generation, byte):
@@ -97,11 +116,11 @@ class Usart(Peripheral):
             self["SR"] |= 1 << TC
             self.chip.board.all_sent(self)
 
-    def receive(self, byte, line_baud):
+    def receive(self, byte, line):
         """A byte has arrived, its stop bit seen."""
         if not self.bit("CR1", UE) or not self.bit("CR1", RE):
             return
-        if abs(self.baud() / line_baud - 1) > TOLERANCE:
+        if line is not self and not self.agrees(line):
             byte = byte ^ 0x55
             self["SR"] |= 1 << FE
         if self.bit("SR", RXNE):

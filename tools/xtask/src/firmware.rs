@@ -10,6 +10,10 @@ use anyhow::Result;
 use crate::board_compiler::{BoardCompiler, TARGET};
 use crate::run;
 
+/// What the images are built from.
+const SOURCES: [&str; 7] =
+    ["firmware", "wire", "model-core", "Cargo.toml", "Cargo.lock", "memory.x", ".cargo/config.toml"];
+
 /// Builds both images.
 ///
 /// # Errors
@@ -34,7 +38,21 @@ pub fn build_images(compiler: &BoardCompiler, features: &str) -> Result<()> {
     cargo.args(["--features", features, "--target", TARGET]);
     cargo.arg("--target-dir").arg(run::target_dir().join("firmware"));
     compiler.apply(&mut cargo);
+    cargo.env("MGPI_SOURCE", source());
     run::succeed(&mut cargo)
+}
+
+/// The git commit that last changed what the images are built from, with a `+` behind it where the
+/// files differ from that; empty where that is not known. Other commits leave the images as they
+/// are.
+fn source() -> String {
+    let git = |arguments: &[&str]| {
+        let root = run::root().display().to_string();
+        run::output("git", &[&["-C", &root], arguments, &["--"], &SOURCES].concat())
+    };
+    let commit = git(&["log", "-1", "--format=%H"]).unwrap_or_default();
+    let is_modified = git(&["status", "--porcelain"]).is_some_and(|changed| !changed.is_empty());
+    if is_modified && !commit.is_empty() { commit + "+" } else { commit }
 }
 
 /// The ELF file of the image for the emulator.

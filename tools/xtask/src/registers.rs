@@ -67,7 +67,8 @@ fn page() -> String {
     // Writing to a string cannot fail.
     let _ = write!(
         page,
-        "Version {VERSION} of the map, board number {UNIT}, {BAUD} bit/s, 8 data bits, no parity, one stop bit.\n\n{RULES}"
+        "Version {VERSION} of the map. A new board has the number {UNIT}, {BAUD} bit/s, 8 data bits, no parity, one stop bit; the group \
+         Bus changes that.\n\n{RULES}"
     );
     for exception in Exception::ALL {
         let _ = writeln!(page, "| {} | {} |", exception.number(), when(*exception));

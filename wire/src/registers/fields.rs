@@ -1,19 +1,23 @@
-//! Gains and limits as registers: which field stands behind which.
+//! Gains, limits and the bus's parameters as registers: which field stands behind which.
 
 use model_core::TrackingParameters;
 
 use super::{Id, Value};
-use crate::{BoardParameters, OnModelFault, Protection};
+use crate::{BoardParameters, BusParameters, OnModelFault, Parity, Protection};
 
 /// A field that a register reads and writes.
 #[derive(Debug)]
 pub enum Field<'a> {
     /// A quantity.
     Quantity(&'a mut f32),
-    /// A number of ticks.
-    Ticks(&'a mut u32),
+    /// A whole number: of ticks, bits or microseconds.
+    Whole(&'a mut u32),
     /// What follows when the model does not stand its test.
     OnModelFault(&'a mut OnModelFault),
+    /// A board's number.
+    Unit(&'a mut u8),
+    /// A parity.
+    Parity(&'a mut Parity),
 }
 
 impl Field<'_> {
@@ -21,9 +25,11 @@ impl Field<'_> {
     pub fn get(&self) -> Value {
         match self {
             Self::Quantity(quantity) => Value::F32(**quantity),
-            Self::Ticks(ticks) => Value::U32(**ticks),
+            Self::Whole(number) => Value::U32(**number),
             Self::OnModelFault(OnModelFault::Vent) => Value::U16(0),
             Self::OnModelFault(OnModelFault::FeedbackOnly) => Value::U16(1),
+            Self::Unit(unit) => Value::U16((**unit).into()),
+            Self::Parity(parity) => Value::U16(parity.number()),
         }
     }
 
@@ -31,9 +37,13 @@ impl Field<'_> {
     pub fn set(self, value: Value) {
         match (self, value) {
             (Self::Quantity(quantity), Value::F32(value)) => *quantity = value,
-            (Self::Ticks(ticks), Value::U32(value)) => *ticks = value,
+            (Self::Whole(number), Value::U32(value)) => *number = value,
             (Self::OnModelFault(reaction), Value::U16(0)) => *reaction = OnModelFault::Vent,
             (Self::OnModelFault(reaction), Value::U16(_)) => *reaction = OnModelFault::FeedbackOnly,
+            (Self::Unit(unit), Value::U16(value)) => *unit = u8::try_from(value).unwrap_or(*unit),
+            (Self::Parity(parity), Value::U16(value)) => {
+                *parity = Parity::of_number(value).unwrap_or(*parity);
+            }
             _ => {}
         }
     }
@@ -79,8 +89,8 @@ pub fn excess(tracking: &mut BoardParameters) -> Option<(Id, Value)> {
 /// The field of a register of the group "Protection".
 pub fn of_protection(protection: &mut Protection, id: Id) -> Option<Field<'_>> {
     Some(match id {
-        Id::SelfTestTicks => Field::Ticks(&mut protection.self_test_ticks),
-        Id::BusSilent => Field::Ticks(&mut protection.bus_silent_ticks),
+        Id::SelfTestTicks => Field::Whole(&mut protection.self_test_ticks),
+        Id::BusSilent => Field::Whole(&mut protection.bus_silent_ticks),
         Id::OnModelFault => Field::OnModelFault(&mut protection.on_model_fault),
         _ => Field::Quantity(match id {
             Id::VentedBar => &mut protection.vented_bar,
@@ -99,5 +109,19 @@ pub fn of_protection(protection: &mut Protection, id: Id) -> Option<Field<'_>> {
             Id::TemperatureMax => &mut protection.temperature_max_c,
             _ => return None,
         }),
+    })
+}
+
+/// The registers of [`BusParameters`].
+pub const BUS: [Id; 4] = [Id::BusNumber, Id::BusParity, Id::BusRate, Id::BusTurnaround];
+
+/// The field of one of [`BUS`].
+pub fn of_bus(bus: &mut BusParameters, id: Id) -> Option<Field<'_>> {
+    Some(match id {
+        Id::BusNumber => Field::Unit(&mut bus.unit),
+        Id::BusParity => Field::Parity(&mut bus.parity),
+        Id::BusRate => Field::Whole(&mut bus.baud),
+        Id::BusTurnaround => Field::Whole(&mut bus.turnaround_us),
+        _ => return None,
     })
 }

@@ -26,8 +26,8 @@ mod value;
 mod windows;
 
 pub use names::{
-    Command, Exception, StreamOrder, StreamState, UploadOrder, UploadResult, mode, mode_number, state,
-    state_number,
+    BusListens, Command, Exception, StreamOrder, StreamState, UploadOrder, UploadResult, mode, mode_number,
+    state, state_number,
 };
 pub use table::{GROUPS, Group, Id, TABLE};
 pub use value::{Kind, Value};
@@ -39,9 +39,9 @@ pub use windows::{
 
 /// Version of the map.
 pub const VERSION: u16 = 1;
-/// The board's address on the bus.
+/// A new board's number on the bus.
 pub const UNIT: u8 = 1;
-/// Unit: bit/s; 8 data bits, no parity, one stop bit.
+/// A new board's rate; 8 data bits, no parity, one stop bit. Unit: bit/s.
 pub const BAUD: u32 = 115_200;
 /// The longest frame, address and CRC included. Unit: byte.
 pub const FRAME_BYTES: usize = 256;

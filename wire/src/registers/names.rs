@@ -129,6 +129,18 @@ numbered! {
     }
 }
 
+numbered! {
+    /// By what the board listens on the bus.
+    BusListens {
+        /// What it keeps.
+        Stored = 0,
+        /// What it kept at its start; it takes the new at the next.
+        Former = 1,
+        /// The line of a new board, since nobody was heard by its own.
+        Standard = 2,
+    }
+}
+
 /// The mode with a number: 0 both, 1 feed-forward, 2 feedback.
 pub const fn mode(number: u16) -> Option<Mode> {
     match number {

@@ -10,6 +10,10 @@ use crate::{FAULTS, TRACE};
 /// The highest command, pressure of the strongest muscles that the board is made for. Unit: bar.
 const HIGHEST_BAR: f64 = 8.0;
 
+/// The highest rate of the bus: a sixteenth of the internal oscillator's 16 MHz, by which a board
+/// goes on whose crystal has failed; the port samples each bit sixteen times. Unit: bit/s.
+const HIGHEST_BAUD: f64 = 1_000_000.0;
+
 /// Registers that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Group {
@@ -22,7 +26,7 @@ pub struct Group {
 }
 
 /// The groups, by their addresses.
-pub const GROUPS: [Group; 9] = [
+pub const GROUPS: [Group; 10] = [
     Group {
         address: 0x0000,
         title: "Identification",
@@ -80,6 +84,14 @@ pub const GROUPS: [Group; 9] = [
         doc: "A configuration in blocks: write blocks at their offsets, then length and checksum, then commit. Until the \
               commit succeeds the old configuration stays; a commit while the valve is driven is refused with exception 6, \
               one of a content that is not valid with exception 3. Exception 4: it is in use, but the flash has not kept it. Fetch, and the same window reads the installed one.",
+    },
+    Group {
+        address: 0x0900,
+        title: "Bus",
+        doc: "How the board is reached, kept without power. What is written here is taken at the next start, or by `bus_take`: \
+              the answer still comes by the old parameters. A board that hears no whole frame for 10 s behind either listens \
+              by 115,200 bit/s without parity, under its own number, and by its parameters, 10 s each in turns, until it hears \
+              one. Refused with exception 6 while the valve is driven, and as a broadcast, but for `bus_take` alone.",
     },
 ];
 
@@ -141,6 +153,11 @@ table! {
     0x000E ContractionGain "contraction_codes_per_mm" F32 [1] "code/mm" READ, "Scaling of the same";
     0x0010 CommandZero "command_zero_code" F32 [1] "code" READ, "Code of 0 bar at the valve's output";
     0x0012 CommandGain "command_codes_per_bar" F32 [1] "code/bar" READ, "Scaling of the same";
+    0x0014 UniqueId "unique_id" U16 [6] "" READ, "Of the processor, from its maker: no two have the same; 0 in the emulator";
+    0x001A Processor "processor" U32 [1] "" READ, "Which processor it is, and which revision of it, as its register DBGMCU_IDCODE tells; 0 in the emulator";
+    0x001C HardwareRevision "hardware_revision" U16 [1] "" READ, "Of the board, as its maker has written it once into the first word of the processor's OTP area; 0 where nobody has";
+    0x001D SourceCommit "source_commit" U16 [10] "" READ, "Of the sources that the firmware was built from: the git commit, 20 bytes; 0 where that was not known";
+    0x0027 SourceModified "source_modified" U16 [1] "" READ, "1 where the sources differed from that commit";
 
     0x0100 Command "command" U16 [1] "" write(0.0, 5.0), "0 nothing, 1 start, or go on from holding, 2 stop and vent, 3 hold, 4 acknowledge, 5 service; reads as the last one taken";
     0x0101 Mode "mode" U16 [1] "" write(0.0, 2.0), "0 feed-forward and feedback, 1 feed-forward alone, 2 feedback alone; at once while tracking, else with the next command 1";
@@ -230,6 +247,13 @@ table! {
     0x080F UploadOffset "upload_offset" U16 [1] "" write(0.0, UPLOAD_BYTES as f64 - 1.0), "Where the window stands in the buffer, in bytes; may be written together with it";
     0x0810 UploadWindow "upload_window" U16 [UPLOAD_REGISTERS] "" WORD, "Two bytes in a register, the first in the high half; beyond the buffer's end a write is refused, and 0 is read";
     0x0890 Message "message" U16 [MESSAGE_REGISTERS] "" READ, "Why the last commit or write of gains or protection was refused, two characters in a register";
+
+    0x0900 BusNumber "bus_number" U16 [1] "" write(1.0, 247.0), "The board's number on the bus";
+    0x0901 BusParity "bus_parity" U16 [1] "" write(0.0, 2.0), "0 none, 1 even, 2 odd; one stop bit in any case";
+    0x0902 BusRate "bus_rate_bit_per_s" U32 [1] "bit/s" write(9_600.0, HIGHEST_BAUD), "Rate of both directions";
+    0x0904 BusTurnaround "bus_turnaround_us" U32 [1] "us" write(0.0, 50_000.0), "Least time from the end of a request to its answer, which comes at most a tick later";
+    0x0906 BusTake "bus_take" U16 [1] "" write(0.0, 1.0), "1 takes what stands above now, behind the answer; reads as 0";
+    0x0907 BusListens "bus_listens" U16 [1] "" READ, "By what the board listens: 0 what stands above, 1 what stood there before, 2 the rate and parity of a new board, since nobody was heard by its own";
 }
 
 /// Places of the queue are told in a register.

@@ -1,4 +1,4 @@
-//! The memory that a reset leaves alone, and why the processor has started.
+//! The memory that a reset leaves alone, why the processor has started, and which one it is.
 //!
 //! The black box is written by the tick, and sealed by whatever ends the program; a program that
 //! ends does not go on, so that no two of them ever work on it.
@@ -7,11 +7,19 @@ use core::mem::MaybeUninit;
 
 use firmware::BlackBox;
 use firmware::faults::black_box::Reset;
-use stm32f4::stm32f405::{FLASH, RCC};
+use firmware::identity::Identity;
+use stm32f4::stm32f405::{DBGMCU, FLASH, RCC};
 use wire::Fault;
 
 /// Level of the brown-out reset in the option bytes (RM0090, 3.9.10): below 1.8 V only.
 const BROWN_OUT_OFF: u8 = 3;
+
+/// Where the processor's number stands (RM0090, 39.1), and the first word of the area that is
+/// written once (3.9.9).
+const UNIQUE_ID: *const u16 = 0x1FFF_7A10 as *const u16;
+const WRITTEN_ONCE: *const u16 = 0x1FFF_7800 as *const u16;
+/// What nobody has written yet.
+const BLANK: u16 = u16::MAX;
 
 // SAFETY: the section is one of memory.x, large enough, and used for nothing else.
 #[unsafe(link_section = ".fault_record")]
@@ -39,6 +47,29 @@ pub fn seal(fault: Fault, detail: u32) {
 /// below 2.7 V the program would then run on without anybody's knowing what it does.
 pub fn lacks_brown_out_reset(flash: &FLASH) -> bool {
     flash.optcr().read().bor_lev().bits() == BROWN_OUT_OFF
+}
+
+/// The number of the line of chips that this board has; an emulator tells none, and has nothing in
+/// their memory.
+pub const DEVICE: u16 = 0x413;
+
+/// Which board it is.
+pub fn identity(debug: &DBGMCU) -> Identity {
+    let code = debug.idcode().read();
+    if code.dev_id().bits() != DEVICE {
+        return Identity::default();
+    }
+    // SAFETY: the addresses are in the system's memory of every chip of the line, aligned, and
+    // nobody's variables.
+    let word = |place: *const u16, offset: usize| unsafe { place.add(offset).read_volatile() };
+    // The number of 96 bits stands there with its lowest word first.
+    let unique_id = core::array::from_fn(|index| word(UNIQUE_ID, 5 - index));
+    let revision = word(WRITTEN_ONCE, 0);
+    Identity {
+        unique_id,
+        processor: code.bits(),
+        hardware_revision: if revision == BLANK { 0 } else { revision },
+    }
 }
 
 /// Why the processor has started; the next reset finds the flags cleared.

@@ -9,11 +9,11 @@ use firmware::AdcCode;
 use firmware::scaling::TEMPERATURE;
 use stm32f4::stm32f405::DBGMCU;
 
+use super::memory::DEVICE;
+
 /// Where the codes stand. Unit: °C.
 const FACTORY: [(*const u16, f32); 2] =
     [(0x1FFF_7A2C as *const u16, 30.0), (0x1FFF_7A2E as *const u16, 110.0)];
-/// The line of chips whose factory values these are; an emulator tells none.
-const DEVICE: u16 = 0x413;
 /// Codes per code of a typical sensor that a working one has: 2.5 mV/K, and some 10 %.
 const CREDIBLE: core::ops::RangeInclusive<f32> = 0.8..=1.25;
 

@@ -6,6 +6,8 @@
 //! | [`client`] | registers read and written, lost answers asked for again |
 //! | [`board`] | a board that is the right one, its state and orders |
 //! | [`status`] | all that it says of itself |
+//! | [`about`] | which board it is, and what its firmware was built from |
+//! | [`reached`] | number, rate and parity that it keeps |
 //! | [`settings`] | gains and limits of a new configuration: which stay, which change |
 //! | [`upload`] | a configuration to the board, and back |
 //! | [`play`] | set points streamed ahead, ticks recorded, to the end or a stop |
@@ -15,12 +17,14 @@
 //!
 //! The registers themselves are those of [`wire::registers`].
 
+pub mod about;
 pub mod board;
 pub mod client;
 pub mod error;
 pub mod excitation;
 pub mod play;
 pub mod port;
+pub mod reached;
 pub mod recording;
 pub mod settings;
 pub mod status;

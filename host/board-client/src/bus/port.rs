@@ -165,6 +165,26 @@ impl From<Parity> for serial2::Parity {
     }
 }
 
+impl From<Parity> for wire::Parity {
+    fn from(parity: Parity) -> Self {
+        match parity {
+            Parity::None => Self::None,
+            Parity::Even => Self::Even,
+            Parity::Odd => Self::Odd,
+        }
+    }
+}
+
+impl From<wire::Parity> for Parity {
+    fn from(parity: wire::Parity) -> Self {
+        match parity {
+            wire::Parity::None => Self::None,
+            wire::Parity::Even => Self::Even,
+            wire::Parity::Odd => Self::Odd,
+        }
+    }
+}
+
 /// The time to a deadline, in the whole milliseconds that a port waits for.
 fn left(deadline: Instant) -> Duration {
     let left = deadline.saturating_duration_since(Instant::now());

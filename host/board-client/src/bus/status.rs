@@ -6,14 +6,18 @@ use wire::fault::table::{Row, TABLE};
 use wire::registers::{Id, mode};
 use wire::{FAULTS, Fault, State};
 
+use super::about::About;
 use super::board::{Block, Board, Identity};
 use super::client::BusError;
 use super::error::row;
+use super::reached::{InWords, Reached};
 
 /// A board at a moment.
 #[derive(Clone, Debug)]
 pub struct Status {
     identity: Identity,
+    about: Option<About>,
+    reached: Option<Reached>,
     now: Block,
     mode: Block,
     gains: Block,
@@ -61,6 +65,8 @@ impl Status {
         let counts = board.read(Id::FaultCounts, Id::FaultCounts)?;
         Ok(Self {
             identity: board.identity().clone(),
+            about: About::read(board)?,
+            reached: Reached::read(board)?,
             now,
             mode: board.read(Id::Mode, Id::Mode)?,
             gains: board.read(Id::Kp, Id::Kd)?,
@@ -103,6 +109,8 @@ impl Status {
                 (period_s * 1e6).round()
             ),
         ];
+        lines.extend(self.about.iter().flat_map(About::in_words));
+        lines.extend(self.reached.map(|Reached { kept, .. }| format!("bus         {}", InWords(&kept))));
         match self.fault().and_then(row) {
             None => lines.push("fault       none".to_owned()),
             Some(row) => lines.extend(with_cure("fault", row)),
@@ -144,6 +152,11 @@ impl Status {
                 "registers": wire::registers::VERSION, "wire": wire_version, "storage": storage_version,
                 "release": format!("{major}.{minor}.{patch}"),
             },
+            "about": self.about.as_ref().map(About::to_json),
+            "bus": self.reached.map(|Reached { kept, .. }| json!({
+                "number": kept.unit, "rate_bit_per_s": kept.baud, "parity": format!("{:?}", kept.parity).to_lowercase(),
+                "turnaround_us": kept.turnaround_us,
+            })),
             "fault": self.fault().and_then(row).map(told),
             "record": self.record.map(|Recorded { fault, tick }| json!({"fault": format!("{fault:?}"), "tick": tick})),
             "occurred": self.occurred().map(|(row, count)| {

@@ -2,6 +2,7 @@
 
 pub mod backup;
 mod board_model;
+pub mod bus;
 pub mod capture;
 pub mod compare;
 pub mod completions;
@@ -65,6 +66,7 @@ enum Command {
     Restore(restore::Arguments),
     Track(track::Arguments),
     Status(status::Arguments),
+    Bus(bus::Arguments),
     Watch(watch::Arguments),
     /// The simulated muscle: recordings, references and a plant to try everything without hardware
     #[command(subcommand)]
@@ -96,6 +98,7 @@ impl CommandLine {
             Command::Restore(arguments) => restore::run(&arguments),
             Command::Track(arguments) => track::run(&arguments),
             Command::Status(arguments) => status::run(&arguments),
+            Command::Bus(arguments) => bus::run(&arguments),
             Command::Watch(arguments) => watch::run(&arguments),
             Command::Rig(command) => rig::run(&command),
             Command::Completions(arguments) => completions::run(&arguments),

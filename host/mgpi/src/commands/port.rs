@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use wire::BusParameters;
 use wire::registers::{BAUD, UNIT};
 
 use super::number::positive;
@@ -43,12 +44,20 @@ impl PortArguments {
     /// # Errors
     /// The port cannot be used, nobody answers, or not a board of this version.
     pub fn open(&self) -> Result<Board, BoardError> {
-        let Self { port, unit, baud, parity, timeout_s } = self;
-        Board::open(Address {
-            port: port.clone(),
-            line: Line { baud: *baud, parity: *parity },
-            unit: *unit,
-            limit: Duration::from_secs_f64(*timeout_s),
-        })
+        self.open_as(self.unit, Line { baud: self.baud, parity: self.parity })
+    }
+
+    /// The same, by the parameters that the board has taken.
+    ///
+    /// # Errors
+    /// As for [`PortArguments::open`].
+    pub fn open_by(&self, parameters: &BusParameters) -> Result<Board, BoardError> {
+        let BusParameters { unit, baud, parity, .. } = *parameters;
+        self.open_as(unit, Line { baud, parity: parity.into() })
+    }
+
+    fn open_as(&self, unit: u8, line: Line) -> Result<Board, BoardError> {
+        let limit = Duration::from_secs_f64(self.timeout_s);
+        Board::open(Address { port: self.port.clone(), line, unit, limit })
     }
 }

@@ -44,8 +44,9 @@ mod app {
     use bsp::link::{LinkBuffers, LinkLine, answer, log_change};
     use bsp::ports;
     use bsp::serial::{self, Line, Mover, Port};
-    use firmware::bus::Bus;
+    use firmware::bus::{Bus, Timing};
     use firmware::control::TickOutcome;
+    use firmware::identity::Identity;
     use firmware::lock_step::reply;
     use firmware::node::Node;
     use firmware::store::{Parameters, SaveError};
@@ -105,6 +106,10 @@ mod app {
 
         fn parameters(&self) -> &Parameters {
             self.parameters
+        }
+
+        fn identity(&self) -> &Identity {
+            const { &Identity { unique_id: [0; 6], processor: 0, hardware_revision: 0 } }
         }
 
         fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError> {
@@ -193,7 +198,7 @@ mod app {
         binds = SPI1,
         priority = 1,
         shared = [lock_step, parameters],
-        local = [bus_port, modbus: Bus = Bus::new(BUS_SILENCE_TICKS, BUS_SILENCE_TICKS)]
+        local = [bus_port, modbus: Bus = Bus::new(Timing::Ticks(BUS_SILENCE_TICKS))]
     )]
     fn bus(mut cx: bus::Context) {
         let bus::LocalResources { bus_port, modbus, .. } = cx.local;

@@ -82,7 +82,8 @@ mod app {
     use bsp::stm32f405::tick::{TICKS_PER_SECOND, Tick, moment_us};
     use bsp::stm32f405::watchdog::HardwareWatchdog;
     use bsp::stm32f405::{SensorsAndValve, memory, output};
-    use firmware::bus::Bus;
+    use firmware::bus::{Bus, Timing};
+    use firmware::identity::Identity;
     use firmware::node::{Node, apply};
     use firmware::store::{ParameterStore, Parameters, SaveError};
     use firmware::watchdog::{Task, Watchdog};
@@ -92,12 +93,6 @@ mod app {
     use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State, registers};
 
     use crate::CHECK_INS;
-
-    /// Times from the end of a byte to that of the next, which takes 87 µs. Masters leave hardly
-    /// more than 0.75 ms before a request; the standard asks for 1.75 ms (Modbus over serial line
-    /// 1.02, 2.5.1.1), and a tick may delay either end by 0.01 ms. Unit: µs.
-    const BUS_PAUSE_US: u32 = 800;
-    const BUS_SILENCE_US: u32 = 1_700;
 
     /// More than the longest frame of either port takes: 44 ms on the link. Unit: µs.
     const LONGEST_FRAME_US: u32 = 50_000;
@@ -132,6 +127,7 @@ mod app {
     pub struct Kept {
         store: ParameterStore<ParameterFlash>,
         parameters: Parameters,
+        identity: Identity,
         /// Whether the control has them.
         is_taken: bool,
         /// Whether link and bus are sending.
@@ -142,14 +138,19 @@ mod app {
         /// What is stored, its layout brought up to date.
         // Not inlined: `init` would need the stack all the time.
         #[inline(never)]
-        fn load(flash: ParameterFlash, sending: [&'static AtomicBool; 2], control: &mut Control) -> Self {
+        fn load(
+            flash: ParameterFlash,
+            identity: Identity,
+            sending: [&'static AtomicBool; 2],
+            control: &mut Control,
+        ) -> Self {
             let mut store = ParameterStore::new(flash);
             let parameters = store.load().unwrap_or_else(|error| {
                 defmt::error!("stored parameters: {}", defmt::Debug2Format(&error));
                 control.report(error.fault());
                 Parameters::FACTORY
             });
-            let mut kept = Self { store, parameters, is_taken: false, sending };
+            let mut kept = Self { store, parameters, identity, is_taken: false, sending };
             // What is not brought up to date is brought up to date by the next save, whose host is
             // told.
             let _ = kept.save(control.state());
@@ -211,6 +212,10 @@ mod app {
 
         fn parameters(&self) -> &Parameters {
             &self.kept.parameters
+        }
+
+        fn identity(&self) -> &Identity {
+            &self.kept.identity
         }
 
         fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError> {
@@ -280,7 +285,12 @@ mod app {
         let (bus_mover, bus_port) =
             serial::open(device.USART1, clocks.fast_bus_hz, bus_line, cx.local.bus_buffers);
         let sending = [link_port.sending, bus_port.sending];
-        let kept = Kept::load(ParameterFlash::new(device.FLASH), sending, &mut control);
+        let kept = Kept::load(
+            ParameterFlash::new(device.FLASH),
+            memory::identity(&device.DBGMCU),
+            sending,
+            &mut control,
+        );
         let logged = control.state();
         let local = Local {
             board,
@@ -377,7 +387,7 @@ mod app {
         binds = SPI1,
         priority = 1,
         shared = [control, kept],
-        local = [bus_port, modbus: Bus = Bus::new(BUS_PAUSE_US, BUS_SILENCE_US)]
+        local = [bus_port, modbus: Bus = Bus::new(Timing::Microseconds)]
     )]
     fn bus(cx: bus::Context) {
         let bus::LocalResources { bus_port, modbus, .. } = cx.local;

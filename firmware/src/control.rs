@@ -22,7 +22,7 @@ use core::hint::black_box;
 
 use model_core::tracking::{Command, Prepared};
 use model_core::{Mode, TrackingState};
-use wire::fault::times::STOP_TICKS;
+use wire::fault::times::{DUMP_TICKS, STOP_TICKS};
 use wire::{CaptureSample, Fault, OnModelFault, PLAYS, Protection, Refusal, State, TraceEntry};
 
 use crate::board::{AcquisitionError, Board, DacCode, Samples};
@@ -73,6 +73,8 @@ pub struct Control {
     pub(crate) service_code: DacCode,
     overrun: bool,
     stop: InARow,
+    /// The dump valve's coil has a voltage, and its output rests.
+    held: InARow,
     pub(crate) limited_ticks: u32,
     self_test_ticks: u32,
     pub(crate) timing: Timing,
@@ -84,6 +86,8 @@ pub struct Control {
     running: Option<Running>,
     installed: Option<Installation>,
     pub(crate) player: Player,
+    /// Of a single conversion of pressure and contraction, one standard deviation. Unit: code.
+    pub(crate) noise_codes: [f32; 2],
 }
 
 #[derive(Debug)]
@@ -156,7 +160,9 @@ impl Control {
             service_code: VENT,
             overrun: false,
             stop: InARow::default(),
+            held: InARow::default(),
             player: Player::new(),
+            noise_codes: [0.0; 2],
         }
     }
 
@@ -230,6 +236,9 @@ impl Control {
 
     /// Looks at what takes several ticks to be seen. `before`: what was out until this tick.
     fn watch(&mut self, before: DacCode, feedback_bar: f32) -> Result<(), Fault> {
+        if self.state != State::Fault {
+            self.monitors.watch_own(before)?;
+        }
         if self.state == State::Off {
             return Ok(());
         }
@@ -293,15 +302,30 @@ impl Control {
         }
     }
 
+    /// Takes whether the dump valve's coil has a voltage, which it must not have where the output
+    /// that holds it rests. Counted again as long as that lasts.
+    pub fn hear_coil(&mut self, has_voltage: bool) {
+        if self.held.holds_for(DUMP_TICKS, has_voltage && !self.keeps_dump_closed()) {
+            self.held = InARow::default();
+            self.report(Fault::DumpHeld);
+        }
+    }
+
     /// Whether the dump valve behind the regulator is to be kept closed, tick by tick. It opens
-    /// without that: at a fault, before a configuration, and with a program that stands still.
+    /// without that: at a fault, before a configuration and in its self-test, where its coil is
+    /// looked at, and with a program that stands still.
     pub fn keeps_dump_closed(&self) -> bool {
-        !matches!(self.state, State::Off | State::Fault)
+        !matches!(self.state, State::Off | State::SelfTest | State::Fault)
     }
 
     /// Takes a sign of life of the host.
     pub fn hear(&mut self) {
         self.silent_ticks = 0;
+    }
+
+    /// Takes the noise of the converter, of pressure and contraction (code).
+    pub fn hear_noise(&mut self, codes: [f32; 2]) {
+        self.noise_codes = codes;
     }
 
     /// Takes a fault that is only to be known of.

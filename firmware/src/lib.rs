@@ -30,6 +30,7 @@ pub mod led;
 pub mod lock_step;
 pub mod monitors;
 pub mod node;
+pub mod noise;
 pub mod order;
 pub mod output;
 mod report;

@@ -16,6 +16,8 @@ const AROUND: Samples = Samples {
     contraction: AdcCode(0),
     supply: AdcCode(3030),
     temperature: AdcCode(943),
+    output: None,
+    reference: None,
     surroundings: Surroundings { load: None, temperature: None },
 };
 

@@ -4,7 +4,9 @@ use wire::{Hello, Signals, Telemetry, VERSION};
 
 use crate::board::Samples;
 use crate::control::Control;
-use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
+use crate::scaling::{
+    COMMAND, CONTRACTION, PRESSURE, REFERENCE_CODE, REFERENCE_SUPPLY_V, SUPPLY, TEMPERATURE,
+};
 
 /// What the control is asked for and puts out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +21,18 @@ pub struct Outputs {
     pub service_bar: f32,
     /// Of a tick, 0 if it has none. Unit: core clock cycle.
     pub deadline_cycles: u32,
+    /// Of a single conversion, one standard deviation. Unit: bar.
+    pub pressure_noise_bar: f32,
+    /// The same. Unit: mm.
+    pub contraction_noise_mm: f32,
+    /// At the valve's output, read back; 0 where it is not. Unit: V.
+    pub output_v: f32,
+    /// That of the converters, by the processor's reference; 0 where there is none. Unit: V.
+    pub converters_supply_v: f32,
 }
+
+/// The highest code of a converter, that of its supply.
+const HIGHEST_CODE: f32 = 4095.0;
 
 impl Control {
     /// Who the board is.
@@ -39,7 +52,15 @@ impl Control {
 
     /// What it is asked for and puts out.
     pub(crate) fn outputs(&self) -> Outputs {
+        let Samples { output, reference, .. } = self.monitors.samples();
+        let converters_supply_v =
+            reference.map_or(0.0, |read| REFERENCE_SUPPLY_V * REFERENCE_CODE / f32::from(read.0.max(1)));
+        let [of_pressure, of_contraction] = self.noise_codes;
         Outputs {
+            pressure_noise_bar: of_pressure / PRESSURE.codes_per_unit,
+            contraction_noise_mm: of_contraction / CONTRACTION.codes_per_unit,
+            output_v: output.map_or(0.0, |read| f32::from(read.0) / HIGHEST_CODE * converters_supply_v),
+            converters_supply_v,
             reference_mm: self.reference_mm,
             next_reference_mm: self.next_reference_mm,
             command_bar: COMMAND.value(self.output.code().0),

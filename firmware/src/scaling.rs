@@ -35,5 +35,11 @@ pub const TEMPERATURE: Scaling =
 /// Command in bar: 0 to 10 bar.
 pub const COMMAND: Scaling = Scaling { zero_code: 0.0, codes_per_unit: 409.5, code_min: 0, code_max: 4095 };
 
+/// Code of the processor's reference voltage, 1.21 V of 3.3 V (data sheet DS8626, table 72), on a
+/// typical chip: the board turns codes of its own into that by its factory value.
+pub const REFERENCE_CODE: f32 = 1501.5;
+/// The supply of the converters at which the reference has [`REFERENCE_CODE`]. Unit: V.
+pub const REFERENCE_SUPPLY_V: f32 = 3.3;
+
 /// The safe output: the regulator vents the muscle.
 pub const VENT: DacCode = DacCode(0);

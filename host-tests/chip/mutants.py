@@ -48,6 +48,8 @@ def build():
     """Builds the image; whether it can be built."""
     kept = {name: value for name, value in os.environ.items() if name not in ("CARGO_ENCODED_RUSTFLAGS", "RUSTFLAGS")}
     done = subprocess.run(BUILD, cwd=COPY, env=kept, capture_output=True, text=True, check=False)
+    if done.returncode == 0:
+        subprocess.run(["cargo", "xtask", "seal", str(IMAGE)], cwd=PROJECT, env=kept, check=True)
     return done.returncode == 0, done.stderr
 
 

@@ -56,7 +56,7 @@ class Outputs(ChipCase):
         chip.reset = seen
         chip.nvic.enabled.add(60)
         chip.nvic.pending.add(60)
-        chip.run(0.05)
+        chip.run(0.2)
         self.assertEqual([cause for _, cause in vented], ["software"])
         self.assertLess(vented[0][0], VENTED_V)
         self.assertEqual((master.get("state"), master.get("fault")), (5, 26))

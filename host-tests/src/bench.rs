@@ -4,7 +4,7 @@
 
 use firmware::faults::black_box::Reset;
 use firmware::order::prepare;
-use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE, VENT};
+use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE, REFERENCE_CODE, SUPPLY, TEMPERATURE, VENT};
 use firmware::timing::TickEnd;
 use firmware::watchdog::{CheckIns, Task, Watchdog};
 use firmware::{AcquisitionError, AdcCode, BlackBox, Board, Capture, Control, DacCode, Samples, TickClock};
@@ -51,6 +51,12 @@ pub struct Wrong {
     pub is_stopped: bool,
     /// Whether the voltage is low.
     pub low_voltage: bool,
+    /// What the valve's output reads back in place of its own code.
+    pub output_code: Option<u16>,
+    /// What the reference voltage reads in place of its own code.
+    pub reference_code: Option<u16>,
+    /// Whether the dump valve's coil has a voltage all the time.
+    pub is_coil_held: bool,
 }
 
 /// The bench.
@@ -154,6 +160,8 @@ impl Bench {
         }
         let is_stopped = self.wrong.is_stopped;
         self.control().hear_stop(is_stopped);
+        let has_voltage = self.wrong.is_coil_held || self.control().keeps_dump_closed();
+        self.control().hear_coil(has_voltage);
         self.control.iter_mut().for_each(|control| _ = control.tick(&mut self.inputs));
         if !self.watchdog.is_content(&self.check_ins) {
             self.control().report(Fault::TaskSilent);
@@ -228,6 +236,8 @@ impl Bench {
             contraction: or(contraction, wrong.contraction_code),
             supply: or(supply, wrong.supply_code),
             temperature: or(temperature, wrong.temperature_code),
+            output: Some(or(AdcCode(self.inputs.output.0), wrong.output_code)),
+            reference: Some(or(AdcCode(REFERENCE_CODE as u16), wrong.reference_code)),
             surroundings: Surroundings::default(),
         })
     }

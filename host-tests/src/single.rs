@@ -13,7 +13,7 @@
 
 use firmware::faults::black_box::Reset;
 use firmware::order::prepare;
-use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE, VENT};
+use firmware::scaling::{COMMAND, CONTRACTION, PRESSURE, REFERENCE_CODE, SUPPLY, TEMPERATURE, VENT};
 use firmware::timing::TickEnd;
 use firmware::watchdog::{CheckIns, Task, Watchdog};
 use firmware::{AcquisitionError, AdcCode, BlackBox, Board, Capture, Control, DacCode, Samples, TickClock};
@@ -22,7 +22,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rig::parameters::SUPPLY_BAR;
 use rig::plant::{Plant, Setup};
-use wire::fault::times::{ALLOWANCE_TICKS, VENTING_TICKS};
+use wire::fault::times::{ALLOWANCE_TICKS, STRAY_TICKS, VENTING_TICKS};
 use wire::{Fault, Protection, Request, Response};
 
 use crate::{PERIOD_S, configuration};
@@ -52,6 +52,10 @@ pub enum Failure {
     RegulatorOpen,
     /// The pressure sensor shows its last value for ever.
     SensorStuck,
+    /// The supply of the converters is a tenth too high, and with it all that they put out.
+    ReferenceHigh,
+    /// The charge pump keeps the dump valve closed for ever.
+    CoilHeld,
     /// The processor's supply falls below the detector's threshold.
     BrownOut,
     /// The crystal stops: the image vents, and resets itself.
@@ -64,11 +68,13 @@ pub enum Failure {
 
 impl Failure {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::ConverterStuck,
         Self::AmplifierHigh,
         Self::RegulatorOpen,
         Self::SensorStuck,
+        Self::ReferenceHigh,
+        Self::CoilHeld,
         Self::BrownOut,
         Self::CrystalLost,
         Self::TaskHung,
@@ -78,18 +84,26 @@ impl Failure {
     /// Whether nothing may tell it before the valve is to be vented; the time counts from there
     /// then.
     pub fn may_be_hidden(self) -> bool {
-        matches!(self, Self::ConverterStuck | Self::AmplifierHigh | Self::RegulatorOpen | Self::SensorStuck)
+        matches!(
+            self,
+            Self::ConverterStuck
+                | Self::AmplifierHigh
+                | Self::RegulatorOpen
+                | Self::SensorStuck
+                | Self::CoilHeld
+        )
     }
 
     /// The most ticks until the muscle is empty, from the failure, or of a hidden one from the stop
     /// or the fault.
     pub fn within_ticks(self) -> u32 {
         let seen = match self {
+            // By the voltage that is read back.
+            Self::ConverterStuck => u32::from(STRAY_TICKS) + PUMP_TICKS,
             // By a pressure that does not fall.
-            Self::ConverterStuck | Self::AmplifierHigh | Self::RegulatorOpen => {
-                u32::from(VENTING_TICKS) + PUMP_TICKS
-            }
-            Self::SensorStuck => 0,
+            Self::AmplifierHigh | Self::RegulatorOpen => u32::from(VENTING_TICKS) + PUMP_TICKS,
+            Self::SensorStuck | Self::CoilHeld => 0,
+            Self::ReferenceHigh => u32::from(STRAY_TICKS),
             Self::BrownOut | Self::CrystalLost => 1,
             Self::TaskHung => u32::from(ALLOWANCE_TICKS) + 2,
             Self::TickHung => PUMP_TICKS,
@@ -207,9 +221,28 @@ impl Rig {
         let of_regulator = match self.failure {
             Some(Failure::ConverterStuck) => COMMAND.value(self.last.0.0).into(),
             Some(Failure::AmplifierHigh | Failure::RegulatorOpen) => SUPPLY_BAR,
+            Some(Failure::ReferenceHigh) => 1.1 * asked,
             _ => asked,
         };
-        if self.pump_idle >= PUMP_TICKS { 0.0 } else { of_regulator }
+        if self.has_coil_voltage() { of_regulator } else { 0.0 }
+    }
+
+    /// Whether the dump valve is kept closed.
+    fn has_coil_voltage(&self) -> bool {
+        self.failure == Some(Failure::CoilHeld) || self.pump_idle < PUMP_TICKS
+    }
+
+    /// The code that is read at the valve's output.
+    fn read_back(&self) -> u16 {
+        let out =
+            if self.failure == Some(Failure::ConverterStuck) { self.last.0 } else { self.converters.output };
+        out.0
+    }
+
+    /// The code that the reference reads, whose converter has a supply that may be too high.
+    fn reference(&self) -> u16 {
+        let share = if self.failure == Some(Failure::ReferenceHigh) { 1.1 } else { 1.0 };
+        (REFERENCE_CODE / share) as u16
     }
 
     fn tick(&mut self) {
@@ -232,13 +265,17 @@ impl Rig {
             contraction: AdcCode(CONTRACTION.code(measured.contraction_mm as f32)),
             supply: AdcCode(SUPPLY.code(SUPPLY_BAR as f32)),
             temperature: AdcCode(TEMPERATURE.code(30.0)),
+            output: Some(AdcCode(self.read_back())),
+            reference: Some(AdcCode(self.reference())),
             surroundings: Surroundings::default(),
         };
         self.check_ins.check_in(Task::Supervisor);
         if self.failure != Some(Failure::TaskHung) {
             self.check_ins.check_in(Task::Link);
         }
+        let has_coil_voltage = self.has_coil_voltage();
         let Some(control) = &mut self.control else { return };
+        control.hear_coil(has_coil_voltage);
         if self.failure == Some(Failure::BrownOut) {
             control.report(Fault::BrownOut);
         }

@@ -15,8 +15,13 @@ fn whatever_part_fails_the_muscle_is_empty_in_the_promised_time() {
         faults.entry(format!("{:?}", end.failure)).or_default().push(end.fault);
     }
     assert_eq!(faults.len(), Failure::ALL.len(), "a failure is left out: {faults:?}");
-    for stuck in [Failure::ConverterStuck, Failure::AmplifierHigh, Failure::RegulatorOpen] {
-        let of = &faults[&format!("{stuck:?}")];
-        assert!(of.contains(&Some(Fault::VentIneffective)), "{stuck:?} never needs the second path: {of:?}");
+    for (failure, fault) in [
+        (Failure::ConverterStuck, Fault::OutputStray),
+        (Failure::ReferenceHigh, Fault::ReferenceVoltage),
+        (Failure::AmplifierHigh, Fault::VentIneffective),
+        (Failure::RegulatorOpen, Fault::VentIneffective),
+    ] {
+        let of = &faults[&format!("{failure:?}")];
+        assert!(of.contains(&Some(fault)), "{failure:?} is never seen by {fault:?}: {of:?}");
     }
 }

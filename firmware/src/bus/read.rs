@@ -186,6 +186,10 @@ fn status(session: &Session, telemetry: &Telemetry, outputs: &Outputs, id: Id) -
         Id::CommandBar => Value::F32(outputs.command_bar),
         Id::SupplyBar => Value::F32(telemetry.signals.supply_bar),
         Id::TemperatureC => Value::F32(telemetry.signals.temperature_c),
+        Id::PressureNoise => Value::F32(outputs.pressure_noise_bar),
+        Id::ContractionNoise => Value::F32(outputs.contraction_noise_mm),
+        Id::OutputV => Value::F32(outputs.output_v),
+        Id::ConvertersSupplyV => Value::F32(outputs.converters_supply_v),
         _ => Value::U32(match id {
             Id::Ticks => telemetry.ticks,
             Id::WorstTick => telemetry.worst_tick_cycles,

@@ -54,18 +54,25 @@ impl FaultLog {
         }
     }
 
-    /// Counts a fault and latches it, if none is latched.
+    /// Counts a fault and latches it, if none is latched, or none that lasts as long. The record stays
+    /// that of the first.
     pub fn latch(&mut self, fault: Fault, tick: u32) {
         self.count(fault);
         if self.latched.is_none() {
-            self.latched = Some(fault);
             self.black_box.seal(fault, tick, 0);
+        }
+        if self
+            .latched
+            .is_none_or(|latched| fault.outlasts_acknowledgement() && !latched.outlasts_acknowledgement())
+        {
+            self.latched = Some(fault);
         }
     }
 
     /// Releases the fault; answers whether it can be released.
     pub fn acknowledge(&mut self) -> bool {
-        if self.black_box.resets() >= LOOP_RESETS {
+        let outlasts = self.latched.is_some_and(Fault::outlasts_acknowledgement);
+        if outlasts || self.black_box.resets() >= LOOP_RESETS {
             return false;
         }
         self.latched = None;

@@ -9,6 +9,7 @@
 //! | [`following`] | pressure against command: leak, burst, stuck valve |
 //! | [`survey`] | the model against itself, and contraction against pressure |
 //! | [`venting`] | pressure behind a valve that is vented |
+//! | [`own`] | what the board reads back of itself |
 //! | [`persistence`] | how long something has to last |
 //!
 //! # Contract
@@ -19,6 +20,7 @@
 //! with limits that were turned into codes once.
 
 pub mod following;
+pub mod own;
 pub mod persistence;
 pub mod sensor;
 pub mod slow;
@@ -32,6 +34,7 @@ use wire::{Fault, Protection, Scaling};
 use crate::board::{AcquisitionError, DacCode, Samples};
 use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
 use following::Following;
+use own::Own;
 use persistence::{Average, InARow};
 use sensor::Sensor;
 use slow::Slow;
@@ -73,6 +76,7 @@ pub struct Monitors {
     pressure_average: Average<4>,
     following: Following,
     venting: Venting,
+    own: Own,
     implausible: InARow,
     authority: InARow,
 }
@@ -93,6 +97,7 @@ impl Monitors {
             pressure_average: Average::default(),
             following: Following::default(),
             venting: Venting::default(),
+            own: Own::default(),
             implausible: InARow::default(),
             authority: InARow::default(),
         }
@@ -178,6 +183,16 @@ impl Monitors {
     #[inline(always)]
     pub fn watch_venting(&mut self, is_driven: bool) -> Result<(), Fault> {
         self.venting.take(&self.limits.venting, is_driven, self.last.pressure.0)
+    }
+
+    /// Looks at what the board reads back of itself, in every state but at fault. `out`: what was out
+    /// until this tick.
+    ///
+    /// # Errors
+    /// The output is not what was written, or the reference voltage is out of its range.
+    #[inline(always)]
+    pub fn watch_own(&mut self, out: DacCode) -> Result<(), Fault> {
+        self.own.take(&self.last, out)
     }
 
     /// Looks at the feedback (bar) beside a feed-forward; 0 where there are not both.

@@ -1,4 +1,4 @@
-"""ADC1: its injected group, started by a timer (RM0090, chapter 13)."""
+"""ADC1: a regular group started by a timer and taken by DMA, the injected one behind it (RM0090, chapter 13)."""
 
 from .gpio import ANALOG
 from .peripheral import Peripheral, Register
@@ -13,12 +13,16 @@ PINS = {0: "PA0", 1: "PA1", 4: "PA4", 10: "PC0"}
 INTERNAL_S = 10e-6
 # Time from switching on to the first conversion. Unit: s.
 STABLE_S = 3e-6
-JEOC, JSTRT, OVR = 2, 3, 5
+EOC, JEOC, JSTRT, STRT, OVR = 1, 2, 3, 4, 5
+# Of CR1: the injected group follows the regular one by itself. Of CR2: requests to the DMA, and behind the last too.
+JAUTO, DMA, DDS = 10, 8, 9
 
 
 class Adc(Peripheral):
     NAME, BASE = "ADC1", 0x4001_2000
     CLOCK = ("APB2ENR", 8)
+    # By the number of an event as the injected group's trigger, that as the regular group's.
+    REGULAR_BY = {3: 6}
     REGISTERS = {
         0x00: Register("SR", 0, 0x3F),
         0x04: Register("CR1", 0, 0x07C0_FFFF),
@@ -66,9 +70,12 @@ class Adc(Peripheral):
         return SAMPLING[self.field(name, 3 * place, 3)]
 
     def trigger(self, source):
-        """An event of a timer; starts the injected group if it is the chosen one."""
-        is_chosen = self.field("CR2", 20, 2) == 1 and self.field("CR2", 16, 4) == source
-        if not is_chosen or not self["CR2"] & 1 or self.is_dead:
+        """An event of a timer; starts the group whose chosen one it is."""
+        if not self["CR2"] & 1 or self.is_dead:
+            return
+        is_regular = self.field("CR2", 28, 2) == 1 and self.field("CR2", 24, 4) == self.REGULAR_BY.get(source)
+        is_injected = self.field("CR2", 20, 2) == 1 and self.field("CR2", 16, 4) == source
+        if not is_regular and not is_injected:
             return
         if self.on_at is None or self.chip.now - self.on_at < STABLE_S:
             self.violation("a conversion is started before the converter is stable")
@@ -80,21 +87,46 @@ class Adc(Peripheral):
             self.violation(f"the converter runs at {hz / 1e6} MHz, at most {MOST_HZ / 1e6} are allowed")
         if not self.bit("CR1", 8):
             self.violation("the group is started without SCAN: only its first channel would be converted")
-        count = self.field("JSQR", 20, 2) + 1
-        channels = [self.field("JSQR", 5 * k, 5) for k in range(4 - count, 4)]
+        if self.bit("CR1", JAUTO) and self.field("CR2", 20, 2):
+            self.violation("the injected group has a trigger of its own beside JAUTO")
+        injected = self.field("JSQR", 20, 2) + 1
+        steps = []
+        if is_regular:
+            count = self.field("SQR1", 20, 4) + 1
+            fields = [("SQR3", k) for k in range(6)] + [("SQR2", k) for k in range(6)] + [("SQR1", k) for k in range(4)]
+            steps += [(self.field(name, 5 * k, 5), None) for name, k in fields[:count]]
+        if is_injected or self.bit("CR1", JAUTO):
+            channels = [self.field("JSQR", 5 * k, 5) for k in range(4 - injected, 4)]
+            steps += [(channel, place) for place, channel in enumerate(channels)]
         self.is_scanning = True
-        self["SR"] |= 1 << JSTRT
-        self._convert(channels, 0, hz, self.generation)
+        self["SR"] |= 1 << (STRT if is_regular else JSTRT)
+        self._convert(steps, 0, hz, self.generation)
 
-    def _convert(self, channels, place, hz, generation):
+    def _regular(self, code):
+        """A conversion of the regular group has ended."""
+        if self.bit("SR", OVR):
+            return
+        self["DR"] = code
+        self["SR"] |= 1 << EOC
+        if not self.bit("CR2", DMA):
+            return
+        if not self.bit("CR2", DDS):
+            self.violation("without DDS no request follows the last of the stream's")
+        if self.chip.dma2.take(self.BASE + 0x4C, code):
+            self["SR"] &= ~(1 << EOC)
+        else:
+            self["SR"] |= 1 << OVR
+
+    def _convert(self, steps, place, hz, generation):
         if generation != self.generation:
             return
-        if place == len(channels):
+        if place == len(steps):
             self.is_scanning = False
             self.scans += 1
-            self["SR"] |= 1 << JEOC | 1 << 1
+            if steps[-1][1] is not None:
+                self["SR"] |= 1 << JEOC
             return
-        channel = channels[place]
+        channel, injected = steps[place]
         sampling = self._sampling(channel)
         if channel in (TEMPERATURE, REFERENCE):
             if not self.bit("CCR", 23):
@@ -106,10 +138,19 @@ class Adc(Peripheral):
         if pin and self.chip.gpio[pin[1]].mode(int(pin[2:])) != ANALOG:
             self.violation(f"{pin} is converted, which is not analogue")
 
+        codes = []
+
         def sampled():
-            code = self.chip.board.code(channel)
-            self[f"JDR{place + 1}"] = code - self[f"JOFR{place + 1}"]
+            codes.append(self.chip.board.code(channel))
+
+        def converted():
+            if generation != self.generation:
+                return
+            if injected is None:
+                self._regular(codes[0])
+            else:
+                self[f"JDR{injected + 1}"] = codes[0] - self[f"JOFR{injected + 1}"]
+            self._convert(steps, place + 1, hz, generation)
 
         self.chip.after(sampling / hz, sampled)
-        after_s = (sampling + CONVERSION) / hz
-        self.chip.after(after_s, lambda: self._convert(channels, place + 1, hz, generation))
+        self.chip.after((sampling + CONVERSION) / hz, converted)

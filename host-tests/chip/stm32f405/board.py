@@ -1,6 +1,7 @@
 """What is around the chip (docs/board.md): sensors, the valve's amplifier, a transceiver, two hosts."""
 
 import collections
+import random
 
 # The amplifier behind PA4, and the resistor from there to ground.
 GAIN, TO_GROUND_OHM = 3.03, 10e3
@@ -8,6 +9,8 @@ GAIN, TO_GROUND_OHM = 3.03, 10e3
 PUMP_S = 0.010
 # Unit: bit/s.
 BUS_BAUD, LINK_BAUD = 115_200, 460_800
+# The channel of PA4, the valve's output.
+OUTPUT = 4
 # Codes at 3.3 V, by channel: 25 °C, the reference, 8 bar of supply, no pressure, no contraction.
 AT_REST = {16: 943.0, 17: 1501.0, 10: 3030.0, 0: 410.0, 1: 205.0}
 
@@ -40,6 +43,11 @@ class Board:
         self.chip = chip
         # Unit: V, at the pin, where it is not that of a code at 3.3 V.
         self.voltages = {channel: code / 4095 * 3.3 for channel, code in AT_REST.items()}
+        # Of each conversion, one standard deviation. Unit: code.
+        self.noise_codes = 0.0
+        self._chance = random.Random(1)
+        # What else drives PA4, through a resistor, where the converter has let go of it. Unit: V.
+        self.foreign_v = 0.0
         # Follows the valve's output, as a muscle's pressure does; None: `voltages` alone.
         self.plant = None
         self.bus, self.link = Line(BUS_BAUD), Line(LINK_BAUD)
@@ -54,6 +62,8 @@ class Board:
         # When PB13 has last changed, and whether the emergency stop's contacts are closed.
         self.dump_edge_at = None
         self.is_stop_closed = True
+        # Whether the pump holds the dump valve whatever PB13 does.
+        self.is_pump_stuck = False
         # (begin, end) of bytes of others on the bus.
         self.others = collections.deque(maxlen=4096)
 
@@ -68,6 +78,8 @@ class Board:
         """The level from outside; None where nothing drives the pin."""
         if pin == "PB14":
             return False if self.is_stop_closed else None
+        if pin == "PB15":
+            return None if self.has_coil_voltage() else False
         lines = {"PA10": self.bus, "PA3": self.link}
         return True if pin in lines and lines[pin].is_plugged else None
 
@@ -83,11 +95,14 @@ class Board:
         elif pin == "PB13":
             self.dump_edge_at = self.chip.now
 
+    def has_coil_voltage(self):
+        """Whether the pump holds the dump valve: for some time behind the last change of PB13."""
+        is_pumped = self.dump_edge_at is not None and self.chip.now - self.dump_edge_at < PUMP_S
+        return self.is_pump_stuck or is_pumped and self.chip.gpio["B"].mode(13) == 1
+
     def is_dumping(self):
-        """Whether the dump valve is open: the pump holds it for some time behind the last change of PB13, and the emergency
-        stop's contacts are in its line."""
-        is_held = self.dump_edge_at is not None and self.chip.now - self.dump_edge_at < PUMP_S
-        return not (is_held and self.chip.gpio["B"].mode(13) == 1 and self.is_stop_closed)
+        """Whether the dump valve is open: without the pump, or by the emergency stop's contacts, which are in its line."""
+        return not (self.has_coil_voltage() and self.is_stop_closed)
 
     def drives_bus(self):
         """Whether the transceiver drives the bus: PA8 has 10 kilohm to ground."""
@@ -98,16 +113,17 @@ class Board:
 
     def code(self, channel):
         """What the converter makes of the voltage at a channel."""
-        volts = self.voltages.get(channel)
+        volts = self.output_v() if channel == OUTPUT else self.voltages.get(channel)
         if volts is None:
             self.chip.violation(f"board: nothing is at channel {channel}")
             return 0
-        return min(max(round(volts / self.chip.supply_v * 4095), 0), 4095)
+        noise = self._chance.gauss(0.0, self.noise_codes) if self.noise_codes else 0.0
+        return min(max(round(volts / self.chip.supply_v * 4095 + noise), 0), 4095)
 
     def output_v(self):
         """The voltage at PA4. 10 kilohm to ground make it 0 where nothing drives the pin."""
         volts = self.chip.dac.output(TO_GROUND_OHM)
-        return 0.0 if volts is None else volts
+        return self.foreign_v if volts is None else volts
 
     def output_bar(self):
         """What the regulator is asked for, 1 bar per V behind the amplifier."""

@@ -11,6 +11,7 @@ from unicorn import (
     UC_HOOK_BLOCK,
     UC_HOOK_INTR,
     UC_HOOK_MEM_INVALID,
+    UC_HOOK_MEM_READ,
     UC_HOOK_MEM_WRITE,
     UC_MODE_MCLASS,
     UC_MODE_THUMB,
@@ -24,6 +25,7 @@ from .board import Board
 from .core import FIRST_IRQ, HARD_FAULT, Dwt, Nvic, Scb, SysTick
 from .dac import Dac
 from .dbgmcu import Dbgmcu
+from .dma import Dma2
 from .exti import Exti
 from .flash import START, Flash
 from .gpio import GpioA, GpioB, GpioC
@@ -95,6 +97,7 @@ class Chip:
             symbols = elf.get_section_by_name(".symtab").iter_symbols()
             self.symbols = {symbol.name: symbol["st_value"] for symbol in symbols}
             segments = [(s["p_paddr"], s.data()) for s in elf.iter_segments() if s["p_type"] == "PT_LOAD"]
+        self._image_end = max(a + len(d) for a, d in segments if START <= a < START + FLASH_BYTES)
         self.uc = uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
         uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
         for address, size in ((START, FLASH_BYTES), (RAM, RAM_BYTES), (CCM, 0x10000), (SYSTEM, 0x1000)):
@@ -130,6 +133,7 @@ class Chip:
         self.flash = Flash(self)
         self.rcc = Rcc(self)
         self.pwr, self.exti, self.dac, self.adc = Pwr(self), Exti(self), Dac(self), Adc(self)
+        self.dma2 = Dma2(self)
         self.tim2, self.tim3, self.tim5 = Tim2(self), Tim3(self), Tim5(self)
         self.iwdg, self.dbgmcu = Iwdg(self), Dbgmcu(self)
         self.gpio = {"A": GpioA(self), "B": GpioB(self), "C": GpioC(self)}
@@ -138,7 +142,7 @@ class Chip:
         self.timers = [self.tim2, self.tim3, self.tim5]
         self.sources = [self.usart1, self.usart2, self.exti, *self.timers]
         self.peripherals = [
-            self.rcc, self.flash, self.pwr, self.exti, self.dac, self.adc, self.iwdg, self.dbgmcu,
+            self.rcc, self.flash, self.pwr, self.exti, self.dac, self.adc, self.dma2, self.iwdg, self.dbgmcu,
             self.usart1, self.usart2, *self.timers, *self.gpio.values(), self.nvic, self.scb, self.systick, self.dwt,
         ]
         self._pages = {}
@@ -146,6 +150,10 @@ class Chip:
             for page in range(peripheral.BASE >> 8, peripheral.BASE + peripheral.SIZE >> 8):
                 self._pages[page] = peripheral
         self.board = Board(self)
+
+    def image_end(self):
+        """The address behind the image's last byte."""
+        return self._image_end
 
     # What goes wrong.
 
@@ -169,6 +177,16 @@ class Chip:
 
     def memory_write(self, address, data):
         self.uc.mem_write(address, data)
+
+    def break_memory(self, address, bit):
+        """A cell of the RAM is 0 for ever."""
+
+        def read(uc, _, at, size, *__):
+            if at <= address + bit // 8 < at + size:
+                byte = address + bit // 8
+                uc.mem_write(byte, bytes([uc.mem_read(byte, 1)[0] & ~(1 << bit % 8)]))
+
+        self.uc.hook_add(UC_HOOK_MEM_READ, read, None, address & ~3, (address & ~3) + 3)
 
     def _read(self, address, size):
         peripheral = self._pages.get(address >> 8)

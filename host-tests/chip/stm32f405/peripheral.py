@@ -56,6 +56,10 @@ class Peripheral:
             return None
         return register
 
+    def is_held(self):
+        """Whether the RCC holds it in reset."""
+        return self.CLOCK is not None and self.chip.rcc.bit(self.CLOCK[0].replace("ENR", "RSTR"), self.CLOCK[1])
+
     def read(self, offset, size):
         """What the processor reads."""
         register = self._register(offset & ~3, "read")
@@ -70,7 +74,7 @@ class Peripheral:
     def write(self, offset, size, value):
         """What the processor writes."""
         register = self._register(offset & ~3, "write")
-        if register is None:
+        if register is None or self.is_held():
             return
         if size < 4:
             shift, mask = 8 * (offset & 3), (1 << 8 * size) - 1

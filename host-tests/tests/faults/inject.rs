@@ -132,13 +132,28 @@ impl Injection {
                     bench.demand(&Request::Stop);
                 }
             }
+            Fault::OutputStray => wrong.output_code = Some(4095),
+            Fault::ReferenceVoltage => wrong.reference_code = Some(1350),
+            Fault::DumpHeld => {
+                wrong.is_coil_held = true;
+                if is_first {
+                    // Its self-test lets go of the coil.
+                    bench.demand(&Request::Stop);
+                    bench.demand(&Request::Configure(configuration_for(self.fault)));
+                }
+            }
             Fault::EmergencyStop => wrong.is_stopped = true,
             Fault::Deadline => wrong.is_late = true,
             Fault::TaskSilent => wrong.silent = Some(Task::Link),
             Fault::BusSilent => wrong.no_host = true,
             Fault::BrownOut => wrong.low_voltage = true,
             Fault::Temperature => wrong.temperature_code = Some(TEMPERATURE.code(95.0)),
-            Fault::ConfigurationCorrupt | Fault::ConfigurationVersion if is_first => {
+            Fault::ConfigurationCorrupt
+            | Fault::ConfigurationVersion
+            | Fault::ImageDamaged
+            | Fault::MemoryDamaged
+                if is_first =>
+            {
                 bench.control().report(self.fault)
             }
             Fault::StackOverflow | Fault::HardFault | Fault::Panic if is_first => {
@@ -151,6 +166,8 @@ impl Injection {
             Fault::Model
             | Fault::ConfigurationCorrupt
             | Fault::ConfigurationVersion
+            | Fault::ImageDamaged
+            | Fault::MemoryDamaged
             | Fault::StackOverflow
             | Fault::HardFault
             | Fault::Panic

@@ -69,6 +69,9 @@ impl Bench {
             contraction: AdcCode(CONTRACTION.code(contraction_mm as f32)),
             supply: AdcCode(SUPPLY.code(8.0)),
             temperature: AdcCode(TEMPERATURE.code(30.0)),
+            // The emulator has neither.
+            output: None,
+            reference: None,
             surroundings: Surroundings::default(),
         };
         let written = self.image.tick(sensors(samples))?;

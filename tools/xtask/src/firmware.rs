@@ -9,7 +9,10 @@ use anyhow::Result;
 
 use crate::board_compiler::{BoardCompiler, TARGET};
 use crate::run;
+use crate::seal::seal;
 
+/// The image that looks at its own checksum.
+const PRODUCTION: &str = "stm32f405";
 /// What the images are built from.
 const SOURCES: [&str; 7] =
     ["firmware", "wire", "model-core", "Cargo.toml", "Cargo.lock", "memory.x", ".cargo/config.toml"];
@@ -39,7 +42,8 @@ pub fn build_images(compiler: &BoardCompiler, features: &str) -> Result<()> {
     cargo.arg("--target-dir").arg(run::target_dir().join("firmware"));
     compiler.apply(&mut cargo);
     cargo.env("MGPI_SOURCE", source());
-    run::succeed(&mut cargo)
+    run::succeed(&mut cargo)?;
+    if features.split(',').any(|feature| feature == PRODUCTION) { seal(&elf(PRODUCTION)) } else { Ok(()) }
 }
 
 /// The git commit that last changed what the images are built from, with a `+` behind it where the

@@ -17,6 +17,7 @@ mod gates;
 mod host;
 mod registers;
 mod run;
+mod seal;
 mod setup;
 mod workflow;
 
@@ -39,6 +40,11 @@ enum Task {
     Setup,
     /// Build both firmware images.
     Firmware,
+    /// Put its checksum into an image that was built by other means.
+    Seal {
+        /// The image's ELF file.
+        elf: PathBuf,
+    },
     /// Install the command mgpi with the emulator's firmware in it; needs nothing of this folder
     /// afterwards.
     Install {
@@ -123,6 +129,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
             println!("setup: nothing is missing");
         }
         Task::Firmware => firmware::build(&setup::ensure()?)?,
+        Task::Seal { elf } => seal::seal(&elf)?,
         Task::Install { root } => {
             firmware::build(&setup::ensure()?)?;
             host::install(root.as_deref(), host::Build::Release)?;

@@ -44,6 +44,11 @@ pub enum Fault {
     Temperature = 31,
     EmergencyStop = 32,
     VentIneffective = 33,
+    OutputStray = 34,
+    ReferenceVoltage = 35,
+    ImageDamaged = 36,
+    MemoryDamaged = 37,
+    DumpHeld = 38,
 }
 
 /// Number of faults.
@@ -51,7 +56,7 @@ pub const FAULTS: usize = Fault::ALL.len();
 
 impl Fault {
     /// All of them, in the order of their numbers, which begin at 1.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 38] = [
         Self::Acquisition,
         Self::PressureSensor,
         Self::ContractionSensor,
@@ -85,11 +90,21 @@ impl Fault {
         Self::Temperature,
         Self::EmergencyStop,
         Self::VentIneffective,
+        Self::OutputStray,
+        Self::ReferenceVoltage,
+        Self::ImageDamaged,
+        Self::MemoryDamaged,
+        Self::DumpHeld,
     ];
 
     /// The stable number.
     pub const fn code(self) -> u8 {
         self as u8
+    }
+
+    /// Whether nothing but power-off ends it.
+    pub fn outlasts_acknowledgement(self) -> bool {
+        table::TABLE.iter().any(|row| row.fault == self && row.latch == table::Latch::PowerOn)
     }
 
     /// The fault with a number.
@@ -108,6 +123,6 @@ mod tests {
             assert_eq!(usize::from(fault.code()), place + 1);
             assert_eq!(Fault::of_code(fault.code()), Some(fault));
         }
-        assert_eq!([Fault::of_code(0), Fault::of_code(34)], [None; 2]);
+        assert_eq!([Fault::of_code(0), Fault::of_code(39)], [None; 2]);
     }
 }

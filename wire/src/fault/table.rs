@@ -7,8 +7,8 @@
 
 use super::Fault;
 use super::times::{
-    ALLOWANCE_TICKS, AUTHORITY_TICKS, BAD_IN_A_ROW, IMPLAUSIBLE_TICKS, JUMPS_IN_A_ROW, LATE_IN_A_ROW,
-    LOOP_RESETS, MISSING_IN_A_ROW, STOP_TICKS, STUCK_TICKS, VENTING_TICKS,
+    ALLOWANCE_TICKS, AUTHORITY_TICKS, BAD_IN_A_ROW, DUMP_TICKS, IMPLAUSIBLE_TICKS, JUMPS_IN_A_ROW,
+    LATE_IN_A_ROW, LOOP_RESETS, MISSING_IN_A_ROW, STOP_TICKS, STRAY_TICKS, STUCK_TICKS, VENTING_TICKS,
 };
 
 /// What a fault leads to.
@@ -100,7 +100,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
     vent(
         Fault::PressureStuck,
         "pressure sensor stuck",
-        "its code stays within 2 for 200 ticks while the command moves by 1.5 bar",
+        "its code stays within 4 for 200 ticks while the command moves by 1.5 bar",
         STUCK_TICKS as u32,
         "the sensor's element or its amplifier is defective, ice or dirt in its port, the tube to it is kinked; or the valve holds \
          the pressure, see valve stuck",
@@ -336,6 +336,58 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         VENTING_TICKS as u32,
         "the regulator, its amplifier or the converter is stuck; the pressure sensor is; or the outlet is closed",
         "keep away, close the supply by hand; then measure the set point's voltage, and compare the sensor with a gauge",
+    ),
+    vent(
+        Fault::OutputStray,
+        "output is not what was written",
+        "the voltage at PA4, read back, differs by more than 39 mV (0.12 bar) from what the converter was told, three ticks in a \
+         row; when vented it is above 39 mV",
+        STRAY_TICKS as u32,
+        "the converter is defective, or something else drives the pin: a short, an amplifier that feeds back",
+        "measure PA4 without the amplifier; replace the board if it still differs",
+    ),
+    vent(
+        Fault::ReferenceVoltage,
+        "reference voltage out of range",
+        "the processor's reference, by its factory value, tells a supply of the converters that is more than 6 % off 3.3 V, three \
+         ticks in a row",
+        STRAY_TICKS as u32,
+        "the 3.3 V regulator of the board is defective or overloaded: all that is measured and put out is off by as much",
+        "measure 3.3 V at the processor; replace the board",
+    ),
+    Row {
+        latch: Latch::PowerOn,
+        ..vent(
+            Fault::ImageDamaged,
+            "firmware damaged",
+            "the checksum of the firmware, looked at in each start, is wrong: neither the set point nor the dump valve's output is \
+             switched on. Counted where the firmware carries no checksum, as one that a debugger has loaded",
+            0,
+            "a cell of the flash has lost its content, or the firmware was not written whole",
+            "flash the firmware again; if it comes back, replace the board",
+        )
+    },
+    Row {
+        latch: Latch::PowerOn,
+        ..vent(
+            Fault::MemoryDamaged,
+            "memory damaged",
+            "a word of the RAM does not keep what is written to it in the test of each start: neither the set point nor the dump \
+             valve's output is switched on",
+            0,
+            "the processor is damaged, or its supply was out of range",
+            "measure 3.3 V; if it comes back, replace the board",
+        )
+    },
+    vent(
+        Fault::DumpHeld,
+        "dump valve held",
+        "the dump valve's coil has a voltage though its output has rested for 20 ticks: in the self-test, and whenever the board \
+         is off or at fault. At another fault it is counted each 20 ticks as long as it lasts",
+        DUMP_TICKS as u32 + 1,
+        "the charge pump, or what switches the coil, is defective, or somebody feeds the coil; or the wire to PB15 is broken: without \
+         the second contact PB15 has to be bridged to ground",
+        "the second path does not open: close the supply by hand, then measure the coil's voltage",
     ),
 ];
 

@@ -18,6 +18,12 @@ pub const AUTHORITY_TICKS: u16 = 1000;
 pub const VENTING_TICKS: u16 = 300;
 /// Ticks in a row with an open emergency stop that are a fault.
 pub const STOP_TICKS: u16 = 3;
+/// Ticks in a row with a voltage at the valve's output that was not written, or with a reference
+/// voltage out of its range, that are a fault.
+pub const STRAY_TICKS: u16 = 3;
+/// How long the dump valve's coil may have a voltage behind the last change of the output that
+/// holds it: twice what the charge pump takes.
+pub const DUMP_TICKS: u16 = 20;
 /// Ticks in a row that end too late that are a fault.
 pub const LATE_IN_A_ROW: u16 = 3;
 /// How long a task may be silent: the link may prepare a large model, or send a long answer, for so

@@ -184,6 +184,10 @@ table! {
     0x0220 BusFrames "bus_frames" U32 [1] "" READ, "Frames for this board that were whole";
     0x0222 BusDamaged "bus_damaged" U32 [1] "" READ, "Runs of bytes that were no whole frame";
     0x0224 BusRefused "bus_refused" U32 [1] "" READ, "Requests that an exception has answered";
+    0x0226 PressureNoise "pressure_noise_bar" F32 [1] "bar" READ, "Noise of a single conversion of the pressure, one standard deviation; the mean of eight is what is used. 0 in the emulator";
+    0x0228 ContractionNoise "contraction_noise_mm" F32 [1] "mm" READ, "The same of the contraction";
+    0x022A OutputV "output_v" F32 [1] "V" READ, "Voltage at the valve's output, PA4, read back; 0 where it is not";
+    0x022C ConvertersSupplyV "converters_supply_v" F32 [1] "V" READ, "Supply of the converters, by the processor's reference voltage; 0 in the emulator";
 
     0x0300 Kp "kp_bar_per_mm" F32 [1] "bar/mm" write(0.0, 10.0), "Proportional gain";
     0x0302 Ki "ki_bar_per_mm_s" F32 [1] "bar/mm s" write(0.0, 100.0), "Integral gain, bar/(mm s)";

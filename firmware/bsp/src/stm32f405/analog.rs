@@ -15,6 +15,9 @@ use stm32f4::stm32f405::{DAC, TIM3};
 
 use super::valve::vent;
 
+/// Whether the converter's pin is an input of the other converter, too.
+pub const IS_READ_BACK: bool = true;
+
 /// The output.
 pub struct Output(DAC);
 

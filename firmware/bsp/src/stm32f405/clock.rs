@@ -57,12 +57,18 @@ const FALL_BACK: Clocks = Clocks {
 
 /// Clocks the peripherals that the image uses.
 pub fn feed_peripherals(rcc: &RCC) {
-    rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled().gpioben().enabled().gpiocen().enabled());
+    rcc.ahb1enr()
+        .modify(|_, w| w.gpioaen().enabled().gpioben().enabled().gpiocen().enabled().dma2en().enabled());
     rcc.apb1enr().modify(|_, w| {
         w.dacen().enabled().pwren().enabled().usart2en().enabled();
         w.tim2en().enabled().tim3en().enabled()
     });
     rcc.apb2enr().modify(|_, w| w.adc1en().enabled().usart1en().enabled());
+}
+
+/// Keeps what a valve hangs on in reset: whatever is written to it has no effect.
+pub fn hold_outputs(rcc: &RCC) {
+    rcc.apb1rstr().modify(|_, w| w.dacrst().reset().tim3rst().reset());
 }
 
 /// Goes from the internal oscillator, which the processor starts with, to the crystal if it can.

@@ -7,7 +7,9 @@
 //! | [`scan`] | the analogue inputs |
 //! | [`output`] | the valve: `analog.rs` by a voltage, or `pulses.rs` with the feature `solenoid` |
 //! | [`valve`] | the safe value of either by raw registers |
-//! | [`thermometer`] | the processor's temperature by its factory values |
+//! | [`factory`] | the processor's temperature and reference by its factory values |
+//! | [`image`] | the checksum of the firmware |
+//! | [`memory_test`] | the test of the RAM |
 //! | [`tick`] | the clock of the control, and moments in microseconds |
 //! | [`watchdog`] | the hardware watchdog |
 //! | [`memory`] | the black box, and why the processor has started |
@@ -15,14 +17,16 @@
 //! | [`pins`] | routing, status light, voltage detector |
 
 pub mod clock;
+pub mod factory;
+pub mod image;
 pub mod memory;
+pub mod memory_test;
 #[cfg_attr(not(feature = "solenoid"), path = "analog.rs")]
 #[cfg_attr(feature = "solenoid", path = "pulses.rs")]
 pub mod output;
 pub mod parameter_flash;
 pub mod pins;
 pub mod scan;
-pub mod thermometer;
 pub mod tick;
 pub mod valve;
 pub mod watchdog;

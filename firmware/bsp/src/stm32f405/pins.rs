@@ -13,8 +13,9 @@ use super::valve::vent;
 const THRESHOLD: u8 = 6;
 
 /// Connects the pins to the peripherals. The receivers' pins are pulled up: without a cable they
-/// would float, and see bytes that nobody has sent.
-pub fn route(a: &GPIOA, b: &GPIOB, c: &GPIOC) {
+/// would float, and see bytes that nobody has sent. `drives`: whether the dump valve's output is to
+/// be one.
+pub fn route(a: &GPIOA, b: &GPIOB, c: &GPIOC, drives: bool) {
     a.pupdr().modify(|_, w| w.pupdr3().pull_up().pupdr10().pull_up());
     a.moder().modify(|_, w| {
         w.moder0().analog().moder1().analog().moder2().alternate().moder3().alternate().moder4().analog();
@@ -22,8 +23,11 @@ pub fn route(a: &GPIOA, b: &GPIOB, c: &GPIOC) {
     });
     a.afrl().modify(|_, w| w.afrl2().af7().afrl3().af7().afrl6().af2());
     a.afrh().modify(|_, w| w.afrh9().af7().afrh10().af7());
-    b.pupdr().modify(|_, w| w.pupdr14().pull_up());
-    b.moder().modify(|_, w| w.moder12().output().moder13().output());
+    b.pupdr().modify(|_, w| w.pupdr14().pull_up().pupdr15().pull_up());
+    b.moder().modify(|_, w| w.moder12().output());
+    if drives {
+        b.moder().modify(|_, w| w.moder13().output());
+    }
     c.moder().modify(|_, w| w.moder0().analog());
 }
 
@@ -58,6 +62,12 @@ impl DumpValve {
 /// broken is.
 pub fn is_stop_open() -> bool {
     port_b().idr().read().idr14().bit_is_set()
+}
+
+/// Whether the dump valve's coil has a voltage: PB15 is closed to ground while it has none; a cable
+/// that is broken counts as a voltage.
+pub fn has_coil_voltage() -> bool {
+    port_b().idr().read().idr15().bit_is_set()
 }
 
 /// Light, dump valve and emergency stop share it.

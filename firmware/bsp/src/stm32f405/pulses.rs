@@ -21,6 +21,9 @@ pub struct Pulses {
     period: u16,
 }
 
+/// Whether the output is read back: the coil hangs on another pin than the converter's.
+pub const IS_READ_BACK: bool = false;
+
 /// Without pulses, the voltage output too at its safe value. The timer has to be clocked, by
 /// `timer_hz`.
 pub fn vented(_: DAC, timer: TIM3, timer_hz: u32) -> Output {

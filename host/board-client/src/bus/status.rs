@@ -19,6 +19,8 @@ pub struct Status {
     about: Option<About>,
     reached: Option<Reached>,
     now: Block,
+    /// What the board reads of itself; none of one whose firmware is older.
+    own: Option<Block>,
     mode: Block,
     gains: Block,
     /// How often each fault has occurred since the start, by its number less one.
@@ -36,6 +38,8 @@ struct Recorded {
 /// What is measured, with its unit in its name.
 const SIGNALS: [Id; 6] =
     [Id::ReferenceMm, Id::ContractionMm, Id::PressureBar, Id::CommandBar, Id::SupplyBar, Id::TemperatureC];
+/// What the board reads of itself, with its unit in its name.
+const OWN: [Id; 4] = [Id::PressureNoise, Id::ContractionNoise, Id::OutputV, Id::ConvertersSupplyV];
 /// The gains of the feedback.
 const GAINS: [Id; 3] = [Id::Kp, Id::Ki, Id::Kd];
 /// What is counted about the ticks and the bus.
@@ -68,6 +72,10 @@ impl Status {
             about: About::read(board)?,
             reached: Reached::read(board)?,
             now,
+            own: match board.read(Id::PressureNoise, Id::ConvertersSupplyV) {
+                Err(error) if error.exception().is_some() => None,
+                own => Some(own?),
+            },
             mode: board.read(Id::Mode, Id::Mode)?,
             gains: board.read(Id::Kp, Id::Kd)?,
             counts: counts.words(Id::FaultCounts).iter().copied().take(FAULTS).collect(),
@@ -124,6 +132,14 @@ impl Status {
         }
         let values = |ids: &[Id]| ids.iter().map(|&id| self.with_unit(id)).collect::<Vec<_>>().join(", ");
         lines.push(format!("measured    {}", values(&SIGNALS)));
+        lines.extend(self.own.as_ref().map(|own| {
+            let shown = OWN.map(|id| {
+                let register = id.register();
+                let name = register.name.rsplit_once('_').map_or(register.name, |(name, _)| name);
+                format!("{} {:.3} {}", name.replace('_', " "), own.number(id), register.unit)
+            });
+            format!("itself      {}", shown.join(", "))
+        }));
         let counters = COUNTERS
             .iter()
             .map(|&id| format!("{} {}", id.register().name.replace('_', " "), self.number(id)));
@@ -167,6 +183,9 @@ impl Status {
         });
         for id in SIGNALS.into_iter().chain(COUNTERS) {
             json[id.register().name] = self.number(id).into();
+        }
+        for (id, own) in OWN.into_iter().zip(std::iter::repeat(&self.own)) {
+            json[id.register().name] = own.as_ref().map(|own| own.number(id)).into();
         }
         json["mode"] = mode(self.mode.whole(Id::Mode) as u16).map(mode_in_words).into();
         for id in GAINS {

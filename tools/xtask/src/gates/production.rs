@@ -160,7 +160,9 @@ fn converted(contraction_mm: f32) -> Samples {
         contraction: AdcCode(scaling::CONTRACTION.code(contraction_mm)),
         supply: AdcCode(scaling::SUPPLY.code(8.0)),
         temperature: AdcCode(scaling::TEMPERATURE.code(25.0)),
-        // The board measures neither.
+        // The emulator has the first two of these not, the board the last.
+        output: None,
+        reference: None,
         surroundings: Surroundings::default(),
     }
 }

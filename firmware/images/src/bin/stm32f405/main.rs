@@ -20,7 +20,8 @@
 //! it in the states that say so. The dump valve opens unless each tick keeps it closed. Every wait
 //! for the hardware is bounded, the tick has none: a crystal that does not start is replaced, a
 //! conversion that does not end is a fault. What ends the program vents, seals the record and
-//! resets; what starts then is at fault until it is acknowledged.
+//! resets; what starts then is at fault until it is acknowledged. A program or a memory that is
+//! damaged starts with both outputs held in reset.
 //!
 //! # Parameters
 //! A configuration and limits that were accepted are stored, and taken again behind the next start.
@@ -75,16 +76,17 @@ mod app {
     use bsp::ports;
     use bsp::serial::{self, Line, Mover, Port};
     use bsp::stm32f405::clock::{self, Source};
+    use bsp::stm32f405::image::{self, Image};
     use bsp::stm32f405::parameter_flash::ParameterFlash;
     use bsp::stm32f405::pins::{self, BusDriver, DumpValve, Light, VoltageDetector};
     use bsp::stm32f405::scan::Scan;
-    use bsp::stm32f405::thermometer::Thermometer;
     use bsp::stm32f405::tick::{TICKS_PER_SECOND, Tick, moment_us};
     use bsp::stm32f405::watchdog::HardwareWatchdog;
-    use bsp::stm32f405::{SensorsAndValve, memory, output};
+    use bsp::stm32f405::{SensorsAndValve, memory, memory_test, output};
     use firmware::bus::{Bus, Timing};
     use firmware::identity::Identity;
     use firmware::node::{Node, apply};
+    use firmware::noise::Noise;
     use firmware::store::{ParameterStore, Parameters, SaveError};
     use firmware::watchdog::{Task, Watchdog};
     use firmware::{Capture, Control, led};
@@ -239,6 +241,10 @@ mod app {
         bus_port: Port<BusLine>,
         light: Light,
         logged: State,
+        /// Of pressure and contraction.
+        noise: [Noise; 2],
+        /// The tick whose conversions were looked at last.
+        noise_tick: u32,
     }
 
     #[init(local = [
@@ -251,15 +257,20 @@ mod app {
         let device = cx.device;
         clock::feed_peripherals(&device.RCC);
         let hardware_watchdog = HardwareWatchdog::start(device.IWDG, &device.DBGMCU);
-        pins::route(&device.GPIOA, &device.GPIOB, &device.GPIOC);
         let reset = memory::reset_cause(&device.RCC);
         let voltage = VoltageDetector::start(device.PWR, &device.EXTI);
         let is_supplied = voltage.wait();
         let clocks = clock::start(&device.RCC, &device.FLASH, &device.DBGMCU, is_supplied);
         defmt::info!("valve board, messages version {=u16}, {}", wire::VERSION, clocks);
+        let (image, has_memory) = (image::check(), memory_test::has_passed());
+        let is_sound = image != Image::Damaged && has_memory;
+        if !is_sound {
+            clock::hold_outputs(&device.RCC);
+        }
+        pins::route(&device.GPIOA, &device.GPIOB, &device.GPIOC, is_sound);
         let valve = output::vented(device.DAC, device.TIM3, clocks.timer_hz);
         let board = SensorsAndValve::new(
-            Scan::new(device.ADC1, &device.ADC_COMMON, Thermometer::of_chip(&device.DBGMCU)),
+            Scan::new(device.ADC1, &device.ADC_COMMON, device.DMA2, &device.DBGMCU),
             valve,
         );
         Scan::start(&device.TIM2, &clocks, TICKS_PER_SECOND);
@@ -274,6 +285,14 @@ mod app {
             control.report(Fault::BrownOut);
         } else if clocks.source == Source::Internal {
             control.note(Fault::Clock);
+        }
+        match image {
+            Image::Whole => {}
+            Image::Damaged => control.report(Fault::ImageDamaged),
+            Image::Unchecked => control.note(Fault::ImageDamaged),
+        }
+        if !has_memory {
+            control.report(Fault::MemoryDamaged);
         }
         if memory::lacks_brown_out_reset(&device.FLASH) {
             defmt::warn!("the brown-out reset is off: set it by the option bytes");
@@ -305,22 +324,31 @@ mod app {
             bus_port,
             light: Light,
             logged,
+            noise: [Noise::default(); 2],
+            noise_tick: 0,
         };
         (Shared { control, kept }, local)
     }
 
     /// The supervisor. The tick wakes it.
-    #[idle(shared = [control], local = [light, logged])]
+    #[idle(shared = [control], local = [light, logged, noise, noise_tick])]
     fn supervise(mut cx: supervise::Context) -> ! {
+        let supervise::LocalResources { light, logged, noise, noise_tick, .. } = cx.local;
         ports::release();
         loop {
             CHECK_INS.check_in(Task::Supervisor);
             rtic::pend(LinkLine::TASK);
             rtic::pend(BusLine::TASK);
-            let (state, fault, ticks) =
-                cx.shared.control.lock(|control| (control.state(), control.fault(), control.ticks()));
-            cx.local.light.set(led::is_lit(state, fault, ticks));
-            log_change(cx.local.logged, state);
+            let codes = noise.each_ref().map(Noise::codes);
+            let (state, fault, ticks) = cx.shared.control.lock(|control| {
+                control.hear_noise(codes);
+                (control.state(), control.fault(), control.ticks())
+            });
+            if ticks != core::mem::replace(noise_tick, ticks) {
+                noise.iter_mut().zip(&Scan::conversions()).for_each(|(noise, codes)| noise.take(codes));
+            }
+            light.set(led::is_lit(state, fault, ticks));
+            log_change(logged, state);
             cortex_m::asm::wfi();
         }
     }
@@ -333,6 +361,7 @@ mod app {
                 control.report(Fault::BrownOut);
             }
             control.hear_stop(pins::is_stop_open());
+            control.hear_coil(pins::has_coil_voltage());
             control.tick(board);
             // Behind the write of the valve, which need not wait for what takes many ticks.
             if watchdog.is_content(&CHECK_INS) {

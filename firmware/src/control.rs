@@ -35,7 +35,7 @@ use crate::monitors::Monitors;
 use crate::monitors::persistence::InARow;
 use crate::order::Installation;
 use crate::output::{self, Output};
-use crate::scaling::{COMMAND, VENT};
+use crate::scaling::{Scalings, VENT};
 use crate::state_machine::{Event, Next, next};
 use crate::timing::{TickEnd, Timing};
 
@@ -83,6 +83,7 @@ pub struct Control {
     /// None: ticks come when the host wants them, at whatever period the configuration says.
     pub(crate) clock: Option<TickClock>,
     pub(crate) protection: Protection,
+    pub(crate) scalings: Scalings,
     running: Option<Running>,
     installed: Option<Installation>,
     pub(crate) player: Player,
@@ -143,10 +144,11 @@ impl Control {
             clock,
             state: if faults.latched().is_some() { State::Fault } else { State::Off },
             protection,
+            scalings: Scalings::STANDARD,
             installed: None,
             running: None,
-            monitors: Monitors::new(&protection, period_s),
-            limits: output::Limits::new(&protection, period_s),
+            monitors: Monitors::new(&protection, &Scalings::STANDARD, period_s),
+            limits: output::Limits::new(&protection, &Scalings::STANDARD.command, period_s),
             output: Output::vented(),
             faults,
             capture,
@@ -184,6 +186,11 @@ impl Control {
     /// Ticks since the start.
     pub fn ticks(&self) -> u32 {
         self.ticks
+    }
+
+    /// How codes are scaled.
+    pub fn scalings(&self) -> &Scalings {
+        &self.scalings
     }
 
     /// Time from tick to tick, by the clock or, without one, by the configuration. Unit: s.
@@ -228,7 +235,7 @@ impl Control {
     #[inline(always)]
     fn play(&mut self) {
         match self.player.next(self.ticks.wrapping_add(1)) {
-            Some(bar) if self.state == State::Service => self.service_code = DacCode(COMMAND.code(bar)),
+            Some(bar) if self.state == State::Service => self.service_code = self.scalings.command_code(bar),
             Some(mm) => self.next_reference_mm = mm,
             None => {}
         }
@@ -393,7 +400,7 @@ impl Control {
             return Err(Fault::NotFinite);
         }
         Ok(TickOutcome {
-            code: DacCode(COMMAND.code(command)),
+            code: self.scalings.command_code(command),
             feedforward_bar: feedforward,
             feedback_bar: feedback,
             is_limited: limited,

@@ -3,7 +3,7 @@
 //! In whole numbers, so that nothing here can be other than a code. Venting is at once: no limit
 //! applies to it.
 
-use wire::Protection;
+use wire::{Protection, Scaling};
 
 use crate::board::DacCode;
 use crate::scaling::{COMMAND, VENT};
@@ -23,9 +23,9 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The protection's limits, for ticks that are `period_s` apart.
-    pub fn new(protection: &Protection, period_s: f32) -> Self {
-        let codes = |bar_per_s: f32| bar_per_s * period_s * COMMAND.codes_per_unit;
+    /// The protection's limits, for ticks that are `period_s` apart and this scaling of the command.
+    pub fn new(protection: &Protection, command: &Scaling, period_s: f32) -> Self {
+        let codes = |bar_per_s: f32| bar_per_s * period_s * command.codes_per_unit;
         Self {
             soft_start: ((codes(protection.soft_start_bar_per_s) * (1_u32 << FRACTION) as f32) as u32)
                 .clamp(1, HIGHEST),

@@ -4,9 +4,7 @@ use wire::{Hello, Signals, Telemetry, VERSION};
 
 use crate::board::Samples;
 use crate::control::Control;
-use crate::scaling::{
-    COMMAND, CONTRACTION, PRESSURE, REFERENCE_CODE, REFERENCE_SUPPLY_V, SUPPLY, TEMPERATURE,
-};
+use crate::scaling::{REFERENCE_CODE, REFERENCE_SUPPLY_V, TEMPERATURE};
 
 /// What the control is asked for and puts out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,9 +40,9 @@ impl Control {
             firmware: FIRMWARE_VERSION,
             state: self.state,
             fault: self.faults.latched(),
-            pressure: PRESSURE,
-            contraction: CONTRACTION,
-            command: COMMAND,
+            pressure: self.scalings.pressure,
+            contraction: self.scalings.contraction,
+            command: self.scalings.command,
             ticks: self.ticks,
             overruns: self.timing.overruns,
         }
@@ -57,14 +55,14 @@ impl Control {
             reference.map_or(0.0, |read| REFERENCE_SUPPLY_V * REFERENCE_CODE / f32::from(read.0.max(1)));
         let [of_pressure, of_contraction] = self.noise_codes;
         Outputs {
-            pressure_noise_bar: of_pressure / PRESSURE.codes_per_unit,
-            contraction_noise_mm: of_contraction / CONTRACTION.codes_per_unit,
+            pressure_noise_bar: of_pressure / self.scalings.pressure.codes_per_unit,
+            contraction_noise_mm: of_contraction / self.scalings.contraction.codes_per_unit,
             output_v: output.map_or(0.0, |read| f32::from(read.0) / HIGHEST_CODE * converters_supply_v),
             converters_supply_v,
             reference_mm: self.reference_mm,
             next_reference_mm: self.next_reference_mm,
-            command_bar: COMMAND.value(self.output.code().0),
-            service_bar: COMMAND.value(self.service_code.0),
+            command_bar: self.scalings.command.value(self.output.code().0),
+            service_bar: self.scalings.command.value(self.service_code.0),
             deadline_cycles: self.clock.map_or(0, |clock| clock.deadline_cycles),
         }
     }
@@ -84,9 +82,9 @@ impl Control {
             bridged_samples: self.monitors.bridged(),
             resets: self.faults.resets(),
             signals: Signals {
-                pressure_bar: PRESSURE.value(pressure.0),
-                contraction_mm: CONTRACTION.value(contraction.0),
-                supply_bar: SUPPLY.value(supply.0),
+                pressure_bar: self.scalings.pressure.value(pressure.0),
+                contraction_mm: self.scalings.contraction.value(contraction.0),
+                supply_bar: self.scalings.supply.value(supply.0),
                 temperature_c: TEMPERATURE.value(temperature.0),
             },
             faults: self.faults.counters(),

@@ -12,7 +12,7 @@
 //! the scalings of pressure, contraction and command in its greeting, so that a host needs no copy
 //! of them.
 
-use wire::Scaling;
+use wire::{Calibration, Line, Refusal, Scaling};
 
 use crate::board::DacCode;
 
@@ -26,6 +26,86 @@ pub const CONTRACTION: Scaling =
 
 /// Pressure before the valve, in bar.
 pub const SUPPLY: Scaling = PRESSURE;
+
+/// Those that a calibration may set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scalings {
+    /// Of the pressure in the muscle, in bar.
+    pub pressure: Scaling,
+    /// In mm.
+    pub contraction: Scaling,
+    /// Of the pressure before the valve, in bar.
+    pub supply: Scaling,
+    /// In bar.
+    pub command: Scaling,
+    /// As in [`Calibration::day`].
+    pub day: u32,
+}
+
+/// How far a calibrated gain may be from that of the standard sensor. Unit: share.
+const CREDIBLE_GAIN: core::ops::RangeInclusive<f32> = 0.8..=1.25;
+/// How far a calibrated zero may be from that of the standard sensor. Unit: share of its span.
+const CREDIBLE_ZERO: f32 = 0.1;
+
+impl Scalings {
+    /// Of the standard sensors and regulator.
+    pub const STANDARD: Self =
+        Self { pressure: PRESSURE, contraction: CONTRACTION, supply: SUPPLY, command: COMMAND, day: 0 };
+
+    /// Those of a calibration. What counts as a broken wire stays.
+    ///
+    /// # Errors
+    /// A line that no working sensor of the standard kind has, by name, value and limits.
+    pub fn calibrated(calibration: &Calibration) -> Result<Self, Refusal> {
+        let Calibration { pressure, contraction, supply, command, day } = *calibration;
+        Ok(Self {
+            pressure: calibrated("pressure", &PRESSURE, pressure, 10.0)?,
+            contraction: calibrated("contraction", &CONTRACTION, contraction, 150.0)?,
+            supply: calibrated("supply", &SUPPLY, supply, 10.0)?,
+            command: calibrated("command", &COMMAND, command, 10.0)?,
+            day,
+        })
+    }
+
+    /// What a host is told of them.
+    pub const fn calibration(&self) -> Calibration {
+        const fn line(Scaling { zero_code, codes_per_unit, .. }: Scaling) -> Line {
+            Line { zero_code, codes_per_unit }
+        }
+        Calibration {
+            pressure: line(self.pressure),
+            contraction: line(self.contraction),
+            supply: line(self.supply),
+            command: line(self.command),
+            day: self.day,
+        }
+    }
+
+    /// The code of a command in bar. None at all is the vented code, wherever the calibrated zero is.
+    #[inline(always)]
+    pub fn command_code(&self, bar: f32) -> DacCode {
+        if bar > 0.0 { DacCode(self.command.code(bar)) } else { VENT }
+    }
+}
+
+/// A standard scaling with a calibrated line. `span`: of the sensor, in its unit.
+fn calibrated(name: &str, standard: &Scaling, line: Line, span: f32) -> Result<Scaling, Refusal> {
+    let Line { zero_code, codes_per_unit } = line;
+    let share = codes_per_unit / standard.codes_per_unit;
+    if !CREDIBLE_GAIN.contains(&share) {
+        let (least, most) = (CREDIBLE_GAIN.start(), CREDIBLE_GAIN.end());
+        return Err(Refusal::parameter(format_args!(
+            "{name}: {share} times the standard sensor's gain, must be {least} to {most}"
+        )));
+    }
+    let off = (zero_code - standard.zero_code).abs() / (span * standard.codes_per_unit);
+    if off.is_nan() || off > CREDIBLE_ZERO {
+        return Err(Refusal::parameter(format_args!(
+            "{name}: its zero is off by {off} of the span, must be at most {CREDIBLE_ZERO}"
+        )));
+    }
+    Ok(Scaling { zero_code, codes_per_unit, ..*standard })
+}
 
 /// Temperature of the processor in °C. Plausible: -40 to 125 °C. Of a typical sensor: the board
 /// turns codes of its own into them by its factory values.

@@ -24,6 +24,7 @@
 )]
 
 mod bus_parameters;
+mod calibration;
 pub mod fault;
 mod frame;
 mod message;
@@ -32,6 +33,7 @@ pub mod registers;
 mod status;
 
 pub use bus_parameters::{BusParameters, Parity};
+pub use calibration::{Calibration, Line};
 pub use fault::{FAULTS, Fault};
 pub use frame::{FRAME_BYTES, FrameError, Receiver, encode};
 pub use message::{

@@ -8,7 +8,7 @@ use wire::registers::{
     CAPTURE_SAMPLES, Exception, Id, Register, SAMPLE_REGISTERS, STREAM_POINTS, TRACE_ENTRY_REGISTERS,
     UPLOAD_BYTES, VERSION, Value, mode_number, pack_bytes, pack_sample, pack_trace_entry, state_number,
 };
-use wire::{BusParameters, Captured, FaultRecord, Protection, Telemetry};
+use wire::{BusParameters, Calibration, Captured, FaultRecord, Protection, Telemetry};
 
 use super::player::PlayerStatus;
 use super::session::Session;
@@ -16,7 +16,7 @@ use crate::control::Control;
 use crate::identity::{Identity, SOURCE};
 use crate::node::Node;
 use crate::report::{FIRMWARE_VERSION, Outputs};
-use crate::scaling::{COMMAND, CONTRACTION, PRESSURE};
+use crate::scaling::Scalings;
 use crate::store::LAYOUT;
 use wire::BoardParameters;
 use wire::registers::fields::{CONTROLLER, of_bus, of_controller, of_protection};
@@ -28,6 +28,7 @@ enum View {
     Identification {
         period_s: f32,
         identity: Identity,
+        scalings: Scalings,
     },
     Control(Outputs),
     Status(Telemetry, Outputs),
@@ -46,6 +47,7 @@ enum View {
     Upload,
     /// As it is kept.
     Bus(BusParameters),
+    Calibration(Calibration),
 }
 
 /// Writes the values of registers into `words`, big-endian, from an address on.
@@ -76,10 +78,10 @@ pub fn read(
 #[inline(never)]
 fn view(session: &Session, address: u16, node: &mut impl Node) -> View {
     match address >> 8 {
-        0 => View::Identification {
-            period_s: node.control(|control| control.period_s()),
-            identity: *node.identity(),
-        },
+        0 => {
+            let (period_s, scalings) = node.control(|control| (control.period_s(), control.scalings));
+            View::Identification { period_s, identity: *node.identity(), scalings }
+        }
         1 => View::Control(node.control(|control| control.outputs())),
         2 => node.control(|control| View::Status(control.telemetry(), control.outputs())),
         3 => View::Controller(node.parameters().tracking.as_ref().map_or([Value::F32(0.0); _], controller)),
@@ -91,7 +93,8 @@ fn view(session: &Session, address: u16, node: &mut impl Node) -> View {
         }),
         7 => node.control(|control| capture(control, session.capture_from)),
         8 => View::Upload,
-        _ => View::Bus(node.parameters().bus),
+        9 => View::Bus(node.parameters().bus),
+        _ => View::Calibration(node.control(|control| control.scalings.calibration())),
     }
 }
 
@@ -116,7 +119,9 @@ fn capture(control: &Control, from: u32) -> View {
 /// The value of this number in a register's run.
 fn value(session: &Session, view: &View, id: Id, index: u16) -> Value {
     match view {
-        View::Identification { period_s, identity } => identification(id, index, *period_s, identity),
+        View::Identification { period_s, identity, scalings } => {
+            identification(id, index, *period_s, identity, scalings)
+        }
         View::Control(outputs) => match id {
             Id::Command => Value::U16(session.command.number()),
             Id::Mode => Value::U16(mode_number(session.mode)),
@@ -146,6 +151,7 @@ fn value(session: &Session, view: &View, id: Id, index: u16) -> Value {
             }),
         },
         View::Upload => upload(session, id, index),
+        View::Calibration(calibration) => calibration.value(id).unwrap_or(Value::U16(0)),
         View::Bus(bus) => match id {
             Id::BusTake => Value::U16(0),
             Id::BusListens => Value::U16(session.listening.told(bus).number()),
@@ -154,7 +160,7 @@ fn value(session: &Session, view: &View, id: Id, index: u16) -> Value {
     }
 }
 
-fn identification(id: Id, index: u16, period_s: f32, identity: &Identity) -> Value {
+fn identification(id: Id, index: u16, period_s: f32, identity: &Identity, scalings: &Scalings) -> Value {
     let of = |words: &[u16]| Value::U16(words.get(usize::from(index)).copied().unwrap_or(0));
     match id {
         Id::RegistersVersion => Value::U16(VERSION),
@@ -162,12 +168,12 @@ fn identification(id: Id, index: u16, period_s: f32, identity: &Identity) -> Val
         Id::StorageVersion => Value::U16(LAYOUT),
         Id::Release => of(&FIRMWARE_VERSION),
         Id::TickPeriod => Value::U32((1e6 * period_s + 0.5) as u32),
-        Id::PressureZero => Value::F32(PRESSURE.zero_code),
-        Id::PressureGain => Value::F32(PRESSURE.codes_per_unit),
-        Id::ContractionZero => Value::F32(CONTRACTION.zero_code),
-        Id::ContractionGain => Value::F32(CONTRACTION.codes_per_unit),
-        Id::CommandZero => Value::F32(COMMAND.zero_code),
-        Id::CommandGain => Value::F32(COMMAND.codes_per_unit),
+        Id::PressureZero => Value::F32(scalings.pressure.zero_code),
+        Id::PressureGain => Value::F32(scalings.pressure.codes_per_unit),
+        Id::ContractionZero => Value::F32(scalings.contraction.zero_code),
+        Id::ContractionGain => Value::F32(scalings.contraction.codes_per_unit),
+        Id::CommandZero => Value::F32(scalings.command.zero_code),
+        Id::CommandGain => Value::F32(scalings.command.codes_per_unit),
         Id::UniqueId => of(&identity.unique_id),
         Id::Processor => Value::U32(identity.processor),
         Id::HardwareRevision => Value::U16(identity.hardware_revision),

@@ -15,7 +15,7 @@ use wire::{BoardParameters, CaptureOrder, Configuration, Refusal, Request, Respo
 use super::session::Session;
 use crate::node::{Node, carry_out};
 use crate::order::Order;
-use crate::scaling::{COMMAND, VENT};
+use crate::scaling::{Scalings, VENT};
 use crate::store::Parameters;
 
 /// Whom a request is for.
@@ -106,6 +106,7 @@ pub fn write(
         7 => capture(session, values, node),
         8 => upload(session, values, node),
         9 => line(session, values, audience, node),
+        10 => calibration(session, values, audience, node),
         _ => Err(Exception::IllegalAddress),
     }
 }
@@ -156,7 +157,10 @@ fn control(
         control.next_reference_mm = mm.unwrap_or(before_mm);
         let done = order.map_or(Ok(()), |order| accepted(control.apply(order)));
         match (&done, bar) {
-            (Ok(()), Some(bar)) => drop(control.apply(Order::Service(COMMAND.code(bar)))),
+            (Ok(()), Some(bar)) => {
+                let code = control.scalings.command_code(bar);
+                drop(control.apply(Order::Service(code.0)));
+            }
             (Ok(()), None) => {}
             (Err(_), _) => control.next_reference_mm = before_mm,
         }
@@ -358,4 +362,40 @@ fn line(
     }
     session.takes_line |= is_taken;
     Ok(())
+}
+
+/// What the sensors have shown: as a whole or not at all.
+#[inline(never)]
+fn calibration(
+    session: &mut Session,
+    values: impl Iterator<Item = Assignment>,
+    audience: Audience,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    if audience == Audience::All {
+        // No two boards have the same sensors.
+        return Err(Exception::DeviceBusy);
+    }
+    let mut calibration = node.control(|control| control.scalings.calibration());
+    let (mut count, mut checksum) = (0, None);
+    for Assignment { id, value, .. } in values {
+        count += 1;
+        match (id, value) {
+            (Id::CalibrationChecksum, Value::U32(sum)) => checksum = Some(sum),
+            _ => {
+                fields::of_calibration(&mut calibration, id).into_iter().for_each(|field| field.set(value));
+            }
+        }
+    }
+    let done = if count != fields::CALIBRATION.len() + 1 {
+        Err(Refusal::parameter(format_args!("a calibration is written as a whole, in one write")))
+    } else if checksum != Some(calibration.checksum()) {
+        Err(Refusal::parameter(format_args!("the checksum is not that of the calibration")))
+    } else {
+        Scalings::calibrated(&calibration)
+            .and_then(|scalings| node.control(|control| control.calibrate(&scalings)))
+    };
+    done.map_err(|refusal| session.refuse(refusal))?;
+    let parameters = Parameters { calibration: Some(calibration), ..node.parameters().clone() };
+    node.keep(parameters).map_err(|_| session.refuse(Refusal::NotStored))
 }

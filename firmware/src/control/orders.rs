@@ -9,6 +9,7 @@ use crate::law::controller_prepare;
 use crate::monitors::Monitors;
 use crate::order::{Installation, Order};
 use crate::output;
+use crate::scaling::Scalings;
 use crate::state_machine::{Event, Next, next};
 
 impl Control {
@@ -48,11 +49,24 @@ impl Control {
         Ok(())
     }
 
+    /// Takes other scalings; the valve must be vented.
+    ///
+    /// # Errors
+    /// It is driven.
+    pub fn calibrate(&mut self, scalings: &Scalings) -> Result<(), Refusal> {
+        if self.state.is_driven() {
+            return Err(Refusal::WrongState(self.state));
+        }
+        self.scalings = *scalings;
+        self.scale();
+        Ok(())
+    }
+
     /// Turns the protection's limits into those of a tick.
     fn scale(&mut self) {
         let period_s = self.period_s();
-        self.monitors = Monitors::new(&self.protection, period_s);
-        self.limits = output::Limits::new(&self.protection, period_s);
+        self.monitors = Monitors::new(&self.protection, &self.scalings, period_s);
+        self.limits = output::Limits::new(&self.protection, &self.scalings.command, period_s);
     }
 
     fn install(&mut self, installation: Installation) -> Result<(), Refusal> {

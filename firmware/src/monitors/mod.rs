@@ -32,7 +32,7 @@ use wire::fault::times::{AUTHORITY_TICKS, IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
 use wire::{Fault, Protection, Scaling};
 
 use crate::board::{AcquisitionError, DacCode, Samples};
-use crate::scaling::{COMMAND, CONTRACTION, PRESSURE, SUPPLY, TEMPERATURE};
+use crate::scaling::{Scalings, TEMPERATURE};
 use following::Following;
 use own::Own;
 use persistence::{Average, InARow};
@@ -47,6 +47,7 @@ use venting::Venting;
 struct Limits {
     pressure: sensor::Limits,
     contraction: sensor::Limits,
+    command: Scaling,
     /// How far the command has to move past a sensor that does not. Unit: DAC code.
     stuck: u16,
     supply: slow::Limits,
@@ -82,10 +83,10 @@ pub struct Monitors {
 }
 
 impl Monitors {
-    /// Monitors with these limits, for ticks that are `period_s` apart.
-    pub fn new(protection: &Protection, period_s: f32) -> Self {
+    /// Monitors with these limits and scalings, for ticks that are `period_s` apart.
+    pub fn new(protection: &Protection, scalings: &Scalings, period_s: f32) -> Self {
         Self {
-            limits: Limits::new(protection, period_s),
+            limits: Limits::new(protection, scalings, period_s),
             last: Samples::default(),
             missing: InARow::default(),
             pressure: Sensor::default(),
@@ -136,7 +137,7 @@ impl Monitors {
             }
             self.contraction_code = self.contraction.take(contraction, samples.contraction.0)?;
         }
-        Ok(CONTRACTION.value(self.contraction_code))
+        Ok(self.limits.contraction.scaling.value(self.contraction_code))
     }
 
     /// Looks at what takes several ticks to be seen. `command`: what was out until this tick;
@@ -161,8 +162,10 @@ impl Monitors {
         let [of_pressure, of_contraction] = &mut self.stuck;
         of_pressure.take(pressure_code, command.0, *stuck, Fault::PressureStuck)?;
         of_contraction.take(self.contraction_code, command.0, *stuck, Fault::ContractionStuck)?;
-        let (pressure_bar, contraction_mm) =
-            (PRESSURE.value(pressure_code), CONTRACTION.value(self.contraction_code));
+        let (pressure_bar, contraction_mm) = (
+            pressure.scaling.value(pressure_code),
+            self.limits.contraction.scaling.value(self.contraction_code),
+        );
         let share = self.limits.implausible_share;
         let is_implausible =
             outermost.is_some_and(|outermost| !outermost.is_plausible(pressure_bar, contraction_mm, share));
@@ -170,7 +173,7 @@ impl Monitors {
             return Err(Fault::Implausible);
         }
         if is_driven {
-            self.following.take(following, COMMAND.value(command.0), pressure_bar)
+            self.following.take(following, self.limits.command.value(command.0), pressure_bar)
         } else {
             Ok(())
         }
@@ -228,7 +231,8 @@ impl Monitors {
 }
 
 impl Limits {
-    fn new(protection: &Protection, period_s: f32) -> Self {
+    fn new(protection: &Protection, scalings: &Scalings, period_s: f32) -> Self {
+        let Scalings { pressure, contraction, supply, command, .. } = *scalings;
         // A difference of infinite size saturates at a code that no converter has.
         let codes = |scaling: &Scaling, difference: f32| (difference * scaling.codes_per_unit) as u16;
         let level =
@@ -237,19 +241,20 @@ impl Limits {
             |scaling: Scaling, jump, faults| sensor::Limits { scaling, jump: codes(&scaling, jump), faults };
         Self {
             pressure: of(
-                PRESSURE,
+                pressure,
                 protection.pressure_jump_bar,
                 [Fault::PressureSensor, Fault::PressureSpiking],
             ),
             contraction: of(
-                CONTRACTION,
+                contraction,
                 protection.contraction_jump_mm,
                 [Fault::ContractionSensor, Fault::ContractionSpiking],
             ),
-            stuck: codes(&COMMAND, protection.stuck_command_bar),
+            command,
+            stuck: codes(&command, protection.stuck_command_bar),
             supply: slow::Limits {
-                scaling: SUPPLY,
-                lowest: level(&SUPPLY, protection.supply_min_bar),
+                scaling: supply,
+                lowest: level(&supply, protection.supply_min_bar),
                 highest: u16::MAX,
                 faults: [Fault::SupplySensor, Fault::SupplyLow],
             },
@@ -259,11 +264,11 @@ impl Limits {
                 highest: level(&TEMPERATURE, protection.temperature_max_c),
                 faults: [Fault::Temperature; 2],
             },
-            overpressure_hard: level(&PRESSURE, protection.overpressure_hard_bar),
-            overpressure_soft: level(&PRESSURE, protection.overpressure_soft_bar),
+            overpressure_hard: level(&pressure, protection.overpressure_hard_bar),
+            overpressure_soft: level(&pressure, protection.overpressure_soft_bar),
             venting: venting::Limits {
-                zero: level(&PRESSURE, 0.0),
-                vented: level(&PRESSURE, protection.vented_bar),
+                zero: level(&pressure, 0.0),
+                vented: level(&pressure, protection.vented_bar),
             },
             following: following::Limits {
                 band_bar: protection.following_band_bar,

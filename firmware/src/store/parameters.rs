@@ -1,7 +1,7 @@
 //! What a board keeps.
 
 use serde::{Deserialize, Serialize};
-use wire::{BoardParameters, BusParameters, Configuration, Protection, Request, VERSION};
+use wire::{BoardParameters, BusParameters, Calibration, Configuration, Protection, Request, VERSION};
 
 /// A set of parameters, saved and loaded as a whole. Raw: validated each time that it is taken.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,12 +12,18 @@ pub struct Parameters {
     pub tracking: Option<BoardParameters>,
     /// How the board is reached on its bus.
     pub bus: BusParameters,
+    /// What the sensors have shown; none before that. A new model leaves it.
+    pub calibration: Option<Calibration>,
 }
 
 impl Parameters {
     /// The set of a new board: no model, since one of another muscle would drive this one wrongly.
-    pub const FACTORY: Self =
-        Self { protection: Protection::STANDARD, tracking: None, bus: BusParameters::STANDARD };
+    pub const FACTORY: Self = Self {
+        protection: Protection::STANDARD,
+        tracking: None,
+        bus: BusParameters::STANDARD,
+        calibration: None,
+    };
 
     /// What a host would ask a new board for over the link, to give it this set; the bus takes its own
     /// by itself.

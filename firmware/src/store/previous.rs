@@ -1,4 +1,4 @@
-//! Layout 2, the one before the present: without the bus's parameters.
+//! Layout 2, the one before the present: without the bus's parameters and a calibration.
 //!
 //! What it reads was written by boards that are not at hand any more. A test holds it to stored
 //! bytes: should a part of it change, this becomes a frozen copy of what the part was.

@@ -22,7 +22,7 @@ fn main() {
     if let Some(reason) = &missing {
         println!("the tests of the emulated board are skipped: {reason}");
     }
-    let tests: [(&str, fn()); 9] = [
+    let tests: [(&str, fn()); 10] = [
         ("a_muscle_that_is_torn_off_vents_within_200_ticks", torn_off),
         ("without_monitors_a_muscle_that_is_torn_off_is_not_noticed", torn_off_unnoticed),
         ("a_sensor_that_stands_still_ends_pil_with_its_fault_and_keeps_the_logs", frozen),
@@ -32,6 +32,7 @@ fn main() {
         ("a_port_has_one_emulator", one_a_port),
         ("an_emulator_that_cannot_start_says_why_in_the_background_too", no_start),
         ("readiness_is_told_on_a_descriptor", ready),
+        ("a_calibrated_sensor_shows_what_the_gauge_shows_whatever_is_deployed", calibrated),
     ];
     let trials = tests.into_iter().map(|(name, test)| {
         let run = move || {
@@ -312,4 +313,18 @@ fn ready() {
     signal("TERM", emulator.id());
     assert!(emulator.wait().expect("a child").success());
     assert_none_is_left(&bench);
+}
+
+/// A gauge that shows 0.1 bar more than the sensor, and a twentieth: the board shows the same
+/// behind the calibration, and behind a model that is deployed.
+fn calibrated() {
+    let bench = bench();
+    let board = Emulated::start(&bench, &[]);
+    let said = board.run(&["calibrate", "pressure", "--low", "0", "--high", "4", "--readings", "0.1,4.3"]);
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    let is_near = |status: Value| (status["pressure_bar"].as_f64().expect("a pressure") - 0.1).abs() < 0.05;
+    assert!(is_near(board.status()));
+    let deployed = board.run(&["deploy", "model.toml"]);
+    assert!(deployed.status.success(), "{}", String::from_utf8_lossy(&deployed.stderr));
+    assert!(is_near(board.status()));
 }

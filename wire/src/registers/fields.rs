@@ -1,9 +1,9 @@
-//! Gains, limits and the bus's parameters as registers: which field stands behind which.
+//! Gains, limits, the bus's parameters and calibrations as registers: which field stands behind which.
 
 use model_core::TrackingParameters;
 
 use super::{Id, Value};
-use crate::{BoardParameters, BusParameters, OnModelFault, Parity, Protection};
+use crate::{BoardParameters, BusParameters, Calibration, OnModelFault, Parity, Protection};
 
 /// A field that a register reads and writes.
 #[derive(Debug)]
@@ -122,6 +122,36 @@ pub fn of_bus(bus: &mut BusParameters, id: Id) -> Option<Field<'_>> {
         Id::BusParity => Field::Parity(&mut bus.parity),
         Id::BusRate => Field::Whole(&mut bus.baud),
         Id::BusTurnaround => Field::Whole(&mut bus.turnaround_us),
+        _ => return None,
+    })
+}
+
+/// The registers of [`Calibration`]; behind them stands its checksum.
+pub const CALIBRATION: [Id; 9] = [
+    Id::CalibratedPressureZero,
+    Id::CalibratedPressureGain,
+    Id::CalibratedContractionZero,
+    Id::CalibratedContractionGain,
+    Id::CalibratedSupplyZero,
+    Id::CalibratedSupplyGain,
+    Id::CalibratedCommandZero,
+    Id::CalibratedCommandGain,
+    Id::CalibrationDay,
+];
+
+/// The field of one of [`CALIBRATION`].
+pub fn of_calibration(calibration: &mut Calibration, id: Id) -> Option<Field<'_>> {
+    let Calibration { pressure, contraction, supply, command, day } = calibration;
+    Some(match id {
+        Id::CalibratedPressureZero => Field::Quantity(&mut pressure.zero_code),
+        Id::CalibratedPressureGain => Field::Quantity(&mut pressure.codes_per_unit),
+        Id::CalibratedContractionZero => Field::Quantity(&mut contraction.zero_code),
+        Id::CalibratedContractionGain => Field::Quantity(&mut contraction.codes_per_unit),
+        Id::CalibratedSupplyZero => Field::Quantity(&mut supply.zero_code),
+        Id::CalibratedSupplyGain => Field::Quantity(&mut supply.codes_per_unit),
+        Id::CalibratedCommandZero => Field::Quantity(&mut command.zero_code),
+        Id::CalibratedCommandGain => Field::Quantity(&mut command.codes_per_unit),
+        Id::CalibrationDay => Field::Whole(day),
         _ => return None,
     })
 }

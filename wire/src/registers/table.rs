@@ -26,7 +26,7 @@ pub struct Group {
 }
 
 /// The groups, by their addresses.
-pub const GROUPS: [Group; 10] = [
+pub const GROUPS: [Group; 11] = [
     Group {
         address: 0x0000,
         title: "Identification",
@@ -93,6 +93,14 @@ pub const GROUPS: [Group; 10] = [
               by 115,200 bit/s without parity, under its own number, and by its parameters, 10 s each in turns, until it hears \
               one. Refused with exception 6 while the valve is driven, and as a broadcast, but for `bus_take` alone.",
     },
+    Group {
+        address: 0x0A00,
+        title: "Calibration",
+        doc: "What two points a sensor have shown (`mgpi calibrate`), kept without power apart from the model. All registers \
+              are written at once, with a checksum that fits; each line may differ from the scaling of the standard sensor by \
+              a fifth of its gain downwards, a quarter upwards, and a tenth of its span at zero. Refused with exception 6 while \
+              the valve is driven, else with 3, and `message` says why.",
+    },
 ];
 
 macro_rules! table {
@@ -136,6 +144,9 @@ const BAR: Access = Access::Write(0.0, HIGHEST_BAR);
 const WORD: Access = Access::Write(0.0, u16::MAX as f64);
 const DOUBLE_WORD: Access = Access::Write(0.0, u32::MAX as f64);
 const READ: Access = Access::Read;
+/// Codes of 0 and per unit that a converter of 12 bits has anything to do with.
+const ZERO: Access = Access::Write(-4_095.0, 4_095.0);
+const GAIN: Access = Access::Write(1.0, 4_095.0);
 
 const fn write(min: f64, max: f64) -> Access {
     Access::Write(min, max)
@@ -258,6 +269,17 @@ table! {
     0x0904 BusTurnaround "bus_turnaround_us" U32 [1] "us" write(0.0, 50_000.0), "Least time from the end of a request to its answer, which comes at most a tick later";
     0x0906 BusTake "bus_take" U16 [1] "" write(0.0, 1.0), "1 takes what stands above now, behind the answer; reads as 0";
     0x0907 BusListens "bus_listens" U16 [1] "" READ, "By what the board listens: 0 what stands above, 1 what stood there before, 2 the rate and parity of a new board, since nobody was heard by its own";
+
+    0x0A00 CalibratedPressureZero "calibrated_pressure_zero_code" F32 [1] "code" ZERO, "Code of 0 bar at the pressure's input";
+    0x0A02 CalibratedPressureGain "calibrated_pressure_codes_per_bar" F32 [1] "code/bar" GAIN, "Scaling of the same";
+    0x0A04 CalibratedContractionZero "calibrated_contraction_zero_code" F32 [1] "code" ZERO, "Code of 0 mm at the contraction's input";
+    0x0A06 CalibratedContractionGain "calibrated_contraction_codes_per_mm" F32 [1] "code/mm" GAIN, "Scaling of the same";
+    0x0A08 CalibratedSupplyZero "calibrated_supply_zero_code" F32 [1] "code" ZERO, "Code of 0 bar at the supply's input";
+    0x0A0A CalibratedSupplyGain "calibrated_supply_codes_per_bar" F32 [1] "code/bar" GAIN, "Scaling of the same";
+    0x0A0C CalibratedCommandZero "calibrated_command_zero_code" F32 [1] "code" ZERO, "Code at the valve's output for 0 bar at the pressure's sensor";
+    0x0A0E CalibratedCommandGain "calibrated_command_codes_per_bar" F32 [1] "code/bar" GAIN, "Scaling of the same";
+    0x0A10 CalibrationDay "calibration_day" U32 [1] "" write(0.0, 100_000.0), "Days from 1970-01-01 to the calibration; 0 where there was none";
+    0x0A12 CalibrationChecksum "calibration_checksum" U32 [1] "" DOUBLE_WORD, "CRC-32 (ISO-HDLC) over the registers of this group before it";
 }
 
 /// Places of the queue are told in a register.

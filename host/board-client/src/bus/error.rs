@@ -67,6 +67,15 @@ pub enum BoardError {
     HalfRestored(Box<Self>),
     #[error("the board holds no configuration that this program can read: deploy a model first")]
     NoConfiguration,
+    #[error("{error}: {message}; it has the calibration that it had")]
+    Calibration { error: BusError, message: String },
+    #[error("the board has another calibration than the one that was written: calibrate again")]
+    CalibrationReadBack,
+    #[error(
+        "the reading does not settle: it moves by {spread_codes:.1} codes, must be at most {limit_codes}: is there a leak, or \
+         does somebody touch the muscle?"
+    )]
+    Unsettled { spread_codes: f64, limit_codes: f64 },
     #[error("{}: {problem}", file.display())]
     Part { file: PathBuf, problem: PartProblem },
     #[error(transparent)]

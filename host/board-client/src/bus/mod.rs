@@ -7,6 +7,7 @@
 //! | [`board`] | a board that is the right one, its state and orders |
 //! | [`status`] | all that it says of itself |
 //! | [`about`] | which board it is, and what its firmware was built from |
+//! | [`calibration`] | sensors and regulator against a gauge |
 //! | [`reached`] | number, rate and parity that it keeps |
 //! | [`settings`] | gains and limits of a new configuration: which stay, which change |
 //! | [`upload`] | a configuration to the board, and back |
@@ -19,6 +20,7 @@
 
 pub mod about;
 pub mod board;
+pub mod calibration;
 pub mod client;
 pub mod error;
 pub mod excitation;

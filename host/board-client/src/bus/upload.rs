@@ -113,7 +113,7 @@ fn order_commit(board: &mut Board) -> Result<(), BoardError> {
 }
 
 /// Why the board has refused, in its words.
-fn message(board: &mut Board) -> Result<String, BoardError> {
+pub(super) fn message(board: &mut Board) -> Result<String, BoardError> {
     let block = board.read(Id::Message, Id::Message)?;
     let bytes: Vec<u8> = bytes_of(block.words(Id::Message)).take_while(|&byte| byte != 0).collect();
     Ok(String::from_utf8_lossy(&bytes).into_owned())

@@ -3,6 +3,7 @@
 pub mod backup;
 mod board_model;
 pub mod bus;
+pub mod calibrate;
 pub mod capture;
 pub mod compare;
 pub mod completions;
@@ -67,6 +68,7 @@ enum Command {
     Track(track::Arguments),
     Status(status::Arguments),
     Bus(bus::Arguments),
+    Calibrate(calibrate::Arguments),
     Watch(watch::Arguments),
     /// The simulated muscle: recordings, references and a plant to try everything without hardware
     #[command(subcommand)]
@@ -99,6 +101,7 @@ impl CommandLine {
             Command::Track(arguments) => track::run(&arguments),
             Command::Status(arguments) => status::run(&arguments),
             Command::Bus(arguments) => bus::run(&arguments),
+            Command::Calibrate(arguments) => calibrate::run(&arguments),
             Command::Watch(arguments) => watch::run(&arguments),
             Command::Rig(command) => rig::run(&command),
             Command::Completions(arguments) => completions::run(&arguments),

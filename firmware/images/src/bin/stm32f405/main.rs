@@ -87,6 +87,7 @@ mod app {
     use firmware::identity::Identity;
     use firmware::node::{Node, apply};
     use firmware::noise::Noise;
+    use firmware::scaling::Scalings;
     use firmware::store::{ParameterStore, Parameters, SaveError};
     use firmware::watchdog::{Task, Watchdog};
     use firmware::{Capture, Control, led};
@@ -152,6 +153,13 @@ mod app {
                 control.report(error.fault());
                 Parameters::FACTORY
             });
+            if let Some(calibration) = &parameters.calibration {
+                let done =
+                    Scalings::calibrated(calibration).and_then(|scalings| control.calibrate(&scalings));
+                if done.is_err() {
+                    control.report(Fault::ConfigurationCorrupt);
+                }
+            }
             let mut kept = Self { store, parameters, identity, is_taken: false, sending };
             // What is not brought up to date is brought up to date by the next save, whose host is
             // told.

@@ -1,0 +1,197 @@
+//! `mgpi calibrate`: two points a sensor, and the regulator against its sensor.
+
+use std::io::{self, BufRead};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::thread;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use wire::{Line, State};
+
+use super::deploy::demand_rest;
+use super::port::PortArguments;
+use crate::Error;
+use board_client::bus::calibration::{Part, Point, drive, point, read, write};
+use board_client::bus::{Board, BoardError};
+
+/// While somebody reads a gauge, a sign of life each.
+const ALIVE: Duration = Duration::from_millis(100);
+
+/// What is calibrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum What {
+    /// The sensor of the pressure in the muscle, against a gauge
+    Pressure,
+    /// The sensor of the contraction, against a ruler
+    Contraction,
+    /// The sensor of the pressure before the valve, against a gauge
+    Supply,
+    /// The regulator's zero and span, against the calibrated pressure sensor
+    Regulator,
+}
+
+/// Calibrates a sensor by two points, or the regulator against its sensor; the muscle moves.
+///
+/// For pressure and contraction the board drives the muscle to --low and --high bar, waits until it
+/// rests, and asks what the gauge or the ruler shows. For the supply you set the pressure yourself.
+/// The regulator needs no reading: calibrate the pressure first. The lines are held against those
+/// of the standard sensor, written with the date and a checksum, and read back; the board keeps
+/// them without power, whatever model is deployed.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// What is calibrated
+    what: What,
+    /// Command of the low point in bar; 0 vents
+    #[arg(long, default_value_t = 0.0, value_name = "BAR")]
+    low: f64,
+    /// Command of the high point in bar
+    #[arg(long, default_value_t = 4.0, value_name = "BAR")]
+    high: f64,
+    /// What gauge or ruler show at both points, for a script; else it is asked for
+    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', num_args = 2)]
+    readings: Option<Vec<f64>>,
+    /// Say what the lines would be, and write nothing
+    #[arg(long)]
+    dry_run: bool,
+    #[command(flatten)]
+    port: PortArguments,
+}
+
+/// Calibrates.
+///
+/// # Errors
+/// The points are too close, do not settle, or make a line that no working sensor has; the board
+/// refuses or does not answer. The valve is vented then, and the lines are as before.
+pub fn run(arguments: &Arguments) -> Result<(), Error> {
+    let Arguments { what, low, high, readings, dry_run, port } = arguments;
+    let part = match what {
+        What::Pressure => Part::Pressure,
+        What::Contraction => Part::Contraction,
+        What::Supply => Part::Supply,
+        What::Regulator => Part::Regulator,
+    };
+    let mut board = port.open()?;
+    demand_rest(&mut board)?;
+    let mut reader = Reader { given: readings.clone().unwrap_or_default().into_iter(), lines: None };
+    let taken = points(&mut board, part, [*low, *high], &mut reader);
+    // Whatever has happened.
+    let vented = board.stop().map_err(BoardError::from);
+    let points = taken?;
+    vented?;
+    let mut calibration = read(&mut board).map_err(BoardError::from)?;
+    let line = line(part, points)?;
+    let before = std::mem::replace(part.line(&mut calibration), line);
+    let unit = part.unit();
+    say!("zero      {:.2} -> {:.2} code", before.zero_code, line.zero_code);
+    say!("gain      {:.3} -> {:.3} code/{unit}", before.codes_per_unit, line.codes_per_unit);
+    if *dry_run {
+        say!("nothing has been changed (--dry-run)");
+        return Ok(());
+    }
+    write(&mut board, &calibration)?;
+    say!("written and read back; the board keeps it without power");
+    Ok(())
+}
+
+/// Both points: what the reader has read, and what the board has of it.
+fn points(
+    board: &mut Board,
+    part: Part,
+    commands: [f64; 2],
+    reader: &mut Reader,
+) -> Result<[(f64, Point); 2], Error> {
+    let mut taken = Vec::new();
+    for (which, bar) in ["low", "high"].into_iter().zip(commands) {
+        if part == Part::Supply {
+            say!("{which} point: bring the supply to a {which} pressure");
+        } else {
+            say!("{which} point: the valve goes to {bar} bar");
+            drive(board, bar)?;
+        }
+        let (reading, point) = if part == Part::Regulator {
+            let point = point(board, part)?;
+            (point.shown, point)
+        } else {
+            // Who reads the gauge waits until it rests, so the board is asked behind that.
+            let reading = reader.read(board, part)?;
+            (reading, point(board, part)?)
+        };
+        let Point { code, deviation_codes, shown, .. } = point;
+        say!(
+            "            {reading} {unit}; the board shows {shown:.3} {unit}, code {code:.1} +- {deviation_codes:.1}",
+            unit = part.unit()
+        );
+        taken.push((reading, point));
+    }
+    <[_; 2]>::try_from(taken).map_err(|_| Error::Usage("two points are needed".to_owned()))
+}
+
+/// The line through both points.
+fn line(part: Part, points: [(f64, Point); 2]) -> Result<Line, Error> {
+    let [(low, at_low), (high, at_high)] = points;
+    let apart = part.least_apart();
+    let is_apart = (high - low).abs() >= f64::from(apart);
+    if !is_apart {
+        return Err(Error::Usage(format!(
+            "the points are {low} and {high} {unit}, must be at least {apart} {unit} apart",
+            unit = part.unit()
+        )));
+    }
+    let code = |point: &Point| point.code as f32;
+    let ends = match part {
+        // What the sensor shows, and the code that was put out for it.
+        Part::Regulator => {
+            [(low as f32, at_low.written_code as f32), (high as f32, at_high.written_code as f32)]
+        }
+        _ => [(low as f32, code(&at_low)), (high as f32, code(&at_high))],
+    };
+    Line::through(ends).ok_or_else(|| Error::Usage("both points are the same".to_owned()))
+}
+
+/// What gauge or ruler show: given before, or asked for.
+struct Reader {
+    given: std::vec::IntoIter<f64>,
+    /// Lines of the standard input, once somebody is asked.
+    lines: Option<Receiver<String>>,
+}
+
+impl Reader {
+    fn read(&mut self, board: &mut Board, part: Part) -> Result<f64, Error> {
+        if let Some(reading) = self.given.next() {
+            return Ok(reading);
+        }
+        say!("            what does it show, in {}? (a number, then Enter)", part.unit());
+        let lines = self.lines.get_or_insert_with(lines);
+        loop {
+            match lines.recv_timeout(ALIVE) {
+                Ok(line) => match line.trim().parse::<f64>() {
+                    Ok(reading) if reading.is_finite() => return Ok(reading),
+                    _ => say!("            \"{}\" is no number such as 4.02", line.trim()),
+                },
+                // The board vents where its host is silent.
+                Err(RecvTimeoutError::Timeout) => {
+                    let (state, fault) = board.state().map_err(BoardError::from)?;
+                    if state == State::Fault {
+                        return Err(BoardError::Fault(fault).into());
+                    }
+                }
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(Error::Usage("the reading was not given: the input has ended".to_owned()));
+                }
+            }
+        }
+    }
+}
+
+/// The lines of the standard input, as they come.
+fn lines() -> Receiver<String> {
+    let (sender, lines) = mpsc::channel();
+    thread::spawn(move || {
+        for line in io::stdin().lock().lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    lines
+}

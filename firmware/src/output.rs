@@ -23,7 +23,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The protection's limits, for ticks that are `period_s` apart and this scaling of the command.
+    /// The protection's limits, for ticks that are `period_s` apart and this scaling of the
+    /// command.
     pub fn new(protection: &Protection, command: &Scaling, period_s: f32) -> Self {
         let codes = |bar_per_s: f32| bar_per_s * period_s * command.codes_per_unit;
         Self {

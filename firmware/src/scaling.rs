@@ -81,7 +81,8 @@ impl Scalings {
         }
     }
 
-    /// The code of a command in bar. None at all is the vented code, wherever the calibrated zero is.
+    /// The code of a command in bar. None at all is the vented code, wherever the calibrated zero
+    /// is.
     #[inline(always)]
     pub fn command_code(&self, bar: f32) -> DacCode {
         if bar > 0.0 { DacCode(self.command.code(bar)) } else { VENT }

@@ -8,20 +8,24 @@ fn gauge_bar(shown_bar: f64) -> f64 {
     0.1 + 1.05 * shown_bar
 }
 
-fn number(bench: &Bench, name: &str) -> f64 {
-    bench.status()[name].as_f64().expect(name)
+/// The board's pressure comes to this once the muscle is empty, some tenths of a second behind a
+/// stop. Unit: bar.
+fn assert_comes_to(bench: &Bench, expected_bar: f64) {
+    let shown = || bench.status()["pressure_bar"].as_f64().expect("a pressure");
+    let has_come = (0..40).any(|_| (shown() - expected_bar).abs() < 0.03);
+    assert!(has_come, "{} bar are shown, not {expected_bar}", shown());
 }
 
 #[test]
 fn two_points_of_the_pressure_are_what_the_board_shows_from_then_on_whatever_is_deployed() {
     let bench = Bench::new();
-    assert!(number(&bench, "pressure_bar").abs() < 0.02);
+    assert_comes_to(&bench, 0.0);
     let readings = format!("--readings {},{}", gauge_bar(0.0), gauge_bar(4.0));
     let said = bench.succeeds(&format!("calibrate pressure --low 0 --high 4 {readings}"));
     assert!(said.contains("written and read back"), "{said}");
-    assert!((number(&bench, "pressure_bar") - gauge_bar(0.0)).abs() < 0.03);
+    assert_comes_to(&bench, gauge_bar(0.0));
     bench.succeeds("deploy paper.toml");
-    assert!((number(&bench, "pressure_bar") - gauge_bar(0.0)).abs() < 0.03);
+    assert_comes_to(&bench, gauge_bar(0.0));
     // What is measured is vented, and the valve too.
     assert_eq!(bench.status()["state"], "Ready");
 }
@@ -53,7 +57,7 @@ fn a_line_that_no_working_sensor_has_is_refused_and_nothing_changes() {
     assert!(message.contains("must be at least 10 mm apart"), "{message}");
     let message = bench.refuses("calibrate pressure --low 0 --high 4 --readings 2,6");
     assert!(message.contains("its zero is off by"), "{message}");
-    assert!(number(&bench, "pressure_bar").abs() < 0.02);
+    assert_comes_to(&bench, 0.0);
     assert_eq!(bench.status()["state"], "Off");
 }
 
@@ -62,7 +66,7 @@ fn a_dry_run_says_the_line_and_writes_nothing() {
     let bench = Bench::new();
     let said = bench.succeeds("calibrate pressure --readings 0.2,4.2 --dry-run");
     assert!(said.contains("nothing has been changed"), "{said}");
-    assert!(number(&bench, "pressure_bar").abs() < 0.02);
+    assert_comes_to(&bench, 0.0);
 }
 
 #[test]

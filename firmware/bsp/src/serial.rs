@@ -1,4 +1,5 @@
-//! A serial port, 8 data bits, one stop bit, in two halves with a queue each way between them: an interrupt above the tick moves bytes, a task below it works on them.
+//! A serial port, 8 data bits, one stop bit, in two halves with a queue each way between them: an
+//! interrupt above the tick moves bytes, a task below it works on them.
 //!
 //! # Contract
 //! No wait: the interrupt takes and hands over what the port has room for at the moment, whatever
@@ -6,8 +7,7 @@
 //! full only, and its frame with it; the frame's checksum tells. Where the line is shared, its
 //! transceiver drives it from the first bit to the last and listens at all other times; what comes
 //! in meanwhile is an echo, and dropped. Rate and parity change between two frames, by the
-//! interrupt. Clock and pins are the caller's business: an emulated
-//! board has neither.
+//! interrupt. Clock and pins are the caller's business: an emulated board has neither.
 
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};

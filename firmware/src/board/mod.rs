@@ -31,8 +31,8 @@ pub struct Samples {
     pub supply: AdcCode,
     /// Temperature of the processor.
     pub temperature: AdcCode,
-    /// The voltage at the valve's output, which a code of [`DacCode`] has the same number for; none on
-    /// a board that does not read it back.
+    /// The voltage at the valve's output, the same number as that of the [`DacCode`] which makes
+    /// it; none on a board that does not read it back.
     pub output: Option<AdcCode>,
     /// The reference voltage, as a typical processor would read it; none on a board without one.
     pub reference: Option<AdcCode>,

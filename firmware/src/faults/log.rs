@@ -54,8 +54,8 @@ impl FaultLog {
         }
     }
 
-    /// Counts a fault and latches it, if none is latched, or none that lasts as long. The record stays
-    /// that of the first.
+    /// Counts a fault and latches it, if none is latched, or none that lasts as long. The record
+    /// stays that of the first.
     pub fn latch(&mut self, fault: Fault, tick: u32) {
         self.count(fault);
         if self.latched.is_none() {

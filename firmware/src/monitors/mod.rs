@@ -188,8 +188,8 @@ impl Monitors {
         self.venting.take(&self.limits.venting, is_driven, self.last.pressure.0)
     }
 
-    /// Looks at what the board reads back of itself, in every state but at fault. `out`: what was out
-    /// until this tick.
+    /// Looks at what the board reads back of itself, in every state but at fault. `out`: what was
+    /// out until this tick.
     ///
     /// # Errors
     /// The output is not what was written, or the reference voltage is out of its range.

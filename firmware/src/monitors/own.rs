@@ -49,8 +49,8 @@ impl Own {
     }
 }
 
-/// Whether a reading is that of a code. Between the rails and what the buffer is guaranteed to reach
-/// it may be either; vented the pin is let go of, and at 0 V.
+/// Whether a reading is that of a code. Between the rails and what the buffer is guaranteed to
+/// reach it may be either; vented the pin is let go of, and at 0 V.
 fn is_written(out: DacCode, read: AdcCode) -> bool {
     let (lowest, highest) = if out == VENT { (0, 0) } else { (out.0.min(HIGHEST), out.0.max(LOWEST)) };
     read.0 + STRAY_CODES >= lowest && read.0 <= highest + STRAY_CODES

@@ -3,8 +3,8 @@
 use wire::Fault;
 use wire::fault::times::STUCK_TICKS;
 
-/// How far codes of a sensor that stays where it is may be apart: noise of a single conversion of up
-/// to 2 codes (`pressure_noise_bar` tells), 0.7 of the mean of eight, 1 of the difference of two
+/// How far codes of a sensor that stays where it is may be apart: noise of a single conversion of
+/// up to 2 codes (`pressure_noise_bar` tells), 0.7 of the mean of eight, 1 of the difference of two
 /// means, four of which one tick in 15,000 exceeds.
 const STILL_CODES: u16 = 4;
 

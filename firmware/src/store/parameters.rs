@@ -25,8 +25,8 @@ impl Parameters {
         calibration: None,
     };
 
-    /// What a host would ask a new board for over the link, to give it this set; the bus takes its own
-    /// by itself.
+    /// What a host would ask a new board for over the link, to give it this set; the bus takes its
+    /// own by itself.
     pub fn requests(&self) -> impl Iterator<Item = Request> {
         let configure = |tracking| Request::Configure(Configuration { version: VERSION, tracking });
         [Request::Protect(self.protection)].into_iter().chain(self.tracking.clone().map(configure))

@@ -19,7 +19,8 @@ use super::previous::{self, Previous};
 pub const LAYOUT: u16 = 3;
 
 /// The longest record: model and gains fit in a frame of the bus, the limits of the plant in 96
-/// bytes, the bus's parameters in 12, a calibration in 38. Unit: byte, a multiple of the flash's word.
+/// bytes, the bus's parameters in 12, a calibration in 38. Unit: byte, a multiple of the flash's
+/// word.
 pub const RECORD_BYTES: usize = (wire::FRAME_BYTES + 160).next_multiple_of(32);
 
 /// A record that was read.

@@ -322,9 +322,11 @@ fn calibrated() {
     let board = Emulated::start(&bench, &[]);
     let said = board.run(&["calibrate", "pressure", "--low", "0", "--high", "4", "--readings", "0.1,4.3"]);
     assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
-    let is_near = |status: Value| (status["pressure_bar"].as_f64().expect("a pressure") - 0.1).abs() < 0.05;
-    assert!(is_near(board.status()));
+    // The muscle has to empty first.
+    let is_near = |status: &Value| (status["pressure_bar"].as_f64().expect("a pressure") - 0.1).abs() < 0.05;
+    let comes = || (0..40).any(|_| is_near(&board.status()));
+    assert!(comes(), "{}", board.status());
     let deployed = board.run(&["deploy", "model.toml"]);
     assert!(deployed.status.success(), "{}", String::from_utf8_lossy(&deployed.stderr));
-    assert!(is_near(board.status()));
+    assert!(comes(), "{}", board.status());
 }

@@ -1,4 +1,5 @@
-//! Gains, limits, the bus's parameters and calibrations as registers: which field stands behind which.
+//! Gains, limits, the bus's parameters and calibrations as registers: which field stands behind
+//! which.
 
 use model_core::TrackingParameters;
 

@@ -3,8 +3,8 @@
 //! meet. Its 0 is [`FILL`], so that bits that hold each other are found too; that is what the stack
 //! is then filled with.
 //!
-//! The record of the last fault stays as it is, its checksum tells of it; so do the two words behind
-//! it, by which the program is told.
+//! The record of the last fault stays as it is, its checksum tells of it; so do the two words
+//! behind it, by which the program is told.
 //!
 //! # Timing
 //! 128 KB in some 45 ms at 16 MHz.
@@ -15,8 +15,8 @@ use core::arch::naked_asm;
 const FILL: u32 = 0xA5A5_A5A5;
 
 unsafe extern "C" {
-    /// What the test has found, by memory.x: an address within 16 bytes of a word that does not keep
-    /// what is written to it, 0 if there is none; and its complement.
+    /// What the test has found, by memory.x: an address within 16 bytes of a word that does not
+    /// keep what is written to it, 0 if there is none; and its complement.
     static _memory_test: [u32; 2];
 }
 

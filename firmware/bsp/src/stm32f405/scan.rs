@@ -2,9 +2,9 @@
 //!
 //! # Design
 //! TIM2 runs at the tick's rate, shifted so that its period ends a scan and a twentieth before the
-//! tick is due. That starts the regular group: pressure and contraction, [`CONVERSIONS`] times in turn,
-//! taken by DMA into a ring of one scan. Behind it the injected group follows by itself: what has
-//! to be known once a tick, each with a data register of its own. The tick looks whether all is
+//! tick is due. That starts the regular group: pressure and contraction, [`CONVERSIONS`] times in
+//! turn, taken by DMA into a ring of one scan. Behind it the injected group follows by itself: what
+//! has to be known once a tick, each with a data register of its own. The tick looks whether all is
 //! there, and never waits. Both clocks come from one oscillator, so that the shift stays.
 //!
 //! What the tick is given of pressure and contraction is the mean of its conversions: their noise

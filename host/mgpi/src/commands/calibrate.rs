@@ -48,8 +48,8 @@ pub struct Arguments {
     #[arg(long, default_value_t = 4.0, value_name = "BAR")]
     high: f64,
     /// What gauge or ruler show at both points, for a script; else it is asked for
-    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', num_args = 2)]
-    readings: Option<Vec<f64>>,
+    #[arg(long, value_name = "LOW,HIGH", value_parser = pair)]
+    readings: Option<[f64; 2]>,
     /// Say what the lines would be, and write nothing
     #[arg(long)]
     dry_run: bool,
@@ -72,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     };
     let mut board = port.open()?;
     demand_rest(&mut board)?;
-    let mut reader = Reader { given: readings.clone().unwrap_or_default().into_iter(), lines: None };
+    let mut reader = Reader { given: readings.map(Vec::from).unwrap_or_default().into_iter(), lines: None };
     let taken = points(&mut board, part, [*low, *high], &mut reader);
     // Whatever has happened.
     let vented = board.stop().map_err(BoardError::from);
@@ -91,6 +91,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     write(&mut board, &calibration)?;
     say!("written and read back; the board keeps it without power");
     Ok(())
+}
+
+/// Two numbers, as `0.02,4.11`.
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    let pair = numbers.and_then(|numbers| <[f64; 2]>::try_from(numbers).ok());
+    pair.filter(|pair| pair.iter().all(|number| number.is_finite()))
+        .ok_or_else(|| "two numbers are needed, as 0.02,4.11".to_owned())
 }
 
 /// Both points: what the reader has read, and what the board has of it.

@@ -1,11 +1,12 @@
 //! How long an identification takes by the number of rows: cycles of falling height of the paper's
 //! model with noise on both columns, 12,000 to a million rows. The claim: beyond some hundred
 //! thousand rows no more than in proportion, since searches are made on a thinned recording and
-//! only their ends on all rows. Run with `cargo bench -p host-tests --bench identification`, on
-//! quiet cores.
+//! only their ends on all rows. Run with `cargo bench
+//! --manifest-path tools/benches/speed/Cargo.toml --bench identification`, on quiet cores.
 
-use divan::Bencher;
-use divan::counter::ItemsCount;
+use std::time::Duration;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use identification::{CONVERGED, Loss, Options, Problem, Weights, identify, simulate};
 use model_core::{Kind, Model, ModelParameters};
 use rand::{RngExt, SeedableRng};
@@ -14,12 +15,9 @@ use rand_chacha::ChaCha8Rng;
 const ROWS: [usize; 3] = [12_000, 100_000, 1_000_000];
 /// Noise of the pressure and of the contraction, to either side. Units: bar, mm.
 const NOISE: (f64, f64) = (0.003, 0.05);
-/// Identifications of each length.
-const SAMPLES: u32 = 10;
-
-fn main() {
-    divan::main();
-}
+/// Identifications of each length, and the time that is expected to be enough for them.
+const SAMPLES: usize = 10;
+const ENOUGH: Duration = Duration::from_secs(60);
 
 /// Input and output of so many rows.
 fn recording(rows: usize) -> (Vec<f64>, Vec<f64>) {
@@ -36,8 +34,7 @@ fn recording(rows: usize) -> (Vec<f64>, Vec<f64>) {
     (input.iter().map(|x| noise(x, NOISE.0)).collect(), output)
 }
 
-#[divan::bench(args = ROWS, sample_count = SAMPLES, sample_size = 1)]
-fn identifications(bencher: Bencher, rows: usize) {
+fn identifications(criterion: &mut Criterion) {
     let options = Options {
         model: Kind::Mgpi,
         knots: None,
@@ -50,7 +47,18 @@ fn identifications(bencher: Bencher, rows: usize) {
         threads: 0,
         tolerance: CONVERGED,
     };
-    let (input, output) = recording(rows);
-    let problem = Problem { input: &input, output: &output, scored: &vec![true; rows] };
-    bencher.counter(ItemsCount::new(rows)).bench_local(|| identify(&problem, &options, &|_| ()).is_ok());
+    let mut group = criterion.benchmark_group("identification");
+    group.sample_size(SAMPLES).measurement_time(ENOUGH);
+    for rows in ROWS {
+        let (input, output) = recording(rows);
+        let problem = Problem { input: &input, output: &output, scored: &vec![true; rows] };
+        group.throughput(Throughput::Elements(rows as u64));
+        group.bench_function(BenchmarkId::from_parameter(rows), |bencher| {
+            bencher.iter(|| identify(&problem, &options, &|_| ()).is_ok());
+        });
+    }
+    group.finish();
 }
+
+criterion_group!(benches, identifications);
+criterion_main!(benches);

@@ -1,9 +1,11 @@
 //! How long a diagnosis of 12,000 rows takes, extended model included, where nothing is hidden and
 //! where something is: a strong fast effect beside another one takes longest. Run with `cargo bench
-//! -p host-tests --bench diagnosis`, on quiet cores.
+//! --manifest-path tools/benches/speed/Cargo.toml --bench diagnosis`, on quiet cores.
 
+use std::time::Duration;
+
+use criterion::{Criterion, criterion_group, criterion_main};
 use diagnosis::{Columns, diagnose_and_extend};
-use divan::Bencher;
 use host_tests::game::case::Case;
 use recording::unit::Unit;
 use rig::effect::Effect;
@@ -20,12 +22,9 @@ const HIDDEN: [&[Effect]; 8] = [
     &[Effect::Inertia, Effect::RateDependentWidth],
     &[Effect::ViscousLag, Effect::RateDependentWidth],
 ];
-/// Diagnoses of each.
-const SAMPLES: u32 = 10;
-
-fn main() {
-    divan::main();
-}
+/// Diagnoses of each, and the time that is expected to be enough for them.
+const SAMPLES: usize = 10;
+const ENOUGH: Duration = Duration::from_secs(60);
 
 /// What the tool reads out of the game's recording.
 fn columns(case: &Case) -> Columns {
@@ -49,14 +48,18 @@ fn columns(case: &Case) -> Columns {
     }
 }
 
-/// A recording in which so much is hidden, as the game makes it.
-fn case(effects: &[Effect]) -> Case {
-    Case { kind: Kind::Rig, effects: effects.to_vec(), strength: 1.0, seed: 1 }
+fn diagnoses(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("diagnosis");
+    group.sample_size(SAMPLES).measurement_time(ENOUGH);
+    for effects in HIDDEN {
+        let case = Case { kind: Kind::Rig, effects: effects.to_vec(), strength: 1.0, seed: 1 };
+        let columns = columns(&case);
+        group.bench_function(case.hidden(), |bencher| {
+            bencher.iter(|| diagnose_and_extend(&columns, None, &|_, _| ()).is_ok());
+        });
+    }
+    group.finish();
 }
 
-#[divan::bench(args = HIDDEN.map(|effects| case(effects).hidden()), sample_count = SAMPLES, sample_size = 1)]
-fn diagnoses(bencher: Bencher, hidden: &str) {
-    let effects = HIDDEN.into_iter().find(|effects| case(effects).hidden() == hidden);
-    let columns = columns(&case(effects.expect("one of them")));
-    bencher.bench_local(|| diagnose_and_extend(&columns, None, &|_, _| ()).is_ok());
-}
+criterion_group!(benches, diagnoses);
+criterion_main!(benches);

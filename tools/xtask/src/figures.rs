@@ -11,7 +11,7 @@ use crate::run;
 /// When they cannot be drawn, or differ from those that are there.
 pub fn figures(check: bool) -> Result<()> {
     let directory = run::root().join("docs/figures");
-    let mut draw = run::cargo(&["run", "--quiet", "--package", "report", "--example", "figures", "--"]);
+    let mut draw = run::cargo(&["run", "--quiet", "--example", "figures", "--"]);
     draw.arg(directory).args(check.then_some("--check"));
     run::succeed(&mut draw)
 }

@@ -11,7 +11,6 @@
 //! A recording is held in memory, 8 bytes a value.
 
 pub mod course;
-pub mod direction;
 pub mod drop_out;
 pub mod figures;
 pub mod history;

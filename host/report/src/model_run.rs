@@ -2,7 +2,7 @@
 
 use super::plot::{Line, Plot, Style};
 use recording::Recording;
-use recording::direction::rising;
+use recording::turning::rising;
 
 /// A recording and the model's output for its input. Rows that are not scored leave gaps.
 pub struct ModelRun<'a> {

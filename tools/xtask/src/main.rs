@@ -8,7 +8,6 @@ mod book;
 mod circles;
 mod comments;
 mod demo;
-mod emulated;
 mod faults;
 mod figures;
 mod firmware;

@@ -3,12 +3,12 @@
 //! poor one before it.
 
 use std::fs;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use crate::emulated::Emulated;
 use crate::{host, run};
 
 /// Length of the captured excitation. Unit: s.
@@ -82,4 +82,28 @@ fn rmse_mm(json: &str) -> Result<f64> {
     let text = fs::read_to_string(json).with_context(|| format!("cannot read {json}"))?;
     let figures: Value = serde_json::from_str(&text).with_context(|| format!("{json} is no JSON"))?;
     figures["tracking"]["rmse_mm"].as_f64().with_context(|| format!("{json} lacks tracking.rmse_mm"))
+}
+
+/// A board in the emulator with the rig's muscle, its bus a serial port, as long as it is wanted.
+struct Emulated {
+    port: PathBuf,
+}
+
+impl Emulated {
+    /// Starts the emulator; its bus is a port of this path, where the board answers when this
+    /// returns.
+    ///
+    /// # Errors
+    /// It does not start.
+    fn start(port: &Path) -> Result<Self> {
+        run::succeed(host::mgpi().args(["emulate", "--background", "--port"]).arg(port))?;
+        Ok(Self { port: port.to_owned() })
+    }
+}
+
+impl Drop for Emulated {
+    fn drop(&mut self) {
+        // One that has ended by itself has said why.
+        let _ = run::succeed(host::mgpi().args(["emulate", "--stop", "--port"]).arg(&self.port));
+    }
 }

@@ -1,4 +1,4 @@
-//! The file of a backup, format 1.
+//! The file of a backup, format 1; what differs between two, key by key.
 //!
 //! ```toml
 //! # what it is
@@ -145,6 +145,20 @@ impl BackupFile {
     }
 }
 
+impl Backup {
+    /// What changes where `before` becomes this, a line each; none where both are the same.
+    pub fn differences(&self, before: &Self) -> Vec<String> {
+        between("", &of_backup(before), &of_backup(self))
+    }
+}
+
+impl Origin {
+    /// In what this board differs from another, a line each.
+    pub fn differences(&self, other: &Self) -> Vec<String> {
+        between("", &of_origin(other), &of_origin(self))
+    }
+}
+
 fn content(mut top: Section) -> Result<BackupFile, Problem> {
     let origin = origin(top.section("board")?)?;
     let protection = section::to_protection(top.section("protection")?)?;
@@ -192,7 +206,7 @@ fn in_words(refusal: Refusal) -> String {
 }
 
 /// What is restored, as it stands in the file.
-pub(super) fn of_backup(backup: &Backup) -> Table {
+fn of_backup(backup: &Backup) -> Table {
     let mut top = Table::new();
     top.insert("protection".into(), Value::Table(section::of_protection(&backup.protection)));
     if let Some(Configuration { tracking, .. }) = &backup.configuration {
@@ -208,7 +222,7 @@ pub(super) fn of_backup(backup: &Backup) -> Table {
 }
 
 /// What is said of the board, with the versions that have to fit.
-pub(super) fn of_origin(Origin { number, identity }: &Origin) -> Table {
+fn of_origin(Origin { number, identity }: &Origin) -> Table {
     let Identity { wire_version, storage_version, release: [major, minor, patch], period_s, .. } = *identity;
     let mut table = Table::new();
     let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
@@ -285,4 +299,29 @@ fn shorten(value: &mut Value) {
 
 fn sha256(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What changes from one table to another, a line each; `path` is that of both, with a dot behind
+/// it.
+fn between(path: &str, before: &Table, after: &Table) -> Vec<String> {
+    let gone = before.keys().filter(|key| !after.contains_key(*key));
+    let of_key = |key: &String| {
+        let path = format!("{path}{key}");
+        let (before, after) = (before.get(key), after.get(key));
+        let table = |value: Option<&Value>| value.and_then(Value::as_table).cloned();
+        match (table(before), table(after)) {
+            _ if before == after => Vec::new(),
+            (None, None) => {
+                vec![format!("{path:<36} {} -> {}", value_in_words(before), value_in_words(after))]
+            }
+            (before, after) => {
+                between(&format!("{path}."), &before.unwrap_or_default(), &after.unwrap_or_default())
+            }
+        }
+    };
+    after.keys().chain(gone).flat_map(of_key).collect()
+}
+
+fn value_in_words(value: Option<&Value>) -> String {
+    value.map_or_else(|| "none".to_owned(), Value::to_string)
 }

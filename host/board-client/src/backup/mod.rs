@@ -3,8 +3,7 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `file` | the file's text, in both directions |
-//! | `differences` | between two boards, key by key |
+//! | `file` | the file's text, in both directions; what differs between two, key by key |
 //! | `section` | the registers of a group as a table of the file, in both directions |
 //! | `transfer` | from a board, and to it |
 //!
@@ -13,7 +12,6 @@
 //! before a board is asked for anything. A backup reads back as the same numbers. A board that has
 //! been restored was compared with the file; one that refuses has what it had before.
 
-mod differences;
 mod file;
 mod section;
 mod transfer;

@@ -7,7 +7,7 @@ use model_core::Kind;
 
 use super::instructions;
 use super::reading::say_left_out;
-use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
+use super::search::{Columns, Effort, HeldOutArguments, unidentified, warn_of_poor_fit, with_bar};
 use crate::Error;
 use crate::output::Outputs;
 use identification::comparison::{Comparison, FREE_WEIGHTS, HeldOut, PIECEWISE_LINEAR, has_dead_zones};
@@ -37,13 +37,8 @@ pub struct Arguments {
     /// Number of knots of piecewise-linear envelopes
     #[arg(long, default_value_t = 12, value_name = "K")]
     knots: usize,
-    /// Another recording that the models are tried on [default: hold out the second half of the
-    /// cycles]
-    #[arg(long, value_name = "REC2.csv")]
-    validate: Option<PathBuf>,
-    /// Hold nothing out where there is no other recording
-    #[arg(long, conflicts_with = "validate")]
-    no_holdout: bool,
+    #[command(flatten)]
+    held_out: HeldOutArguments,
     /// Also write the table as CSV
     #[arg(short = 'o', value_name = "TABLE.csv")]
     table: Option<PathBuf>,
@@ -99,15 +94,14 @@ fn size(text: &str) -> Result<(usize, usize), String> {
 /// A recording is not what it should be, no model can be made of it, or an output cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { table, report, json, .. } = arguments;
-    let inputs: Vec<&Path> =
-        [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
+    let Arguments { recording: file, held_out, table, report, json, .. } = arguments;
+    let inputs: Vec<&Path> = [file].into_iter().chain(&held_out.validate).map(PathBuf::as_path).collect();
     let files = table.iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let (recording, other) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
+    let (recording, other) = arguments.columns.read(file, held_out.validate.as_deref())?;
     let heldout = match &other {
         Some(other) => HeldOut::Recording(other),
-        None if arguments.no_holdout => HeldOut::Nothing,
+        None if held_out.no_holdout => HeldOut::Nothing,
         None => HeldOut::LaterCycles,
     };
 

@@ -14,10 +14,8 @@ use diagnosis::extend::heldout::on_another;
 use diagnosis::extend::{Extension, Operator, Written};
 use diagnosis::{Columns, diagnose_and_extend};
 use identification::HostModel;
-use recording::TOOL;
 use recording::model_file::{HeldOut, Identification, ModelFile};
 use recording::unit::Unit;
-use recording::worth::Limit;
 use recording::{Choice, Recording};
 use report::diagnosed;
 
@@ -113,7 +111,14 @@ fn to_file(recording: &Recording, written: &Written, other: Option<&Recording>) 
         from_s: other.is_none().then_some(written.gain.from_s),
         figures: written.gain.after,
     });
-    let training = recording.figures(&written.simulated);
+    let identification = Identification::of(
+        recording,
+        &written.simulated,
+        heldout,
+        written.starts,
+        written.termination.to_string(),
+        Vec::new(),
+    );
     Ok(ModelFile {
         input: recording.drive.input.channel.clone(),
         output: recording.output.channel.clone(),
@@ -121,18 +126,7 @@ fn to_file(recording: &Recording, written: &Written, other: Option<&Recording>) 
         parameters: parameters.clone(),
         extensions: extensions.clone(),
         model: HostModel::try_new(parameters)?,
-        identification: Some(Identification {
-            tool: TOOL.to_owned(),
-            recording: recording.source(),
-            scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
-            stroke: recording.stroke(),
-            limit: Limit::of(recording, &training, heldout.as_ref().map(|heldout| &heldout.figures)),
-            training,
-            heldout,
-            starts: written.starts,
-            termination: written.termination.to_string(),
-            standard_errors: Vec::new(),
-        }),
+        identification: Some(identification),
     }
     .with_usual_lead_limit())
 }

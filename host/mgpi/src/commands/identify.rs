@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use model_core::{ExtensionParameters, Kind};
 
 use super::reading::say_left_out;
-use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
+use super::search::{Columns, Effort, HeldOutArguments, unidentified, warn_of_poor_fit, with_bar};
 use super::{identified_json, instructions};
 use crate::Error;
 use crate::output::Outputs;
@@ -15,12 +15,10 @@ use identification::comparison::{self, Comparison, choice};
 use identification::holdout::{self, later_cycles, share_before};
 use identification::progress::within;
 use identification::{self, CONVERGED, Fit, Loss, Options, Strays, Weights};
-use recording::TOOL;
 use recording::model::named::slope_dimension;
 use recording::model_file::names::Names;
 use recording::model_file::{HeldOut, Identification, ModelFile};
 use recording::numbers::legible;
-use recording::worth::Limit;
 use recording::{Recording, Timing};
 use report::identified::Identified;
 
@@ -62,13 +60,8 @@ pub struct Arguments {
     loss: ResidualLoss,
     #[command(flatten)]
     columns: Columns,
-    /// Another recording that the model is tried on [default: hold out the second half of the
-    /// cycles]
-    #[arg(long, value_name = "REC2.csv")]
-    validate: Option<PathBuf>,
-    /// Hold nothing out where there is no other recording
-    #[arg(long, conflicts_with = "validate")]
-    no_holdout: bool,
+    #[command(flatten)]
+    held_out: HeldOutArguments,
     #[command(flatten)]
     effort: Effort,
     /// Overwrite existing outputs
@@ -161,20 +154,19 @@ impl Model {
 /// A recording is not what it should be, no model can be made of it, or an output cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { model_file, report, json, .. } = arguments;
+    let Arguments { recording: file, held_out, model_file, report, json, .. } = arguments;
     arguments.check_choices()?;
-    let inputs: Vec<&Path> =
-        [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
+    let inputs: Vec<&Path> = [file].into_iter().chain(&held_out.validate).map(PathBuf::as_path).collect();
     let files = [model_file].into_iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let (recording, other) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
+    let (recording, other) = arguments.columns.read(file, held_out.validate.as_deref())?;
 
     let options = match arguments.model.kind() {
         Some(model) => arguments.options(model),
         None => arguments.choose(&recording)?,
     };
     let begin = Instant::now();
-    let holds_out = other.is_none() && !arguments.no_holdout;
+    let holds_out = other.is_none() && !held_out.no_holdout;
     let share = if holds_out { share_before(&recording, &options) } else { 1.0 };
     let (fit, seconds, later) = with_bar("identifying", |progress| {
         let fit = identification::identify(&(&recording).into(), &options, &within(progress, [0.0, share]))?;
@@ -249,7 +241,7 @@ impl Arguments {
     /// Tries the family, on the part of the recording that is not held out, and says how all of it
     /// did.
     fn choose(&self, recording: &Recording) -> Result<Options, Error> {
-        let seen = if self.validate.is_some() || self.no_holdout {
+        let seen = if self.held_out.validate.is_some() || self.held_out.no_holdout {
             recording.clone()
         } else {
             holdout::first_part(recording)
@@ -289,19 +281,14 @@ fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>)
     let errors = fit.uncertainty.estimates.iter();
     let errors =
         errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
-    let training = recording.figures(&fit.simulated);
-    Identification {
-        tool: TOOL.to_owned(),
-        recording: recording.source(),
-        scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
-        stroke: recording.stroke(),
-        limit: Limit::of(recording, &training, heldout.as_ref().map(|heldout| &heldout.figures)),
-        training,
+    Identification::of(
+        recording,
+        &fit.simulated,
         heldout,
-        starts: fit.starts,
-        termination: fit.termination.to_string(),
-        standard_errors: errors.collect(),
-    }
+        fit.starts,
+        fit.termination.to_string(),
+        errors.collect(),
+    )
 }
 
 fn print_summary(

@@ -41,6 +41,23 @@ impl Reading {
     }
 }
 
+/// What is said of the columns of a recording, whose muscle has a length at rest.
+#[derive(Args, Debug)]
+pub struct RecordingReading {
+    /// The muscle's length at rest in mm, if the recording has length_mm
+    #[arg(long, value_name = "MM")]
+    rest_length: Option<f64>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+impl RecordingReading {
+    /// The choice that says this, and leaves the rest open.
+    pub fn choice(&self) -> Choice {
+        Choice { rest_length_mm: self.rest_length, ..self.reading.choice() }
+    }
+}
+
 /// Says which rows are not scored, a line each, under names of a column's width.
 pub fn say_left_out(left_out: &LeftOut) {
     for words in left_out.in_words() {

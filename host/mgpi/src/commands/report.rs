@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::reading::Reading;
+use super::reading::RecordingReading;
 use crate::Error;
 use crate::output::Outputs;
 use identification;
+use recording::Recording;
 use recording::model_file::ModelFile;
 use recording::table::Table;
-use recording::{Choice, Recording};
 use report::paper_figures;
 use report::tracking::Tracking;
 
@@ -29,11 +29,8 @@ pub struct Arguments {
     /// Where the report goes
     #[arg(short, long, value_name = "REPORT.html")]
     output: PathBuf,
-    /// The muscle's length at rest in mm, if the recording has length_mm
-    #[arg(long, value_name = "MM")]
-    rest_length: Option<f64>,
     #[command(flatten)]
-    reading: Reading,
+    reading: RecordingReading,
     /// Overwrite an existing report
     #[arg(long)]
     force: bool,
@@ -50,8 +47,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         arguments.force,
     )?;
     let model = ModelFile::read(&arguments.model)?;
-    let choice = Choice { rest_length_mm: arguments.rest_length, ..arguments.reading.choice() };
-    let recording = Recording::read(&arguments.recording, &choice.like(&model.input, &model.output))?;
+    let choice = arguments.reading.choice().like(&model.input, &model.output);
+    let recording = Recording::read(&arguments.recording, &choice)?;
     recording.drive.announce();
     let log = Table::read(&arguments.log)?;
     let tracking = Tracking::of_log(&log)?;

@@ -1,12 +1,12 @@
 //! What the commands that search for models share: columns, effort, progress, and words where it
 //! went badly.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::reading::Reading;
+use super::reading::RecordingReading;
 use crate::Error;
 use identification::progress::{Tell, left};
 use identification::{self, IdentificationError};
@@ -20,16 +20,24 @@ pub struct Columns {
     #[arg(long, value_name = "COLUMN")]
     input: Option<String>,
     /// Output column [default: contraction_mm]
-    #[arg(long, value_name = "COLUMN")]
+    #[arg(long, value_name = "COLUMN", conflicts_with = "rest_length")]
     output: Option<String>,
-    /// The muscle's length at rest in mm, if the recording has length_mm
-    #[arg(long, value_name = "MM", conflicts_with = "output")]
-    rest_length: Option<f64>,
     /// Range of the input (of the valve, say), in its unit; a value outside is refused
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     input_range: Option<(f64, f64)>,
     #[command(flatten)]
-    reading: Reading,
+    reading: RecordingReading,
+}
+
+/// What a model is tried on that is searched for.
+#[derive(Args, Debug)]
+pub struct HeldOutArguments {
+    /// Another recording that a model is tried on [default: hold out the second half of the cycles]
+    #[arg(long, value_name = "REC2.csv")]
+    pub validate: Option<PathBuf>,
+    /// Hold nothing out where there is no other recording
+    #[arg(long, conflicts_with = "validate")]
+    pub no_holdout: bool,
 }
 
 /// How much is searched.
@@ -52,7 +60,6 @@ impl Columns {
         Choice {
             input: self.input.clone(),
             output: self.output.clone(),
-            rest_length_mm: self.rest_length,
             input_range: self.input_range,
             ..self.reading.choice()
         }

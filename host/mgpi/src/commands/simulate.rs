@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::reading::{Reading, say_left_out};
+use super::reading::{RecordingReading, say_left_out};
 use crate::Error;
 use crate::output::Outputs;
 use recording::model_file::ModelFile;
 use recording::simulation;
 use recording::unit::Channel;
-use recording::{Choice, Drive, Recording, Series, TIME};
+use recording::{Drive, Recording, Series, TIME};
 
 /// Simulates a model with its extensions, from rest, with the input of a recording.
 #[derive(Args, Debug)]
@@ -25,11 +25,8 @@ pub struct Arguments {
     /// and the error
     #[arg(short, long, value_name = "OUT.csv")]
     output: PathBuf,
-    /// The muscle's length at rest in mm, if the recording has length_mm
-    #[arg(long, value_name = "MM")]
-    rest_length: Option<f64>,
     #[command(flatten)]
-    reading: Reading,
+    reading: RecordingReading,
     /// Overwrite an existing output
     #[arg(long)]
     force: bool,
@@ -43,10 +40,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let mut outputs =
         Outputs::claim([&arguments.output], &[&arguments.model, &arguments.input], arguments.force)?;
     let model = ModelFile::read(&arguments.model)?;
-    let choice = Choice { rest_length_mm: arguments.rest_length, ..arguments.reading.choice() };
-    let choice = choice.like(&model.input, &model.output);
+    let choice = arguments.reading.choice().like(&model.input, &model.output);
     let table = choice.table(&arguments.input)?;
-    let is_measured = table.find(&model.output.name)?.is_some() || arguments.rest_length.is_some();
+    let is_measured = table.find(&model.output.name)?.is_some() || choice.rest_length_mm.is_some();
     let compared = is_measured.then(|| Recording::of(&table, &choice)).transpose()?;
     let mut drive = match &compared {
         Some(recording) => recording.drive.clone(),

@@ -35,12 +35,12 @@ use model_core::extension::valve_lag::LEAD_LIMIT;
 use model_core::{ExtensionParameters, ParameterError};
 use thiserror::Error;
 
-use crate::Source;
 use crate::figures::Figures;
 use crate::input;
 use crate::model::{Density, HostExtendedModel, HostModel, HostParameters, simulate};
 use crate::unit::Channel;
 use crate::worth::{Limit, Worth};
+use crate::{Recording, Source, TOOL};
 use names::Names;
 use section::KeyError;
 
@@ -101,6 +101,31 @@ pub struct Identification {
 }
 
 impl Identification {
+    /// How a model was identified from a recording, whose input it answers with `simulated` (a
+    /// value a row, output unit). `standard_errors`: by parameter name, in the parameter's unit.
+    pub fn of(
+        recording: &Recording,
+        simulated: &[f64],
+        heldout: Option<HeldOut>,
+        starts: usize,
+        termination: String,
+        standard_errors: Vec<(String, f64)>,
+    ) -> Self {
+        let training = recording.figures(simulated);
+        Self {
+            tool: TOOL.to_owned(),
+            recording: recording.source(),
+            scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
+            stroke: recording.stroke(),
+            limit: Limit::of(recording, &training, heldout.as_ref().map(|heldout| &heldout.figures)),
+            training,
+            heldout,
+            starts,
+            termination,
+            standard_errors,
+        }
+    }
+
     /// What the model is worth.
     pub fn worth(&self) -> Worth {
         let Self { training, heldout, stroke, limit, .. } = self;

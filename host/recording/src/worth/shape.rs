@@ -4,8 +4,8 @@
 //! has a mean. Hysteresis of any width is a loop of two such curves, and what goes with them is
 //! what a model without rate, load or time can follow at best.
 
-use crate::direction::rising;
 use crate::numbers::range;
+use crate::turning::rising;
 use crate::turning::turning_points;
 
 /// Parts of the input's range: 5 % of it each, so that a loop of a few hundred samples has several

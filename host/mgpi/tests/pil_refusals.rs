@@ -40,6 +40,11 @@ fn a_reference_without_its_column_is_refused() {
     bench.write("ref.csv", "time_s,contraction_mm\n0,0\n");
     let message = bench.refuses(PIL);
     assert!(message.contains("ref.csv: no column reference_mm"), "{message}");
+    // There is no option --input, as identify has it.
+    assert!(
+        message.contains("if contraction_mm is meant, say --columns reference=contraction_mm"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -58,6 +58,9 @@ pub struct Choice {
     pub input: Option<String>,
     /// Output column; by default `contraction_mm`.
     pub output: Option<String>,
+    /// Whether the user names input and output by options, `--input` and `--output`, which messages
+    /// then tell of.
+    pub has_options: bool,
     /// The muscle's length at rest: the contraction is then this less `length_mm`. Unit: mm.
     pub rest_length_mm: Option<f64>,
     /// The valve's range, checked if given. Unit: that of the input.

@@ -61,6 +61,7 @@ impl Columns {
             input: self.input.clone(),
             output: self.output.clone(),
             input_range: self.input_range,
+            has_options: true,
             ..self.reading.choice()
         }
     }

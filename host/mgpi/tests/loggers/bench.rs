@@ -38,7 +38,7 @@ pub fn comma(value: f64) -> String {
 
 /// What reads the file, with the options of the command.
 pub fn read(bytes: &[u8], options: &str) -> Result<Recording, String> {
-    let mut choice = Choice::default();
+    let mut choice = Choice { has_options: true, ..Choice::default() };
     let words: Vec<&str> = options.split_whitespace().collect();
     for pair in words.chunks(2) {
         let [option, value] = pair else { panic!("{options}: an option without a value") };

@@ -140,7 +140,7 @@ pub fn input(table: &Table, choice: &Choice) -> Result<Chosen, DataError> {
             return Ok(Chosen::of(table, found, choice.input.as_deref()));
         }
     }
-    let cure = cure(table, "--input", names[0]);
+    let cure = cure(table, choice.has_options.then_some("--input"), names[0]);
     Err(table.missing(&names.join(" or "), cure))
 }
 
@@ -160,13 +160,13 @@ pub fn output(table: &Table, choice: &Choice) -> Result<(Chosen, Option<f64>), D
         let place = Place { column: Some(LENGTH.to_owned()), ..Place::file(table.file()) };
         return Err(place.error(DataProblem::NoRestLength));
     }
-    Err(table.missing(name, cure(table, "--output", name)))
+    Err(table.missing(name, cure(table, choice.has_options.then_some("--output"), name)))
 }
 
-/// The option that would name a column instead of a missing one, if the file has one that may be
-/// meant: one of the same quantity, else of a quantity that is measured so, else one without a
-/// unit.
-fn cure(table: &Table, option: &str, wanted: &str) -> String {
+/// The option (`option`, else `--columns`) that would name a column instead of a missing one, if
+/// the file has one that may be meant: one of the same quantity, else of a quantity that is
+/// measured so, else one without a unit.
+fn cure(table: &Table, option: Option<&str>, wanted: &str) -> String {
     let Some(channel) = Channel::of_column(wanted) else { return String::new() };
     let (stem, unit) = (channel.stem(), channel.unit.suffix());
     let quote = |column: &str| match column.contains(char::is_whitespace) {
@@ -193,7 +193,10 @@ fn cure(table: &Table, option: &str, wanted: &str) -> String {
     let is_free = |(index, column): &(usize, &str)| Some(*index) != time && !column.starts_with('(');
     let without = table.without_unit().find(is_free).map(|(_, column)| column);
     match (with_unit, without) {
-        (Some((_, column)), _) => format!("; if {column} is meant, say {option} {}", quote(column)),
+        (Some((_, column)), _) => match option {
+            Some(option) => format!("; if {column} is meant, say {option} {}", quote(column)),
+            None => format!("; if {column} is meant, say --columns {stem}={}", quote(column)),
+        },
         (None, Some(column)) => format!(
             "; if {column} is meant, say --columns {stem}={}:{unit}, with its own unit",
             quote(column)

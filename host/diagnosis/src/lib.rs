@@ -96,18 +96,18 @@ use anatomy::excitation::Excitation;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
 use cause::Cause;
-use extend::{Extended, Extender, Operator, Plain, likely};
+use extend::{Extended, Extender, Operator, Plain, Shape, likely};
 use identification::IdentificationError;
 use measured::measure;
 pub use noisy_input::Smoothing;
 use overlooked::{Overlooked, overlooked};
-use poor::poor;
+use poor::{Better, Poor, poor};
 use proven::{Proven, proven};
 use recording::drop_out::DropOut;
 use recording::noise::{self, NoiseFloor};
 use recording::numbers::{range, root_mean_square};
 use recording::unit::Unit;
-use reject::{Unexplained, unexplained};
+use reject::{Unexplained, no_gain, unexplained};
 use rivals::{Settled, settled};
 use scored::Scored;
 use search::Search;
@@ -307,7 +307,11 @@ pub fn diagnose_and_extend(
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
     let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();
     let has_unexamined_rival = unexplained.is_none() && !unexamined.is_empty();
-    let unexplained = unexplained.or_else(|| poor(&search, columns, &extended).map(Unexplained::Poor));
+    let (poor, other_shape) = match unexplained.is_none() {
+        true => shaped(&search, columns, &mut extended),
+        false => (None, None),
+    };
+    let unexplained = unexplained.or(poor.map(Unexplained::Poor));
     if unexplained.is_some() {
         let sets = likely((&best, &sizes), &extended.causes);
         extended.others = extender.extend_each(&sets, valve.as_ref(), given);
@@ -329,15 +333,35 @@ pub fn diagnose_and_extend(
     diagnosis.unexamined = unexamined;
     measure(&mut diagnosis, &extended, is_third_order, noise::steps(&columns.time_s).0);
     if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
-        diagnosis.causes.push(Named::shape(given, &extended.model.parameters, columns.output_unit));
-        if diagnosis.verdict == Verdict::Adequate {
-            diagnosis.verdict = Verdict::Explained;
-        }
+        diagnosis.causes.push(Named::given_shape(given, &extended.model.parameters, columns.output_unit));
+    }
+    diagnosis.causes.extend(other_shape);
+    if diagnosis.verdict == Verdict::Adequate && !diagnosis.causes.is_empty() {
+        diagnosis.verdict = Verdict::Explained;
     }
     if diagnosis.verdict == Verdict::Unexplained {
         diagnosis.best_fit = std::mem::take(&mut diagnosis.causes);
     }
     Ok((diagnosis, extended))
+}
+
+/// Whether the model that is written is too poor. Where a hysteresis of any form is better than the model without extensions, operators
+/// of other forms are tried first: the one that is then written, and no longer poor, is named.
+fn shaped(search: &Search<'_>, columns: &Columns, extended: &mut Extended) -> (Option<Poor>, Option<Named>) {
+    let first = poor(search, columns, extended);
+    let is_form = |poor: &Poor| poor.better == Better::AnyHysteresis;
+    if !extended.causes.is_empty() || !first.as_ref().is_some_and(is_form) {
+        return (first, None);
+    }
+    let shape = Shape::best(columns, &search.signals.scored());
+    let reshaped = shape.and_then(|shape| extended.reshaped(shape, columns));
+    let Some(reshaped) = reshaped.filter(|reshaped| no_gain(reshaped).is_none()) else {
+        return (first, None);
+    };
+    *extended = reshaped;
+    let left = poor(search, columns, extended);
+    let named = left.is_none().then(|| Named::other_shape(extended, columns.output_unit));
+    (left, named)
 }
 
 fn conclude(

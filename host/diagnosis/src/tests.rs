@@ -17,6 +17,7 @@ use super::{Columns, Diagnosis, DiagnosisError, Smoothing, Verdict, diagnose, di
 
 mod excitation;
 mod sensors;
+mod shape;
 
 const STEP_S: f64 = 0.02;
 const ROWS: usize = 4000;

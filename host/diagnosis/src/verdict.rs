@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::candidate::Candidate;
 use super::cause::Cause;
-use super::extend::Given;
 use super::extend::start::knots;
+use super::extend::{Extended, Given};
 use super::physical::{self, DAMPED, Parameters};
 use super::reject::Unexplained;
 use super::search::Search;
@@ -75,32 +75,53 @@ impl Named {
     }
 
     /// That the form of a given operator model is too poor; the parameters are the sizes of the richer one. `unit`: of the output.
-    pub fn shape(given: &Given, richer: &HostParameters, unit: Unit) -> Self {
+    pub fn given_shape(given: &Given, richer: &HostParameters, unit: Unit) -> Self {
+        let evidence = format!(
+            "fitted to the recording, the form of the given model is off by {} {unit}, a richer one by {} {unit}",
+            legible(given.refitted_rmse, 3),
+            legible(given.richer_rmse, 3)
+        );
+        Self::shape(richer, given.share(), evidence)
+    }
+
+    /// That the plain model's form is too poor, and that of a reshaped one is not. `unit`: of the output.
+    pub fn other_shape(reshaped: &Extended, unit: Unit) -> Self {
+        let Extended { model, baseline_rmse, extended_rmse, .. } = reshaped;
+        let evidence = format!(
+            "simulated, the form {} is off by {} {unit} over all samples, {} by {} {unit}",
+            model.form(),
+            legible(*extended_rmse, 3),
+            reshaped.plain.form(),
+            legible(*baseline_rmse, 3)
+        );
+        let share = 1.0 - (extended_rmse / baseline_rmse).powi(2);
+        Self::shape(&model.parameters, share, evidence)
+    }
+
+    fn shape(richer: &HostParameters, share: f64, evidence: String) -> Self {
         Self {
             cause: Cause::HysteresisShape,
             parameters: sizes(richer),
-            share: given.share(),
-            evidence: vec![format!(
-                "fitted to the recording, the form of the given model is off by {} {unit}, a richer one by {} {unit}",
-                legible(given.refitted_rmse, 3),
-                legible(given.richer_rmse, 3)
-            )],
+            share,
+            evidence: vec![evidence],
             without: None,
         }
     }
 }
 
-/// How many of what an operator has; no knots where its envelope is a tanh.
+/// How many of what an operator has; no knots where its envelope is none of straight lines.
 fn sizes(parameters: &HostParameters) -> Parameters {
-    let HostParameters::Cascade(cascade) = parameters else { return Vec::new() };
-    [
-        ("envelope_knots", knots(&cascade.envelope)),
-        ("plays", Some(cascade.plays.thresholds.len())),
-        ("dead_zones", Some(cascade.dead_zones.thresholds.len())),
-    ]
-    .into_iter()
-    .filter_map(|(name, size)| Some((name, size? as f64)))
-    .collect()
+    let (envelope, plays, dead_zones) = match parameters {
+        HostParameters::Cascade(cascade) => {
+            (&cascade.envelope, &cascade.plays, Some(cascade.dead_zones.thresholds.len()))
+        }
+        HostParameters::Agpi(agpi) => (&agpi.rising, &agpi.plays, None),
+        HostParameters::Egpi(egpi) => (&egpi.agpi.rising, &egpi.agpi.plays, None),
+    };
+    [("envelope_knots", knots(envelope)), ("plays", Some(plays.thresholds.len())), ("dead_zones", dead_zones)]
+        .into_iter()
+        .filter_map(|(name, size)| Some((name, size? as f64)))
+        .collect()
 }
 
 /// A set of causes that was looked at.

@@ -116,12 +116,12 @@ pub fn written(written: &Written, units: Names) -> String {
     let unit = units.output;
     let (rmse, plain_rmse) = (legible(written.rmse, 3), legible(written.plain_rmse, 3));
     let from = if *from_command { " from the command" } else { "" };
-    let kind = model.parameters.kind();
+    let form = model.form();
     if !written.is_extended() {
-        return format!("{kind} without extensions; {rmse} {unit}");
+        return format!("{form} without extensions; {rmse} {unit}");
     }
     let extensions: Vec<String> = written.extensions().iter().map(|all| extension(all, units)).collect();
-    format!("{kind} with {}; {rmse} {unit} instead of {plain_rmse} {unit}{from}", extensions.join(" and "))
+    format!("{form} with {}; {rmse} {unit} instead of {plain_rmse} {unit}{from}", extensions.join(" and "))
 }
 
 /// A cause with the first of its parameters.

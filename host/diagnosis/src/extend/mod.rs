@@ -8,6 +8,7 @@
 //! | `plain` | the model without extensions |
 //! | `start` | the operator to begin with, identified from what the operators see in the search |
 //! | `variables` | operator and extensions as numbers that a search can move |
+//! | `shape` | operators of other forms than the plain model's |
 //! | `slow` | what stays near where the search has it |
 //! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
@@ -41,6 +42,7 @@ mod plain;
 mod refine;
 mod rests;
 mod roughness;
+mod shape;
 mod side;
 mod slow;
 pub(super) mod start;
@@ -65,12 +67,13 @@ use beginnings::{continued, nearer, plainer};
 use compensating::compensating;
 pub use given::Given;
 pub use heldout::HeldOutGain;
-use identification::{Density, HostExtendedModel, HostParameters, Termination};
+use identification::{Density, HostExtendedModel, HostParameters, Options, Termination, Weights};
 pub use plain::Plain;
 use recording::figures::Figures;
 use recording::numbers::{range, root_mean_square};
 use recording::simulation::Rows;
 use recording::unit::Unit;
+pub use shape::Shape;
 use slow::Slow;
 use task::Task;
 pub use written::Written;
@@ -141,6 +144,8 @@ pub struct Extended {
     pub(super) causes: Vec<Cause>,
     /// Models with other sets, which are written in its place where they predict better.
     pub(super) others: Vec<Extended>,
+    /// The plain model of the input as it was measured, where that was smoothed.
+    of_measured: Option<Shape>,
     counted: Counted,
 }
 
@@ -180,6 +185,19 @@ impl Extension {
         rows(columns).answer(&model).ok()
     }
 
+    /// The operator's form, as `mgpi compare` calls it.
+    pub fn form(&self) -> String {
+        let knots = match &self.parameters {
+            HostParameters::Cascade(cascade) => start::knots(&cascade.envelope),
+            HostParameters::Agpi(_) | HostParameters::Egpi(_) => None,
+        };
+        let weights = match self.density {
+            Density::Exponential { .. } => Weights::Exponential,
+            Density::Free { .. } => Weights::Free,
+        };
+        Options { model: self.parameters.kind(), knots, weights, ..Options::default() }.form()
+    }
+
     /// Root mean square error over all rows of a recording that are scored; infinite where the model refuses a row. Output unit.
     fn rmse(&self, columns: &Columns) -> f64 {
         let rmse = |simulated: Vec<f64>| Figures::of(&columns.output, &simulated, &columns.scored).rmse;
@@ -193,6 +211,22 @@ impl Extension {
 }
 
 impl Extended {
+    /// An operator of another form in the place of the model; None where it does not run through the recording.
+    pub(super) fn reshaped(&self, shape: Shape, columns: &Columns) -> Option<Self> {
+        let Shape { taught, whole, termination } = shape;
+        let (_, untaught) = split(&self.counted.scored);
+        let models = (&self.counted.plain, &taught);
+        Some(Self {
+            heldout: heldout::gain(columns, untaught, models, self.heldout.noise_floor)?,
+            simulated: whole.answer(columns)?,
+            extended_rmse: whole.rmse(columns),
+            model: whole,
+            terminations: (termination, self.terminations.1),
+            counted: Counted { extended: taught, ..self.counted.clone() },
+            ..self.clone()
+        })
+    }
+
     /// What other extensions gain in the place of those that were found, the operator fitted anew beside them, counted as
     /// [`Self::heldout`] is. `other` makes them from the model that the rows before the split have taught: [`Self::model`] has seen
     /// those that the gain is counted on. None where there are none, or no model runs through the recording.
@@ -272,6 +306,7 @@ pub struct Extender<'a> {
     pub search: &'a Search<'a>,
     scored: Vec<usize>,
     plain: Plain,
+    of_measured: Option<Shape>,
     /// The plain model's error over all scored rows, root mean square. Output unit.
     pub without: f64,
     /// What the operator begins with beside sets that were tried, each known by its causes and what it costs.
@@ -283,7 +318,8 @@ impl<'a> Extender<'a> {
     pub fn new(columns: &'a Columns, search: &'a Search<'a>, plain: Plain) -> Self {
         let scored = search.signals.scored();
         let without = Task::alone(columns, &scored).rms(&plain.whole).unwrap_or(f64::INFINITY);
-        Self { columns, search, scored, plain, without, starts: Mutex::default() }
+        let of_measured = Shape::of_measured(columns, &scored);
+        Self { columns, search, scored, plain, of_measured, without, starts: Mutex::default() }
     }
 
     /// Unit of the output.
@@ -433,6 +469,7 @@ impl<'a> Extender<'a> {
             valve_is_named,
             causes: set.causes.clone(),
             others: Vec::new(),
+            of_measured: self.of_measured.clone(),
             counted,
         })
     }

@@ -28,15 +28,13 @@ impl Plain {
         let (first, _) = split(scored);
         let plainly = |operator: &Operator| operator.with(ExtensionParameters::default());
         let operator = start::operator(&start::Seen::plain(columns), first)?;
-        // What is kept is what simulates best what was measured, its noise too.
-        let measured = &*columns.as_measured();
-        let (identified, mut termination) = start::identified(measured)?;
+        let (identified, mut termination) = start::identified(columns)?;
         let (task, mut whole) = (Task::alone(columns, first), plainly(&identified));
         let taught = plainly(&operator);
         let taught = task.refined(taught.clone()).map_or(taught, |(refined, _)| refined);
         let taught = plainer(&task, taught, &whole);
         if let Some((refined, ended)) = Task::alone(columns, scored).refined(taught.clone())
-            && refined.rmse(measured) < whole.rmse(measured)
+            && refined.rmse(columns) < whole.rmse(columns)
         {
             (whole, termination) = (refined, ended);
         }

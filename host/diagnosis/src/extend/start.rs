@@ -98,7 +98,7 @@ pub fn operator(seen: &Seen, scored: &[usize]) -> Result<Operator, Identificatio
 
 /// The rows that the search looks at, in order: some of the scored ones, and the lowest and the highest input of each block, for
 /// operators remember extremes only. Blocks are as short as the scored rows need them, however many rows follow.
-fn kept(input: &[f64], scored: &[usize]) -> Vec<usize> {
+pub(super) fn kept(input: &[f64], scored: &[usize]) -> Vec<usize> {
     let mut kept: Vec<usize> = scored.iter().copied().step_by(2 * (scored.len() / ROWS).max(1)).collect();
     let scored_end = scored.last().map_or(0, |last| last + 1);
     let block = 2 * (scored_end / ROWS).max(1);
@@ -130,7 +130,7 @@ pub(crate) fn knots(envelope: &EnvelopeParameters<f64>) -> Option<usize> {
 }
 
 /// What `mgpi identify` searches by default, but for the envelope.
-fn as_identify(knots: Option<usize>) -> Options {
+pub(super) fn as_identify(knots: Option<usize>) -> Options {
     Options {
         model: Kind::Mgpi,
         knots,

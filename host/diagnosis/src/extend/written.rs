@@ -4,7 +4,7 @@
 use model_core::ExtensionParameters;
 
 use super::heldout::{self, HeldOutGain, on_another};
-use super::{Extended, Extension, physical, seen_from, split, start};
+use super::{Extended, Extension, Shape, physical, seen_from, split, start};
 use crate::Columns;
 use crate::cause::Cause;
 use crate::physical::Parameters;
@@ -93,12 +93,32 @@ impl Extended {
     /// the last third of this one; None where no model runs through them. Of several sets of causes it is the one that predicts
     /// best, whether it is named or not. The input of the columns is the one that the models are judged by.
     pub fn written(&self, columns: &Columns, other: Option<&Columns>) -> Option<Written> {
-        let rivals = self.others.iter().filter_map(|one| one.alone(columns, other));
-        let rivals = rivals.filter(Written::is_extended);
+        let extended = self.others.iter().filter_map(|one| one.alone(columns, other));
+        let extended = extended.filter(Written::is_extended);
         let own = self.alone(columns, other)?;
-        Some(
-            rivals.fold(own, |best, one| if one.gain.after.rmse < best.gain.after.rmse { one } else { best }),
-        )
+        let best = extended
+            .fold(own, |best, one| if one.gain.after.rmse < best.gain.after.rmse { one } else { best });
+        // The operator that was fitted to a smoothed input is none for what was measured.
+        let measured = self.of_measured.as_ref().filter(|_| !best.is_extended());
+        let measured = measured.and_then(|shape| self.with_operator(shape, columns, other));
+        Some(measured.filter(|one| one.rmse < best.rmse).unwrap_or(best))
+    }
+
+    /// An operator without extensions in the place of what was found.
+    fn with_operator(&self, shape: &Shape, columns: &Columns, other: Option<&Columns>) -> Option<Written> {
+        let plain = Pair { whole: self.plain.clone(), taught: self.counted.plain.clone() };
+        let pair = Pair { whole: shape.whole.clone(), taught: shape.taught.clone() };
+        Some(Written {
+            simulated: pair.whole.answer(columns)?,
+            rmse: pair.whole.rmse(columns),
+            plain_rmse: plain.whole.rmse(columns),
+            gain: self.beside((columns, other), false, (&plain, &pair))?,
+            from_command: false,
+            starts: start::STARTS,
+            termination: shape.termination,
+            model: pair.whole,
+            taught: pair.taught,
+        })
     }
 
     /// The better of the model with its own set and of that without.

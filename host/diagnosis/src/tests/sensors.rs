@@ -3,7 +3,7 @@
 use super::*;
 
 /// A recording whose pressure has so much more noise. Unit: bar.
-fn noisier(columns: Columns, bar: f64) -> Columns {
+pub(super) fn noisier(columns: Columns, bar: f64) -> Columns {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let noise = |p: &f64| {
         let value: f64 = StandardNormal.sample(&mut rng);

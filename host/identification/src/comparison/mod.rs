@@ -155,12 +155,9 @@ impl Row {
         Self { options: *options, seconds, tick_instructions: None, outcome }
     }
 
-    /// The model's name, with [`PIECEWISE_LINEAR`] and [`FREE_WEIGHTS`] at its end where it has
-    /// them.
+    /// The model's name, see [`Options::form`].
     pub fn model(&self) -> String {
-        let envelope = if self.options.knots.is_some() { PIECEWISE_LINEAR } else { "" };
-        let weights = if self.options.weights == Weights::Free { FREE_WEIGHTS } else { "" };
-        format!("{}{envelope}{weights}", self.options.model)
+        self.options.form()
     }
 
     /// Number of dead zones of a model that has them.
@@ -168,10 +165,28 @@ impl Row {
         has_dead_zones(self.options.model).then_some(self.options.dead_zones)
     }
 
+    /// Name and sizes, see [`Options::name`].
+    pub fn name(&self) -> String {
+        self.options.name()
+    }
+}
+
+impl Options {
+    /// The model's name, with [`PIECEWISE_LINEAR`] and [`FREE_WEIGHTS`] at its end where it has
+    /// them.
+    pub fn form(&self) -> String {
+        let envelope = if self.knots.is_some() { PIECEWISE_LINEAR } else { "" };
+        let weights = if self.weights == Weights::Free { FREE_WEIGHTS } else { "" };
+        format!("{}{envelope}{weights}", self.model)
+    }
+
     /// Name and sizes: `mgpi 10/10`, `sgpi 10`.
     pub fn name(&self) -> String {
-        let dead_zones = self.dead_zones().map_or(String::new(), |count| format!("/{count}"));
-        format!("{} {}{dead_zones}", self.model(), self.options.plays)
+        let sizes = match has_dead_zones(self.model) {
+            true => format!("{}/{}", self.plays, self.dead_zones),
+            false => self.plays.to_string(),
+        };
+        format!("{} {sizes}", self.form())
     }
 }
 

@@ -32,7 +32,8 @@ pub fn print(
         );
     }
     errors((diagnosis, recording), (extended, gain, written));
-    let words = what_is_written(written, units);
+    let on = if diagnosis.smoothing.is_some() { " on the input as measured" } else { "" };
+    let words = format!("{}{on}", what_is_written(written, units));
     match model_file {
         Some(model_file) => say!("written       {}: {words}", model_file.display()),
         None => say!("best model    {words}; -o writes it"),

@@ -10,11 +10,15 @@
 //! Where that would take more than `MOST` of the scored samples, all stay: a doubtful past is worth
 //! less than many samples.
 
-use crate::numbers::range;
+use crate::numbers::{median, range};
 
 /// So near an end of the range the input is at it, as a share of the range: what lies beyond wipes
 /// out next to nothing.
 const NEAR: f64 = 0.05;
+/// The largest noise in standard deviations: one of 16,000 normal samples is farther off.
+const LARGEST: f64 = 4.0;
+/// The median of the size of a normal variable, in standard deviations.
+const NORMAL_MEDIAN: f64 = 0.6745;
 /// The largest share of the scored samples whose past may be unknown.
 const MOST: f64 = 0.25;
 
@@ -61,15 +65,25 @@ impl UnknownPast {
 /// The first sample whose past is known; None where that of all samples is.
 fn known_from(input: &[f64]) -> Option<usize> {
     let (low, high) = range(input);
-    let near = NEAR * (high - low);
+    // The ends of the range lie beyond those that the input has been at by the largest noise, and a sample there is off by as much
+    // the other way.
+    let near = NEAR * (high - low) + 2.0 * LARGEST * noise(input);
     let first = |is_there: &dyn Fn(&f64) -> bool| input.iter().position(is_there);
     let (at_low, at_high) = (first(&|&x| x <= low + near)?, first(&|&x| x >= high - near)?);
     (at_low.min(at_high) > 0).then(|| at_low.max(at_high))
 }
 
+/// Standard deviation of white noise, by the median of the second differences: a ramp has none, and few samples are corners of the
+/// course. Input unit.
+fn noise(input: &[f64]) -> f64 {
+    let mut bends: Vec<f64> = input.windows(3).map(|x| (x[0] - 2.0 * x[1] + x[2]).abs()).collect();
+    if bends.is_empty() { 0.0 } else { median(&mut bends) / (NORMAL_MEDIAN * 6f64.sqrt()) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synthetic::{Noise, times, triangles};
 
     /// What is taken out of a sample a second of a triangle between 0 and 10, from a sample of it
     /// on.
@@ -95,6 +109,16 @@ mod tests {
         let (past, scored) = triangle(5, 100, 0);
         assert_eq!(past, Some(UnknownPast { samples: 15, until_s: 15.0 }));
         assert_eq!(scored.iter().position(|&scored| scored), Some(15));
+    }
+
+    #[test]
+    fn one_that_begins_at_an_end_does_so_beside_any_noise() {
+        let mut noise = Noise::new(3);
+        let input: Vec<f64> = times(1600, 1.0)
+            .iter()
+            .map(|&time_s| 0.5 * triangles(time_s, 400.0) + noise.white(0.05))
+            .collect();
+        assert_eq!(UnknownPast::take_out(&times(1600, 1.0), &input, &mut [true; 1600]), None);
     }
 
     #[test]

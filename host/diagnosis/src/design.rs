@@ -9,7 +9,7 @@ use std::ops::{Add, Sub};
 use nalgebra::{DMatrix, DVector};
 use pulp::Arch;
 
-use super::basis::{Basis, COLUMNS, ENTRIES, Entries, GROUPS, Seen, columns};
+use super::basis::{Basis, COLUMNS, ENTRIES, Entries, GROUPS, Seen, columns, neighbours};
 use super::effect::Effect;
 use super::output;
 use super::signals::Signals;
@@ -21,6 +21,9 @@ const RIDGE: f64 = 1e-5;
 const LANES: usize = 4;
 /// Rows that are added at a time: a sum is fetched and stored once for all of them.
 const TOGETHER: usize = 4;
+
+/// The factors of a second difference.
+const BEND: [f64; 3] = [1.0, -2.0, 1.0];
 
 /// The values of some neighbouring columns, row by row.
 type Block = [[f64; LANES]; TOGETHER];
@@ -35,6 +38,8 @@ pub(super) struct Design {
     pub(super) firsts: Vec<usize>,
     /// Which dense columns must not have negative weights.
     pub(super) one_sign: Vec<bool>,
+    /// See [`Basis::smoothness`].
+    pub(super) smoothness: f64,
 }
 
 /// Those of a design and more.
@@ -60,7 +65,7 @@ impl Design {
             one_sign.extend(columns.iter().map(|_| positive));
             dense.extend(columns);
         }
-        Self { rows, dense, firsts, one_sign }
+        Self { rows, dense, firsts, one_sign, smoothness: basis.smoothness() }
     }
 
     /// How many.
@@ -190,6 +195,22 @@ impl Sub for &Normal {
 }
 
 impl Normal {
+    /// With the prior of smoothness on the weights of the baseline, where the target is what is left beside these weights.
+    pub(super) fn with_prior(mut self, smoothness: f64, weights: &[f64]) -> Self {
+        let squares = self.matrix.diagonal();
+        for places in neighbours() {
+            let strength = smoothness * places.iter().map(|&place| squares[place]).sum::<f64>() / 3.0;
+            let bend: f64 = places.iter().zip(BEND).map(|(&place, factor)| weights[place] * factor).sum();
+            for (i, &place) in places.iter().enumerate() {
+                self.right[place] -= strength * BEND[i] * bend;
+                for (&other, factor) in places[..=i].iter().zip(BEND) {
+                    self.matrix[(other, place)] += strength * BEND[i] * factor;
+                }
+            }
+        }
+        self
+    }
+
     /// The solution in the columns that are `free`, the others 0; and the factor of those columns.
     pub(super) fn solve(&self, free: &[usize]) -> Option<(Vec<f64>, nalgebra::Cholesky<f64, nalgebra::Dyn>)> {
         let count = free.len();
@@ -226,7 +247,7 @@ mod tests {
         let rows: Vec<Entries> = (0..400).map(entries).collect();
         let dense: Vec<Vec<f64>> =
             (0..3).map(|i| (0..400).map(|row| number(row, COLUMNS + i)).collect()).collect();
-        let design = Design { rows, dense, firsts: Vec::new(), one_sign: Vec::new() };
+        let design = Design { rows, dense, firsts: Vec::new(), one_sign: Vec::new(), smoothness: 0.0 };
         let all = design.with(&[]);
         let target = |row: usize| number(row, 99);
         let part = |row: usize| [row % 50 < 23, row.is_multiple_of(3)];
@@ -257,7 +278,7 @@ mod tests {
             (0..400).map(column).collect(),
             (0..400).map(|row| column(row) + 1e-4 * difference(row)).collect(),
         ];
-        let design = Design { rows, dense, firsts: Vec::new(), one_sign: Vec::new() };
+        let design = Design { rows, dense, firsts: Vec::new(), one_sign: Vec::new(), smoothness: 0.0 };
         let [normal] = design.with(&[]).normal(|row| column(row) + 1e-3 * difference(row), |_| [true]);
         let (weights, _) = normal.solve(&[COLUMNS, COLUMNS + 1]).expect("it can be solved");
         let [one, other] = [weights[COLUMNS], weights[COLUMNS + 1]];

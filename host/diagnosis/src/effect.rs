@@ -14,7 +14,11 @@ use super::anatomy::spectrum::LEAST_PERIODS;
 use super::cause::Cause;
 pub use super::rates::Rate;
 use super::signals::{Signals, TENTS};
+use super::valve::ORDINARY_LAG_S;
 use recording::numbers::root_mean_square;
+
+/// The shortest lag of a valve that is looked for, in steps of the recording: a shorter one is over before the next sample.
+const LEAST_LAG: f64 = 0.2;
 
 /// A nonlinear parameter with its bounds.
 #[derive(Clone, Copy, Debug)]
@@ -132,6 +136,13 @@ impl Effect {
         Self { form, parameters: parameters.into_iter().collect() }
     }
 
+    /// A valve's lag no longer than any regulator's; None where the samples are too far apart for one.
+    pub fn ordinary_lag(signals: &Signals) -> Option<Self> {
+        let low_s = LEAST_LAG * signals.step_s;
+        let lag = |lag_s| Self::new(Form::Lag, [Parameter::logarithm(lag_s, low_s, ORDINARY_LAG_S)]);
+        (low_s < 0.5 * ORDINARY_LAG_S).then(|| lag(0.5 * ORDINARY_LAG_S))
+    }
+
     /// The effects to try for a cause, from their several starts; none where the recording has not what it takes.
     pub fn starts(cause: Cause, signals: &Signals) -> Vec<Self> {
         let duration_s = signals.duration_s();
@@ -151,7 +162,7 @@ impl Effect {
                 .to_vec(),
             Cause::ValveLag => [0.03, 0.1, 0.4]
                 .map(|lag_s| {
-                    let low_s = 0.2 * signals.step_s;
+                    let low_s = LEAST_LAG * signals.step_s;
                     Self::new(Form::Lag, [Parameter::logarithm(lag_s, low_s, longest_s.clamp(low_s, 10.0))])
                 })
                 .to_vec(),

@@ -84,6 +84,7 @@ impl Point {
         let target = |row: usize| signals.output[signals.rows[row].at];
         let columns = design.with(&[]);
         let [normal] = columns.normal(target, |_| [true]);
+        let normal = normal.with_prior(design.smoothness, &[0.0; COLUMNS]);
         let mut free: Vec<usize> = (0..design.columns()).collect();
         let weights = loop {
             let (weights, _) = normal.solve(&free)?;
@@ -214,6 +215,7 @@ impl<'a> Descent<'a> {
 fn step(point: &Point, sensitivities: &[Vec<f64>]) -> Option<Vec<f64>> {
     let all = point.design.with(sensitivities);
     let [normal] = all.normal(|row| point.residual[row], |_| [true]);
+    let normal = normal.with_prior(point.design.smoothness, &point.weights);
     let first = point.design.columns();
     let parameters: Vec<_> = point.effects.iter().flat_map(|effect| &effect.parameters).collect();
     let mut moving: Vec<usize> = (0..parameters.len())
@@ -265,6 +267,7 @@ fn cross_validate(signals: &Signals, point: Point, sensitivities: Vec<Vec<f64>>)
     let parts = all.normal(|row| point.residual[row], part);
     let (folds, near) = parts.split_at(FOLDS);
     let total = folds[1..].iter().fold(folds[0].clone(), |sum, fold| &sum + fold);
+    let total = total.with_prior(point.design.smoothness, &point.weights);
     let free = point.movable(&total);
     let mut place = vec![None; COLUMNS + all.dense.len()];
     for (i, &column) in free.iter().enumerate() {

@@ -17,6 +17,7 @@
 //! | `follower` | what follows a goal by a linear law, exactly |
 //! | [`free_run`], `swing` | the same without the measured contraction, and tuned to run free |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
+//! | `ordinary` | the regulator's own lag where the command alone was recorded |
 //! | [`screen`], [`search`] | which sets are tried |
 //! | `rivals` | sets that the search hardly tells apart |
 //! | `overlooked` | a fast cause that the search does not see |
@@ -55,6 +56,7 @@ pub mod gain;
 mod low_pass;
 mod measured;
 mod noisy_input;
+mod ordinary;
 pub mod output;
 mod overlooked;
 pub mod physical;
@@ -100,6 +102,7 @@ use extend::{Extended, Extender, Operator, Plain, Shape, likely};
 use identification::IdentificationError;
 use measured::measure;
 pub use noisy_input::Smoothing;
+use ordinary::{is_ordinary, with_ordinary_lag};
 use overlooked::{Overlooked, overlooked};
 use poor::{Better, Poor, poor};
 use proven::{Proven, proven};
@@ -289,6 +292,11 @@ pub fn diagnose_and_extend(
     let Settled { set: best, alternatives, evidence } = settled(&search, (&best, &sizes), &extender);
     // No choice of the search, so its rivals are those of the width alone.
     let best = best.with_viscosity(&sizes).unwrap_or(best);
+    let ordinary = || with_ordinary_lag(&search, &best, &sizes);
+    let (best, alternatives, evidence) = match columns.input_is_command.then(ordinary).flatten() {
+        Some(ordinary) => (ordinary, Vec::new(), None),
+        None => (best, alternatives, evidence),
+    };
     progress(0.8, "what is left");
     let unexplained = unexplained(&search, &best);
     let is_silent = best.causes.is_empty() && unexplained.is_none();
@@ -373,7 +381,9 @@ fn conclude(
     examinable: Vec<Examinable>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let baseline = &search.baseline;
-    let causes = verdict::named(search, &best, sizes, valve.as_ref(), columns.output_unit);
+    let mut causes = verdict::named(search, &best, sizes, valve.as_ref(), columns.output_unit);
+    causes.retain(|named| !is_ordinary(named));
+    let alternatives = if causes.is_empty() { Vec::new() } else { alternatives };
     let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
     let signals = search.signals;
     let of_rows = |values: &[f64]| -> Vec<f64> { signals.rows.iter().map(|row| values[row.at]).collect() };

@@ -29,6 +29,8 @@ use super::stuck::{Stuck, stuck};
 /// is one with the unknown memory of the muscle.
 const TIMES: usize = 80;
 const END: f64 = 0.05;
+/// Of these times so many are fitted: to first order, in which the others fall behind, the envelope and the width stay as they are.
+const FITTED: usize = 5;
 /// A pure error above the first share of the held-out error is large: then the second share of its square has to have
 /// been removed by the causes; the more the larger it is, up to the other pair.
 const LARGE: [(f64, f64); 2] = [(0.45, 0.5), (0.65, 0.8)];
@@ -133,15 +135,20 @@ fn best_step(search: &Search<'_>, set: &Candidate) -> Option<(f64, Candidate)> {
     let signals = search.signals;
     let screen = Screen::new(signals, &search.basis, &set.fit)?;
     let start_s = signals.time_s.first().copied().unwrap_or(0.0);
-    let (_, time_s) = (0..TIMES)
+    let mut times: Vec<(f64, f64)> = (0..TIMES)
         .into_par_iter()
         .map(|i| start_s + signals.duration_s() * (END + (1.0 - 2.0 * END) * i as f64 / (TIMES - 1) as f64))
         .map(|time_s| (screen.promise(&Effect::step(time_s)), time_s))
-        .max_by(|one, other| one.0.total_cmp(&other.0))?;
-    let mut effects = set.fit.effects.clone();
-    // Before the causes' own, which stand at the end.
-    effects.insert(effects.len() - set.causes.len(), Effect::step(time_s));
-    let fit = fit(signals, &search.basis, &effects)?;
+        .collect();
+    times.sort_by(|one, other| other.0.total_cmp(&one.0));
+    let fitted = |&(_, time_s): &(f64, f64)| {
+        let mut effects = set.fit.effects.clone();
+        // Before the causes' own, which stand at the end.
+        effects.insert(effects.len() - set.causes.len(), Effect::step(time_s));
+        Some((time_s, fit(signals, &search.basis, &effects)?))
+    };
+    let first = times.par_iter().take(FITTED).filter_map(fitted);
+    let (time_s, fit) = first.min_by(|one, other| one.1.rms().total_cmp(&other.1.rms()))?;
     Some((time_s, search.candidate(set.causes.clone(), fit)))
 }
 

@@ -96,7 +96,7 @@ fn is_untold(search: &Search<'_>, set: &Candidate, rival: &Candidate) -> bool {
 
 /// Whether the squared error of a rival exceeds that of a set by less than the set's own squared error exceeds the noise's. All are
 /// root mean squares, output unit.
-fn differ_less_than_misfit(set: f64, rival: f64, noise: f64) -> bool {
+pub(super) fn differ_less_than_misfit(set: f64, rival: f64, noise: f64) -> bool {
     rival.powi(2) - set.powi(2) < set.powi(2) - noise.powi(2)
 }
 

@@ -31,6 +31,7 @@ impl<'a> Screen<'a> {
         let point = Point::new(signals, basis, fit.effects.clone())?;
         let sensitivities = point.sensitivities(signals, basis);
         let [normal] = point.design.with(&sensitivities).normal(|row| point.residual[row], |_| [true]);
+        let normal = normal.with_prior(point.design.smoothness, &point.weights);
         let free = point.movable(&normal);
         let (_, factor) = normal.solve(&free)?;
         let weights = Weights::new(&point.weights);

@@ -24,6 +24,8 @@ use recording::numbers::range;
 
 /// Radii of the baseline's width that are started from, as shares of the input's span.
 pub(super) const WIDTHS: [f64; 3] = [0.1, 0.03, 0.25];
+/// Priors of smoothness of the baseline that are tried, see [`Basis::smoothness`]: the one is taken that predicts held-out blocks best.
+const SMOOTHNESS: [f64; 3] = [0.0, 0.01, 1.0];
 /// Sets of each size that go on.
 const BEAM: usize = 3;
 /// Causes of the largest set.
@@ -104,8 +106,11 @@ impl<'a> Search<'a> {
         let (basis, fit) = WIDTHS
             .into_par_iter()
             .flat_map(|radius| [(radius, true), (radius, false)])
-            .filter_map(|(radius, preconditioned)| {
-                let basis = Basis::new(low, high, preconditioned).bent(&first.weights);
+            .flat_map(|(radius, preconditioned)| {
+                SMOOTHNESS.map(|smoothness| (radius, preconditioned, smoothness))
+            })
+            .filter_map(|(radius, preconditioned, smoothness)| {
+                let basis = Basis::new(low, high, preconditioned).smooth(smoothness).bent(&first.weights);
                 fit(signals, &basis, &Effect::nuisances(signals, radius)).map(|fit| (basis, fit))
             })
             .min_by(|one, other| unseen(&one.1).total_cmp(&unseen(&other.1)))?;

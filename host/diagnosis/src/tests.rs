@@ -15,6 +15,7 @@ use super::valve::examine;
 use super::verdict::Named;
 use super::{Columns, Diagnosis, DiagnosisError, Smoothing, Verdict, diagnose, diagnose_and_extend};
 
+mod command_only;
 mod excitation;
 mod sensors;
 mod shape;

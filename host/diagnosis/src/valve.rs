@@ -17,7 +17,7 @@ use recording::noise::steps;
 use recording::numbers::range;
 use recording::unit::Unit;
 
-/// Lags up to here, together, are those of any proportional regulator, and not named. Unit: s.
+/// Lags and a delay up to here, together, are those of any proportional regulator, and not named. Unit: s.
 pub const ORDINARY_LAG_S: f64 = 0.07;
 /// Logarithm of the ratio of errors that an effect has to gain.
 const GAIN: f64 = 0.12;
@@ -154,7 +154,8 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
     for (cause, poorer) in valve.poorer() {
         let mut without = task.polished(poorer).1;
         if cause == Cause::TransportDelay {
-            if valve.delay_s.is_some_and(|delay_s| delay_s <= recorded_s) {
+            let is_ordinary = |delay_s| delay_s + valve.all_lags_s() <= ORDINARY_LAG_S;
+            if valve.delay_s.is_some_and(|delay_s| delay_s <= recorded_s || is_ordinary(delay_s)) {
                 continue;
             }
             without = without.min(Task { command: &later, ..task }.polished(poorer).1);

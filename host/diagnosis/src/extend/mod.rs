@@ -204,6 +204,14 @@ impl Extension {
         self.answer(columns).map(rmse).filter(|rmse| rmse.is_finite()).unwrap_or(f64::INFINITY)
     }
 
+    /// The same behind the valve of another model.
+    fn with_valve_of(mut self, other: &Self) -> Self {
+        let ExtensionParameters { valve_lag, valve_deadband, supply_saturation, .. } = other.extensions;
+        self.extensions =
+            ExtensionParameters { valve_lag, valve_deadband, supply_saturation, ..self.extensions };
+        self
+    }
+
     /// The extensions behind the input of a recording.
     fn acting(&self, columns: &Columns) -> ExtensionParameters<f64> {
         if columns.input_is_command { self.extensions.clone() } else { self.extensions.without_valve() }
@@ -211,15 +219,17 @@ impl Extension {
 }
 
 impl Extended {
-    /// An operator of another form in the place of the model; None where it does not run through the recording.
+    /// An operator of another form in the place of the model, behind the same valve; None where it does not run through the recording.
     pub(super) fn reshaped(&self, shape: Shape, columns: &Columns) -> Option<Self> {
         let Shape { taught, whole, termination } = shape;
+        let [taught, whole] = [taught, whole].map(|operator| operator.with_valve_of(&self.model));
         let (_, untaught) = split(&self.counted.scored);
         let models = (&self.counted.plain, &taught);
+        let seen = self.seen_from(columns);
         Some(Self {
-            heldout: heldout::gain(columns, untaught, models, self.heldout.noise_floor)?,
-            simulated: whole.answer(columns)?,
-            extended_rmse: whole.rmse(columns),
+            heldout: heldout::gain(&seen, untaught, models, self.heldout.noise_floor)?,
+            simulated: whole.answer(&seen)?,
+            extended_rmse: whole.rmse(&seen),
             model: whole,
             terminations: (termination, self.terminations.1),
             counted: Counted { extended: taught, ..self.counted.clone() },

@@ -9,7 +9,6 @@ use super::{Extension, Operator, split, start};
 use crate::Columns;
 use identification::comparison::choice::{candidates, penalised};
 use identification::{Options, Problem, Termination, identify};
-use rayon::prelude::*;
 use recording::numbers::root_mean_square;
 
 /// Knots of the piecewise-linear envelopes that are tried: those of `mgpi compare`.
@@ -37,9 +36,10 @@ impl Shape {
             let errors: Vec<f64> = untaught.iter().map(|&row| columns.output[row] - answer[row]).collect();
             Some((penalised(root_mean_square(&errors), options), *options, taught))
         };
+        // One by one: each search runs its starts on all threads.
         let base = Options { starts: start::STARTS, ..start::as_identify(None) };
         let (_, options, taught) = candidates(&base, KNOTS)
-            .par_iter()
+            .iter()
             .filter_map(predicted)
             .min_by(|one, other| one.0.total_cmp(&other.0))?;
         let all: Vec<usize> = (0..columns.input.len()).collect();

@@ -77,6 +77,11 @@ impl Pair {
         Self { whole: without(&self.whole), taught: without(&self.taught) }
     }
 
+    fn with_valve_of(&self, other: &Self) -> Self {
+        let Self { whole, taught } = self.clone();
+        Self { whole: whole.with_valve_of(&other.whole), taught: taught.with_valve_of(&other.taught) }
+    }
+
     fn has_valve(&self) -> bool {
         self.whole.extensions != self.whole.extensions.without_valve()
     }
@@ -133,7 +138,7 @@ impl Extended {
         // What an ordinary valve gains shows from the command.
         if extended.has_valve() && columns.command.is_some() && !self.valve_is_named {
             let without = pair.without_valve();
-            let with = Self::with_valve_of(&extended, &without);
+            let with = without.with_valve_of(&extended);
             let is_sure = |gain: HeldOutGain| gain.is_sure();
             let seen = seen_from(columns, true);
             let is_better = with.whole.rmse(&seen) < without.whole.rmse(&seen)
@@ -153,18 +158,6 @@ impl Extended {
             model: pair.whole,
             taught: pair.taught,
         })
-    }
-
-    /// A model with the valve of the extended one.
-    fn with_valve_of(extended: &Pair, model: &Pair) -> Pair {
-        let with = |of: &Extension, model: &Extension| {
-            let mut model = model.clone();
-            model.extensions.valve_lag = of.extensions.valve_lag;
-            model.extensions.valve_deadband = of.extensions.valve_deadband;
-            model.extensions.supply_saturation = of.extensions.supply_saturation;
-            model
-        };
-        Pair { whole: with(&extended.whole, &model.whole), taught: with(&extended.taught, &model.taught) }
     }
 
     /// What one model gains over another on another recording, or on the samples behind the split.

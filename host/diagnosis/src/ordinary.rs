@@ -1,0 +1,39 @@
+//! The lag of any proportional regulator, in a recording of the command alone.
+//!
+//! There the regulator is a part of the chain, and a lag as short as any regulator has is nothing that is wrong. Where such a lag
+//! explains a recording as well as a fast cause of the muscle, within the misfit that is left, it takes the place of that. It goes into the model, and is not named.
+
+use super::candidate::Candidate;
+use super::cause::Cause;
+use super::effect::Effect;
+use super::rivals::differ_less_than_misfit;
+use super::search::Search;
+use super::valve::ORDINARY_LAG_S;
+use super::verdict::Named;
+
+/// The best set with a regulator's lag in the place of a fast cause, if it is as good; None where there is none.
+pub fn with_ordinary_lag(
+    search: &Search<'_>,
+    set: &Candidate,
+    sizes: &[Vec<Candidate>],
+) -> Option<Candidate> {
+    if set.causes.contains(&Cause::ValveLag) {
+        return None;
+    }
+    let start = Effect::ordinary_lag(search.signals)?;
+    let in_place_of = |&cause: &Cause| {
+        let kept = search.without(set, cause, sizes)?;
+        let runners = search.runners(&kept, Cause::ValveLag, vec![start.clone()]);
+        search.race(runners, f64::INFINITY).into_iter().next()
+    };
+    let fast = set.causes.iter().filter(|cause| cause.is_fast());
+    fast.filter_map(in_place_of)
+        .filter(|other| differ_less_than_misfit(set.score.mean(), other.score.mean(), search.signals.noise))
+        .min_by(|one, other| one.cost().total_cmp(&other.cost()))
+}
+
+/// Whether what is named is the lag of any regulator.
+pub fn is_ordinary(named: &Named) -> bool {
+    let lag_s = named.parameter("time_constant_s");
+    named.cause == Cause::ValveLag && lag_s.is_some_and(|lag_s| lag_s <= ORDINARY_LAG_S)
+}

@@ -315,11 +315,17 @@ pub fn diagnose_and_extend(
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
     let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();
     let has_unexamined_rival = unexplained.is_none() && !unexamined.is_empty();
-    let (poor, other_shape) = match unexplained.is_none() {
+    // A form that is wrong by more than visits to the same state differ by comes before that.
+    let is_form_asked = match unexplained {
+        None => true,
+        Some(Unexplained::NotRepeatable { .. }) => best.causes.is_empty(),
+        Some(_) => false,
+    };
+    let (poor, other_shape) = match is_form_asked {
         true => shaped(&search, columns, &mut extended),
         false => (None, None),
     };
-    let unexplained = unexplained.or(poor.map(Unexplained::Poor));
+    let unexplained = poor.map(Unexplained::Poor).or(unexplained);
     if unexplained.is_some() {
         let sets = likely((&best, &sizes), &extended.causes);
         extended.others = extender.extend_each(&sets, valve.as_ref(), given);

@@ -14,9 +14,10 @@ use super::anatomy::spectrum::LEAST_PERIODS;
 use super::cause::Cause;
 pub use super::rates::Rate;
 use super::signals::{Signals, TENTS};
-use super::valve::ORDINARY_LAG_S;
 use recording::numbers::root_mean_square;
 
+/// Lags and a delay up to here, together, are those of any proportional regulator, and not named. Unit: s.
+pub const ORDINARY_LAG_S: f64 = 0.07;
 /// The shortest lag of a valve that is looked for, in steps of the recording: a shorter one is over before the next sample.
 const LEAST_LAG: f64 = 0.2;
 

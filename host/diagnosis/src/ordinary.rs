@@ -5,10 +5,9 @@
 
 use super::candidate::Candidate;
 use super::cause::Cause;
-use super::effect::Effect;
+use super::effect::{Effect, ORDINARY_LAG_S};
 use super::rivals::differ_less_than_misfit;
 use super::search::Search;
-use super::valve::ORDINARY_LAG_S;
 use super::verdict::Named;
 
 /// The best set with a regulator's lag in the place of a fast cause, if it is as good; None where there is none.

@@ -11,14 +11,13 @@ use rayon::prelude::*;
 
 use super::Columns;
 use super::cause::Cause;
+use super::effect::ORDINARY_LAG_S;
 use super::equivalent::delayed;
 use super::low_pass::low_pass;
 use recording::noise::steps;
 use recording::numbers::range;
 use recording::unit::Unit;
 
-/// Lags and a delay up to here, together, are those of any proportional regulator, and not named. Unit: s.
-pub const ORDINARY_LAG_S: f64 = 0.07;
 /// Logarithm of the ratio of errors that an effect has to gain.
 const GAIN: f64 = 0.12;
 /// Up to here a delay is that of the recording, and not named: a row's command is written behind its sample, and acts by the

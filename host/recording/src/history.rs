@@ -65,16 +65,16 @@ impl UnknownPast {
 /// The first sample whose past is known; None where that of all samples is.
 fn known_from(input: &[f64]) -> Option<usize> {
     let (low, high) = range(input);
-    // The ends of the range lie beyond those that the input has been at by the largest noise, and a sample there is off by as much
-    // the other way.
+    // The ends of the range lie beyond those that the input has been at by the largest noise, and a
+    // sample there is off by as much the other way.
     let near = NEAR * (high - low) + 2.0 * LARGEST * noise(input);
     let first = |is_there: &dyn Fn(&f64) -> bool| input.iter().position(is_there);
     let (at_low, at_high) = (first(&|&x| x <= low + near)?, first(&|&x| x >= high - near)?);
     (at_low.min(at_high) > 0).then(|| at_low.max(at_high))
 }
 
-/// Standard deviation of white noise, by the median of the second differences: a ramp has none, and few samples are corners of the
-/// course. Input unit.
+/// Standard deviation of white noise, by the median of the second differences: a ramp has none, and
+/// few samples are corners of the course. Input unit.
 fn noise(input: &[f64]) -> f64 {
     let mut bends: Vec<f64> = input.windows(3).map(|x| (x[0] - 2.0 * x[1] + x[2]).abs()).collect();
     if bends.is_empty() { 0.0 } else { median(&mut bends) / (NORMAL_MEDIAN * 6f64.sqrt()) }

@@ -1,8 +1,8 @@
 //! The tracking controller of Fig. 10: inverse model as feed-forward, PID as feedback, one command.
 //!
 //! ```text
-//! reference ─┬─▶ (smoother) ─▶ inverse of the extended model ─▶ feed-forward ─┐
-//!            └─▶ delay ─▶ PID (◀─ contraction) ─▶ feedback ──────────────────┴─▶ + transfer ─▶ slew ─▶ limits ─▶ command
+//! reference ─┬─▶ (+ estimate) ─▶ (smoother) ─▶ inverse of the extended model ─▶ feed-forward ─┐
+//!            └─▶ delay ─▶ PID (◀─ contraction) ─▶ feedback ──────────────────────────────────┴─▶ + transfer ─▶ slew ─▶ limits ─▶ command
 //! ```
 //!
 //! # In two halves
@@ -18,6 +18,11 @@
 //! asked for a delay ago. With a mass the inverse follows a smoothed reference, which is given
 //! ahead by the smoother's lag too: [`ExtensionParameters::preview_s`] says by how much in all.
 //! Drift and tone are left to the feedback unless the parameters say otherwise.
+//!
+//! # Disturbances
+//! With an observer ([`crate::observer`]) what is asked of the inverse is the reference and what
+//! the contraction has been shifted by. It takes the place of the PID's integral in the mode of
+//! both; in the others it fades.
 //!
 //! # Changes of mode
 //! Every change is bumpless: at the first sample of a new [`Mode`] the difference to the last
@@ -40,6 +45,7 @@ use crate::extension::preview::{Preview, PreviewLine};
 use crate::extension::smoother::{Smoothed, Smoother};
 use crate::extension::{ExtendedInverse, ExtendedInverseState, ExtensionParameters, Surroundings};
 use crate::model::{InverseModel, ModelParameters};
+use crate::observer::{Estimate, Observer, ObserverParameters};
 use crate::pid::{Pid, PidParameters, PidState};
 use crate::range::Range;
 use crate::real::Real;
@@ -79,6 +85,8 @@ pub struct TrackingParameters<T, const N: usize, const M: usize> {
     pub extensions: ExtensionParameters<T>,
     /// The feedback.
     pub pid: PidParameters<T>,
+    /// What estimates disturbances, beside it.
+    pub observer: ObserverParameters<T>,
     /// Lowest command, also the one at the start. Unit: bar.
     pub command_min: T,
     /// Highest command. Unit: bar.
@@ -112,7 +120,9 @@ const MARGIN: f64 = 0.1;
 ///
 /// ```
 /// use model_core::pid::PidParameters;
-/// use model_core::{ExtensionParameters, Hysteresis, Mgpi, Mode, ModelParameters, Tracking, TrackingParameters};
+/// use model_core::{
+///     ExtensionParameters, Hysteresis, Mgpi, Mode, ModelParameters, ObserverParameters, Tracking, TrackingParameters,
+/// };
 ///
 /// let parameters = model_core::paper::mgpi()?;
 /// let muscle = Mgpi::try_new(&parameters)?;
@@ -120,6 +130,7 @@ const MARGIN: f64 = 0.1;
 ///     model: ModelParameters::Cascade(parameters),
 ///     extensions: ExtensionParameters::default(),
 ///     pid: PidParameters::paper(),
+///     observer: ObserverParameters::default(),
 ///     command_min: 0.0,
 ///     command_max: 6.0,
 ///     slew_bar_per_s: 60.0,
@@ -140,6 +151,7 @@ pub struct Tracking<T, const N: usize, const M: usize> {
     smoother: Option<Smoother<T>>,
     preview: Option<Preview<T>>,
     pid: Pid<T>,
+    observer: Option<Observer<T>>,
     /// What the feedback sees of reference and contraction. Unit: mm.
     plausible: Range<T>,
     /// Largest change of the command in one period. Unit: bar.
@@ -155,6 +167,7 @@ pub struct TrackingState<T, const N: usize> {
     smoothed: Smoothed<T>,
     preview: PreviewLine<T>,
     pid: PidState<T>,
+    estimate: Estimate<T>,
     /// That of the last sample; none before the first one.
     mode: Option<Mode>,
     /// That of the start.
@@ -179,9 +192,10 @@ pub struct Prepared<T> {
 pub struct Command<T> {
     /// To the valve, within the limits.
     pub command: T,
-    /// What the inverse model asked for; 0 in a mode without feed-forward.
+    /// What the inverse model asked for; 0 in a mode without feed-forward. Where an observer acts,
+    /// less what that has added, as a mean over the range.
     pub feedforward: T,
-    /// What the PID asked for; 0 in a mode without feedback.
+    /// What the PID asked for, and the observer has added; 0 in a mode without feedback.
     pub feedback: T,
     /// Whether a limit or the slew rate changed the command.
     pub limited: bool,
@@ -207,11 +221,12 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
                 None
             },
             preview: Preview::try_new(extensions.preview_s(period), period)?,
-            inverse,
             plausible: Range::try_new(low - margin, high + margin, "output range", "mm")?,
             pid: Pid::try_new(&parameters.pid, period)?,
+            observer: Observer::try_new(&parameters.observer, period, (low, high), inverse.limits())?,
             largest_change: slew * period,
             transfer_decay: (-period / parameters.pid.tracking_time_s).exp(),
+            inverse,
         })
     }
 
@@ -227,6 +242,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
             smoothed: Smoothed::default(),
             preview: PreviewLine::new(),
             pid: PidState::starting_at(T::ZERO),
+            estimate: Estimate::default(),
             mode: None,
             first_mode: mode,
             command: self.inverse.limits().min(),
@@ -266,9 +282,10 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
     ) -> Result<Prepared<T>, InputError> {
         // The inverse follows the reference in every mode, so that its memory is right when it is
         // needed.
+        let wanted = if self.observer.is_some() { reference + state.estimate.shift } else { reference };
         let feedforward = match &self.smoother {
-            None => self.inverse.step(&mut state.inverse, reference, surroundings)?,
-            Some(smoother) => self.smoothly(smoother, state, reference, surroundings)?,
+            None => self.inverse.step(&mut state.inverse, wanted, surroundings)?,
+            Some(smoother) => self.smoothly(smoother, state, wanted, surroundings)?,
         };
         let due = match &self.preview {
             Some(preview) => preview.due(&mut state.preview, reference),
@@ -346,9 +363,9 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         transfer: impl Fn(&TrackingState<T, N>, T) -> T,
     ) -> Command<T> {
         match mode {
-            Mode::Both => self.add_up::<true>(state, inverse, seen, transfer),
-            Mode::FeedforwardOnly => self.add_up::<false>(state, inverse, seen, transfer),
-            Mode::FeedbackOnly => self.add_up::<true>(state, T::ZERO, seen, transfer),
+            Mode::Both => self.add_up::<true, true>(state, inverse, seen, transfer),
+            Mode::FeedforwardOnly => self.add_up::<false, false>(state, inverse, seen, transfer),
+            Mode::FeedbackOnly => self.add_up::<true, false>(state, T::ZERO, seen, transfer),
             Mode::Hold => {
                 state.transfer = T::ZERO;
                 Command { command: state.command, feedforward: T::ZERO, feedback: T::ZERO, limited: false }
@@ -356,9 +373,10 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         }
     }
 
-    /// The command from its parts, within slew and limits. `FEEDBACK`: whether the PID acts.
+    /// The command from its parts, within slew and limits. `FEEDBACK`: whether the PID acts;
+    /// `OBSERVED`: whether the observer does, in the place of its integral.
     #[inline(always)]
-    fn add_up<const FEEDBACK: bool>(
+    fn add_up<const FEEDBACK: bool, const OBSERVED: bool>(
         &self,
         state: &mut TrackingState<T, N>,
         feedforward: T,
@@ -372,9 +390,27 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         let command = self.inverse.limits().step_toward(state.command, asked, self.largest_change);
         state.command = command;
         let excess = command - asked;
-        if FEEDBACK {
-            self.pid.settle(&mut state.pid, error, excess);
+        let mut added = T::ZERO;
+        match &self.observer {
+            Some(observer) if OBSERVED => added = self.observe(observer, state, error),
+            _ if FEEDBACK => self.pid.settle(&mut state.pid, error, excess),
+            _ => {}
         }
+        if !OBSERVED && self.observer.is_some() {
+            state.estimate = state.estimate.faded(self.transfer_decay);
+        }
+        let (feedforward, feedback) = (feedforward - added, feedback + added);
         Command { command, feedforward, feedback, limited: excess != T::ZERO }
+    }
+
+    /// Closes the observer's period, and answers what it has added to this feed-forward, bar. Not
+    /// inlined, to avoid register spills where there is none.
+    #[inline(never)]
+    fn observe(&self, observer: &Observer<T>, state: &mut TrackingState<T, N>, error: T) -> T {
+        let (limits, command) = (self.inverse.limits(), state.command);
+        let added = observer.added(state.estimate);
+        let is_at = (command <= limits.min(), command >= limits.max());
+        state.estimate = observer.settle(state.estimate, error, is_at);
+        added
     }
 }

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
 //! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
+//! | `columns` | what of a recording is looked at |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
 //! | `rates` | how a measured signal moves |
 //! | `recorded` | all rows of it, for what is quicker than the kept ones show |
@@ -44,6 +45,7 @@ pub mod anatomy;
 pub mod basis;
 pub mod candidate;
 pub mod cause;
+mod columns;
 mod design;
 pub mod effect;
 pub mod equivalent;

@@ -12,6 +12,7 @@
 //! | [`identified`] | report of `mgpi identify` |
 //! | [`tracked`] | report of `mgpi pil` |
 //! | [`tracking`] | a tracking run, as plots |
+//! | [`tuned`] | report of `mgpi tune` |
 //! | `table` | tables that a phone shows as cards |
 //! | `bars` | bars with names, in the same look |
 //! | [`diagnosed`] | report of `mgpi diagnose` |
@@ -33,3 +34,4 @@ mod simplify;
 mod table;
 pub mod tracked;
 pub mod tracking;
+pub mod tuned;

@@ -164,6 +164,12 @@ impl<T: Real> ExtensionParameters<T> {
         }
     }
 
+    /// With the valve's lag and the dead time of another set: what a tuning may have put there.
+    #[must_use]
+    pub fn with_times_of(&self, other: &Self) -> Self {
+        Self { valve_lag: other.valve_lag, transport_delay: other.transport_delay, ..self.clone() }
+    }
+
     /// How far ahead of time a controller at this period has to be given its reference: by the
     /// delay, and where there is a mass by the lag of what smooths the reference for it
     /// ([`crate::tracking`]). Both: s.

@@ -51,7 +51,7 @@ impl Field<'_> {
 }
 
 /// The registers of the group "Controller".
-pub const CONTROLLER: [Id; 8] = [
+pub const CONTROLLER: [Id; 9] = [
     Id::Kp,
     Id::Ki,
     Id::Kd,
@@ -60,11 +60,12 @@ pub const CONTROLLER: [Id; 8] = [
     Id::CommandMin,
     Id::CommandMax,
     Id::CommandSlew,
+    Id::ObserverRate,
 ];
 
 /// The field of one of [`CONTROLLER`].
 pub fn of_controller(tracking: &mut BoardParameters, id: Id) -> Option<Field<'_>> {
-    let TrackingParameters { pid, command_min, command_max, slew_bar_per_s, .. } = tracking;
+    let TrackingParameters { pid, observer, command_min, command_max, slew_bar_per_s, .. } = tracking;
     Some(Field::Quantity(match id {
         Id::Kp => &mut pid.kp,
         Id::Ki => &mut pid.ki,
@@ -74,6 +75,7 @@ pub fn of_controller(tracking: &mut BoardParameters, id: Id) -> Option<Field<'_>
         Id::CommandMin => command_min,
         Id::CommandMax => command_max,
         Id::CommandSlew => slew_bar_per_s,
+        Id::ObserverRate => &mut observer.rate_per_s,
         _ => return None,
     }))
 }

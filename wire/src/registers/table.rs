@@ -208,6 +208,7 @@ table! {
     0x030A CommandMin "command_min_bar" F32 [1] "bar" BAR, "Lowest command";
     0x030C CommandMax "command_max_bar" F32 [1] "bar" BAR, "Highest command";
     0x030E CommandSlew "command_slew_bar_per_s" F32 [1] "bar/s" write(0.1, 200.0), "Largest rate of change of the controller's command";
+    0x0310 ObserverRate "observer_rate_per_s" F32 [1] "1/s" write(0.0, 1000.0), "How fast the disturbance observer follows, in the place of the integral; 0 switches it off";
 
     0x0400 SelfTestTicks "self_test_ticks" U32 [1] "tick" write(0.0, 10_000.0), "Length of the self-test";
     0x0402 VentedBar "vented_bar" F32 [1] "bar" write(0.0, 1.0), "Highest pressure at the end of the self-test";

@@ -31,7 +31,9 @@ pub mod results;
 use std::path::{Path, PathBuf};
 
 use model_core::pid::PidParameters;
-use model_core::{Mode, ParameterError, TrackingParameters};
+use model_core::{
+    ExtensionParameters, Mode, ModelParameters, ObserverParameters, ParameterError, TrackingParameters,
+};
 use thiserror::Error;
 use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Refusal, VERSION};
 
@@ -41,13 +43,13 @@ use crate::emulator::EmulatorError;
 #[cfg(unix)]
 use plant::PlantError;
 use recording::model_file::ModelFile;
+use recording::model_file::control::Tuning;
 use recording::table::DataError;
 use recording::unit::Unit;
 use reference::MOST_TICKS;
 
-/// Fastest change of the command: an eighth of a second through the whole range, faster than
-/// proportional regulators of this size are. Unit: bar/s.
-const SLEW_BAR_PER_S: f32 = 50.0;
+/// A model as a board has it.
+pub type BoardModel = ModelParameters<f32, PLAYS, DEAD_ZONES>;
 
 /// Why a run of the firmware does not come to its end.
 #[derive(Debug, Error)]
@@ -128,17 +130,11 @@ fn in_words(refusal: &Refusal) -> String {
     }
 }
 
-/// The integral gain by default. The paper's 0.01 takes tens of seconds to mend an offset; ten
-/// times that settles in seconds and still lies far below what a regulator's lag allows beside the
-/// paper's proportional gain. Unit: bar/(mm s).
-const INTEGRAL_GAIN: f32 = 0.1;
-
-/// A model with the default gains and limits for a board that ticks `rate_hz` times a second. The
-/// valve's range is the model's.
+/// A model's parameters and extensions, as far as a board has room for them.
 ///
 /// # Errors
 /// The model, read from `file`, has other units than the board or is too large for it.
-pub fn configuration(file: &Path, model: &ModelFile, rate_hz: f64) -> Result<Configuration, PilError> {
+pub fn parts(file: &Path, model: &ModelFile) -> Result<(BoardModel, ExtensionParameters<f32>), PilError> {
     for (channel, found, board, needed) in [
         ("input", model.input.unit, Unit::BAR, "bar or another pressure"),
         ("output", model.output.unit, Unit::MM, "mm or another length"),
@@ -148,10 +144,24 @@ pub fn configuration(file: &Path, model: &ModelFile, rate_hz: f64) -> Result<Con
             return Err(PilError::Unit { model: file.to_owned(), channel, found, needed });
         }
     }
-    let converted = model.parameters.convert::<f32, PLAYS, DEAD_ZONES>();
-    let extensions = model.extensions.convert();
     let problem = |problem| PilError::Capacity { model: file.to_owned(), problem };
-    let (model, extensions) = (converted.map_err(problem)?, extensions.map_err(problem)?);
+    let converted = model.parameters.convert::<f32, PLAYS, DEAD_ZONES>().map_err(problem)?;
+    Ok((converted, model.extensions.convert().map_err(problem)?))
+}
+
+/// A model with the feedback that was tuned for it, for a board that ticks `rate_hz` times a
+/// second. The valve's range is the model's.
+///
+/// # Errors
+/// As above.
+pub fn configuration(
+    file: &Path,
+    model: &ModelFile,
+    tuning: &Tuning,
+    rate_hz: f64,
+) -> Result<Configuration, PilError> {
+    let extensions = tuning.extended(&model.extensions);
+    let (model, extensions) = parts(file, &ModelFile { extensions, ..model.clone() })?;
     Ok(Configuration {
         version: VERSION,
         tracking: TrackingParameters {
@@ -160,8 +170,15 @@ pub fn configuration(file: &Path, model: &ModelFile, rate_hz: f64) -> Result<Con
             command_max: model.input().1,
             model,
             extensions,
-            pid: PidParameters { ki: INTEGRAL_GAIN, ..PidParameters::paper() },
-            slew_bar_per_s: SLEW_BAR_PER_S,
+            pid: PidParameters {
+                kp: tuning.kp as f32,
+                ki: tuning.ki as f32,
+                kd: tuning.kd as f32,
+                derivative_filter_s: tuning.derivative_filter_s as f32,
+                tracking_time_s: tuning.tracking_time_s as f32,
+            },
+            observer: ObserverParameters { rate_per_s: tuning.observer_rate_per_s as f32 },
+            slew_bar_per_s: tuning.slew_per_s as f32,
             period_s: (1.0 / rate_hz) as f32,
         },
     })

@@ -3,12 +3,11 @@
 
 use std::path::Path;
 
-use model_core::TrackingParameters;
 use serde_json::Value;
 use wire::{BoardParameters, Configuration};
 
 use crate::Error;
-use board_client::pil::configuration;
+use board_client::pil::parts;
 use recording::model_file::{ModelFile, listed};
 
 /// Reads a model, brings it to the units of a board, and says what it is and what it is worth. One
@@ -59,14 +58,13 @@ pub fn demand_worth(file: &Path, model: &ModelFile, force: bool) -> Result<(), E
 /// what is known of them.
 pub fn say_installed(installed: &Configuration, model: Option<&ModelFile>) {
     let model_words = words(&installed.tracking);
-    match model
-        .map(|model| configuration(Path::new(""), model, f64::from(installed.tracking.period_s).recip()))
-    {
+    let (its_model, its_extensions) = (&installed.tracking.model, &installed.tracking.extensions);
+    match model.map(|model| parts(Path::new(""), model)) {
         None => say!(
             "the board has {model_words}; what it is worth is not known here: --model MODEL.toml, which was deployed, says so"
         ),
-        Some(Ok(Configuration { tracking: TrackingParameters { model, extensions, .. }, .. }))
-            if model == installed.tracking.model && extensions == installed.tracking.extensions =>
+        Some(Ok((model, extensions)))
+            if model == *its_model && extensions.with_times_of(its_extensions) == *its_extensions =>
         {
             say!("the board has this model");
         }

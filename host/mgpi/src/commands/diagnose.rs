@@ -7,7 +7,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::search::Columns as Chosen;
-use super::{diagnosed_json, diagnosed_summary};
+use super::{diagnosed_json, diagnosed_summary, recorded};
 use crate::Error;
 use crate::output::Outputs;
 use diagnosis::extend::heldout::on_another;
@@ -16,7 +16,6 @@ use diagnosis::{Columns, diagnose_and_extend};
 use identification::HostModel;
 use recording::TOOL;
 use recording::model_file::{HeldOut, Identification, ModelFile};
-use recording::unit::Unit;
 use recording::worth::Limit;
 use recording::{Choice, Recording};
 use report::diagnosed;
@@ -83,7 +82,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         .ok_or_else(|| Error::NotSimulated(validate.clone().unwrap_or_else(|| file.clone())))?;
     if let Some(model_file) = model_file {
         let other = other.as_ref().map(|(_, other)| other);
-        outputs.stage(model_file, to_file(&recording, &written, other)?.to_toml().as_bytes())?;
+        let mut file = to_file(&recording, &written, other)?;
+        file.recorded = recorded::of_columns(&file, &columns.as_measured());
+        outputs.stage(model_file, file.to_toml().as_bytes())?;
     }
     if let Some(report) = report {
         let gained = diagnosed::Gained {
@@ -133,6 +134,8 @@ fn to_file(recording: &Recording, written: &Written, other: Option<&Recording>) 
             termination: written.termination.to_string(),
             standard_errors: Vec::new(),
         }),
+        recorded: None,
+        tuning: None,
     }
     .with_usual_lead_limit())
 }
@@ -145,43 +148,8 @@ fn to_file(recording: &Recording, written: &Written, other: Option<&Recording>) 
 pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error> {
     let table = choice.table(file)?;
     let mut recording = Recording::of(&table, choice)?;
-    let mut notes = Vec::new();
-    let mut column = |name: &str, unit: Unit| match recording.drive.beside(&table, name, unit) {
-        Ok(found) => found.map(|found| {
-            notes.extend(found.note);
-            found.values
-        }),
-        Err(why) => {
-            notes.push(format!("{name} is not used: {why}"));
-            None
-        }
-    };
-    let (load_n, temperature_c) = (column("load_n", Unit::N), column("temperature_c", Unit::CELSIUS));
-    let input_is_command = recording.drive.input.channel.name.starts_with("command");
-    let input_unit = recording.drive.input.channel.unit;
-    let command =
-        if input_is_command { None } else { column(&format!("command_{}", input_unit.suffix()), input_unit) };
-    recording.drive.notes.extend(notes);
+    let columns = Columns::of(&table, &mut recording);
     recording.drive.announce();
-    let Recording { drive, output, left_out } = &recording;
-    let columns = Columns {
-        command,
-        load_n,
-        temperature_c,
-        time_s: drive.time_s.clone(),
-        input: drive.input.values.clone(),
-        input_unit: drive.input.channel.unit,
-        output_unit: output.channel.unit,
-        input_is_command,
-        output: output.values.clone(),
-        scored: drive.scored.clone(),
-        past_unknown_until_s: left_out.past_unknown_until_s(),
-        drop_outs: left_out.drop_outs.clone(),
-        smoothing: None,
-        measured_input: None,
-    }
-    .with_smooth_input();
-    recording.drive.input.values.clone_from(&columns.input);
     Ok((columns, recording))
 }
 

@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 use model_core::{ExtensionParameters, Kind};
 
 use super::reading::say_left_out;
-use super::search::{Columns, Effort, unidentified, warn_of_poor_fit, with_bar};
-use super::{identified_json, instructions};
+use super::search::{Columns, Effort, Read, unidentified, warn_of_poor_fit, with_bar};
+use super::{identified_json, instructions, recorded};
 use crate::Error;
 use crate::output::Outputs;
 use identification::comparison::{self, Comparison, choice};
@@ -167,7 +167,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         [&arguments.recording].into_iter().chain(&arguments.validate).map(PathBuf::as_path).collect();
     let files = [model_file].into_iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let (recording, other) = arguments.columns.read(&arguments.recording, arguments.validate.as_deref())?;
+    let Read { recording, command, other } =
+        arguments.columns.read_with_command(&arguments.recording, arguments.validate.as_deref())?;
 
     let options = match arguments.model.kind() {
         Some(model) => arguments.options(model),
@@ -192,7 +193,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }));
 
     let identification = identification_of(&recording, &fit, heldout);
-    let model = ModelFile {
+    let mut model = ModelFile {
         input: recording.drive.input.channel.clone(),
         output: recording.output.channel.clone(),
         density: fit.density,
@@ -200,7 +201,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         extensions: ExtensionParameters::default(),
         model: fit.model.clone(),
         identification: Some(identification.clone()),
+        recorded: None,
+        tuning: None,
     };
+    model.recorded = recorded::of_recording(&model, &recording, command.as_deref());
     outputs.stage(model_file, model.to_toml().as_bytes())?;
     if let Some(file) = report {
         let later = later.map(|later| (recording.with_scored(later.scored), later.simulated));

@@ -17,6 +17,7 @@ mod gains;
 mod identified_json;
 pub mod identify;
 mod instructions;
+mod learnt;
 pub mod man;
 mod number;
 #[cfg(unix)]
@@ -26,6 +27,7 @@ pub mod plan;
 mod plant;
 mod port;
 mod reading;
+mod recorded;
 pub mod report;
 pub mod restore;
 pub mod rig;
@@ -34,6 +36,8 @@ mod show;
 pub mod simulate;
 pub mod status;
 pub mod track;
+pub mod tune;
+mod tuned;
 pub mod watch;
 
 use ::rig::command::Command as Rig;
@@ -55,6 +59,7 @@ enum Command {
     Compare(compare::Arguments),
     Diagnose(diagnose::Arguments),
     Simulate(simulate::Arguments),
+    Tune(tune::Arguments),
     Report(report::Arguments),
     #[cfg(unix)]
     Pil(Box<pil::Arguments>),
@@ -88,6 +93,7 @@ impl CommandLine {
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Diagnose(arguments) => diagnose::run(&arguments),
             Command::Simulate(arguments) => simulate::run(&arguments),
+            Command::Tune(arguments) => tune::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
             #[cfg(unix)]
             Command::Pil(arguments) => pil::run(&arguments),

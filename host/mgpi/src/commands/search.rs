@@ -46,6 +46,17 @@ pub struct Effort {
     pub threads: usize,
 }
 
+/// A recording that was read.
+#[derive(Debug)]
+pub struct Read {
+    /// The recording.
+    pub recording: Recording,
+    /// The command beside a pressure, where it was recorded.
+    pub command: Option<Vec<f64>>,
+    /// Another one, that models are tried on.
+    pub other: Option<Recording>,
+}
+
 impl Columns {
     /// What they are chosen by.
     pub fn choice(&self) -> Choice {
@@ -73,12 +84,29 @@ impl Columns {
         training: &Path,
         heldout: Option<&Path>,
     ) -> Result<(Recording, Option<Recording>), Error> {
+        let Read { recording, other, .. } = self.read_with_command(training, heldout)?;
+        Ok((recording, other))
+    }
+
+    /// The same, with the command beside a pressure where it was recorded.
+    ///
+    /// # Errors
+    /// As above.
+    pub fn read_with_command(&self, training: &Path, heldout: Option<&Path>) -> Result<Read, Error> {
         let choice = self.choice();
-        let training = Recording::read(training, &choice)?;
+        let table = choice.table(training)?;
+        let training = Recording::of(&table, &choice)?;
+        let input = &training.drive.input.channel;
+        let command = format!("command_{}", input.unit.suffix());
+        // One that cannot be read is missed by nobody but the valve.
+        let command = match input.name == command {
+            true => None,
+            false => training.drive.beside(&table, &command, input.unit).ok().flatten(),
+        };
         let choice = self.choice_of(&training);
         let heldout = heldout.map(|file| Recording::read(file, &choice)).transpose()?;
         [Some(&training), heldout.as_ref()].into_iter().flatten().for_each(|it| it.drive.announce());
-        Ok((training, heldout))
+        Ok(Read { recording: training, command: command.map(|command| command.values), other: heldout })
     }
 }
 

@@ -6,10 +6,11 @@ use recording::model_file::control::{Late, Recorded};
 use crate::response::{Dynamics, Unknown};
 
 /// The muscle's slope may be that of the model up to this factor at least, whatever a recording
-/// shows: under a load of a fifth of its blocked force the rig's muscle is as much steeper.
-const LEAST_STEEPER: f64 = 2.0;
+/// shows: a load moves it to where its inverse does not look. Under a fifth of its blocked force in
+/// the middle of its stroke the rig's muscle is three times as steep as the inverse takes it to be.
+const LEAST_STEEPER: f64 = 3.0;
 /// And by no more: what moves then is not the muscle of this model.
-const MOST_STEEPER: f64 = 4.0;
+const MOST_STEEPER: f64 = 5.0;
 /// Elements of creep that are faster stand for a lateness that may be of any kind. Unit: s.
 const FAST_S: f64 = 1.0;
 /// Share by which a valve's lag, or a natural frequency, may differ from what was found: the bound
@@ -74,6 +75,12 @@ impl Knowledge {
                 (0.0, UNSEEN_S)
             }
         };
+        if file.recorded.is_some_and(|recorded| open(&recorded.late) > UNSEEN_S) {
+            assumptions.push(format!(
+                "the recording leaves open how late the muscle is, as one at a single speed does: a dead time of up to \
+                 {UNSEEN_S} s is allowed for"
+            ));
+        }
         // A muscle that is late for sure may have a mass in the place of a dead time.
         let error_s = file.recorded.map_or(0.0, |recorded| recorded.late.error_s);
         let swing_s = if dynamics.has_mass() || muscle_s == 0.0 { 0.0 } else { muscle_s + ERRORS * error_s };

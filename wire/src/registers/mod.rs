@@ -157,7 +157,10 @@ mod tests {
                 "°C" => "_c".into(),
                 "tick" => "ticks".into(),
                 "cycle" => "cycles".into(),
-                unit => std::format!("_{}", unit.to_lowercase().replace("1/", "per_").replace(' ', "_").replace('/', "_per_")),
+                unit => std::format!(
+                    "_{}",
+                    unit.to_lowercase().replace("1/", "per_").replace(' ', "_").replace('/', "_per_")
+                ),
             };
             let name = register.name;
             assert!(name.ends_with(&suffix) || name.contains("tick"), "{name}, unit {}", register.unit);

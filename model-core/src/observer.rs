@@ -34,8 +34,8 @@ use crate::real::Real;
 /// stroke leaves nothing to control.
 pub const REACH: f64 = 0.5;
 
-/// Time constant of the error's low pass, as a share of the estimate's: at the loop's corner it costs
-/// 11 degrees of phase.
+/// Time constant of the error's low pass, as a share of the estimate's: at the loop's corner it
+/// costs 11 degrees of phase.
 pub const FILTER: f64 = 0.2;
 
 /// Raw parameters of the observer.

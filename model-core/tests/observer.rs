@@ -25,8 +25,8 @@ fn tracking(rate_per_s: f64) -> Tracking<f64, SIZE, SIZE> {
     Tracking::try_new(&parameters).expect("valid")
 }
 
-/// The commands and contractions of a muscle behind a valve, to which `disturbed` does what it does,
-/// given the time (s) and the undisturbed contraction (mm).
+/// The commands and contractions of a muscle behind a valve, to which `disturbed` does what it
+/// does, given the time (s) and the undisturbed contraction (mm).
 fn run(
     tracking: &Tracking<f64, SIZE, SIZE>,
     mode: impl Fn(f64) -> Mode,
@@ -57,7 +57,8 @@ fn a_load_is_taken_back_with_the_rate_of_the_observer_and_without_it_stays() {
         (run[(time_s / PERIOD_S) as usize].1 - 60.0).abs()
     };
     assert!((error_at(0.0, 2.9) - 10.0).abs() < 0.1);
-    // After three time constants a twentieth is left, and what the valve's lag and the hysteresis add.
+    // After three time constants a twentieth is left, and what the valve's lag and the hysteresis
+    // add.
     assert!(error_at(10.0, 2.3) < 2.0, "{}", error_at(10.0, 2.3));
     assert!(error_at(10.0, 2.9) < 0.1, "{}", error_at(10.0, 2.9));
 }

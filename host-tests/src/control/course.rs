@@ -55,8 +55,8 @@ pub enum Converter {
     Exact,
 }
 
-/// Runs the controller with a plant. `disturbed` is what the sensor says, given the tick and what it
-/// would say.
+/// Runs the controller with a plant. `disturbed` is what the sensor says, given the tick and what
+/// it would say.
 pub fn run(setting: &Setting<'_>, plant: &mut Plant, disturbed: impl Fn(usize, f64) -> f64) -> Vec<Tick> {
     let Setting { tracking, mode, reference_mm, correction_mm, course, blocked_n, preview_s, converter } =
         *setting;

@@ -1,5 +1,5 @@
-//! The largest sensitivity of a loop, measured: small tones on the sensor while the muscle is driven
-//! slowly up and down, so that its plays are driven and the tones do not turn it round.
+//! The largest sensitivity of a loop, measured: small tones on the sensor while the muscle is
+//! driven slowly up and down, so that its plays are driven and the tones do not turn it round.
 //!
 //! Two runs, with the tones and without, differ by what the loop makes of them. Sensors and
 //! converter are exact here, since the tones are far below their steps.

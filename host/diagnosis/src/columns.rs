@@ -8,8 +8,8 @@ use super::Columns;
 
 impl Columns {
     /// Those of a recording from a table: load, temperature and, beside a pressure, the command
-    /// where they are there; a noisy input is smoothed, in the recording too. What was done is noted
-    /// in the recording.
+    /// where they are there; a noisy input is smoothed, in the recording too. What was done is
+    /// noted in the recording.
     pub fn of(table: &Table, recording: &mut Recording) -> Self {
         let mut notes = Vec::new();
         let mut column = |name: &str, unit: Unit| match recording.drive.beside(table, name, unit) {

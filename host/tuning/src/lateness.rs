@@ -1,13 +1,13 @@
 //! How much later than predicted something came in a recording, and how noisy it was.
 //!
-//! What follows a signal b as a first-order lag, or as a delay that is short, obeys b − a = θ ȧ, and
-//! over any window the mean of b − a is θ times how far a went, over the window's length. So θ is
-//! found by least squares of the first on the second, in windows that are long beside the noise.
-//! Beside it stand what a wrong model of the hysteresis leaves, which changes with the direction and
-//! with the place: a polynomial of the place for either direction. At one speed the direction and a
-//! delay look alike, but for the windows in which a turns round, which are left out: the standard
-//! error then says so. It is that of the jackknife over blocks of time, since neighbouring windows
-//! are off alike.
+//! What follows a signal b as a first-order lag, or as a delay that is short, obeys b − a = θ ȧ,
+//! and over any window the mean of b − a is θ times how far a went, over the window's length. So θ
+//! is found by least squares of the first on the second, in windows that are long beside the noise.
+//! Beside it stand what a wrong model of the hysteresis leaves, which changes with the direction
+//! and with the place: a polynomial of the place for either direction. At one speed the direction
+//! and a delay look alike, but for the windows in which a turns round, which are left out: the
+//! standard error then says so. It is that of the jackknife over blocks of time, since neighbouring
+//! windows are off alike.
 
 use model_core::ParameterError;
 use recording::model_file::ModelFile;
@@ -30,7 +30,8 @@ const STRETCH: f64 = 0.02;
 const MOST: f64 = 0.95;
 /// The largest factor that is told.
 const WILD: f64 = 100.0;
-/// Parts of a window, and how far one of them may go back beside the longest and still not be a turn.
+/// Parts of a window, and how far one of them may go back beside the longest and still not be a
+/// turn.
 const PARTS: usize = 4;
 const BACK: f64 = 0.05;
 /// Times that what a rate tells beside direction and place has to be above its noise: less, and
@@ -286,8 +287,8 @@ impl Sums {
 mod tests {
     use super::*;
 
-    /// Ten times 10 s, at speeds from one to four, as seen `late_s` later, in a loop that is `wider` and
-    /// with a deterministic stand-in for noise.
+    /// Ten times 10 s, at speeds from one to four, as seen `late_s` later, in a loop that is
+    /// `wider` and with a deterministic stand-in for noise.
     fn seen(late_s: f64, wider: f64, speeds: bool) -> Late {
         let time_s: Vec<f64> = (0..10_000).map(|row| 0.01 * f64::from(row)).collect();
         let course = |time_s: f64| {

@@ -1,5 +1,5 @@
-//! From a model of a muscle to the feedback that goes with it, with stated margins, and learning over
-//! repetitions.
+//! From a model of a muscle to the feedback that goes with it, with stated margins, and learning
+//! over repetitions.
 //!
 //! # Design
 //! | file | what it does |

@@ -1,9 +1,9 @@
 //! Gain margin, phase margin and largest sensitivity of a loop.
 //!
 //! The largest sensitivity is how much more a disturbance at the worst frequency is felt than
-//! without feedback: one over the least distance of the open loop from -1. From 1.4 to 2 is usual; at
-//! 2 the gain margin is at least 2/(2 - 1) = 2 and the phase margin at least 2 asin(1/4) = 29 degrees
-//! (Åström and Hägglund, Advanced PID Control, section 4.5).
+//! without feedback: one over the least distance of the open loop from -1. From 1.4 to 2 is usual;
+//! at 2 the gain margin is at least 2/(2 - 1) = 2 and the phase margin at least 2 asin(1/4) = 29
+//! degrees (Åström and Hägglund, Advanced PID Control, section 4.5).
 
 use std::f64::consts::PI;
 
@@ -126,7 +126,8 @@ mod tests {
     #[test]
     fn an_integrator_with_a_dead_time_has_the_margins_of_the_textbook() {
         let found = of_loop(&integrator(10.0, 0.05));
-        // Phase at crossover: 90 degrees less 10 rad/s for 0.05 s; gain until pi/2 = rate times time.
+        // Phase at crossover: 90 degrees less 10 rad/s for 0.05 s; gain until pi/2 = rate times
+        // time.
         assert!((found.phase_deg - (90.0 - 0.5_f64.to_degrees())).abs() < 1.0, "{found:?}");
         assert!((found.gain - PI).abs() < 0.1, "{found:?}");
         assert!(found.maximum_sensitivity > 1.5 && found.maximum_sensitivity < 1.8, "{found:?}");

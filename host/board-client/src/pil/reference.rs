@@ -84,8 +84,8 @@ impl Reference {
         after_s.map(move |after_s| cursor.at(self.time_s[0] + after_s))
     }
 
-    /// The same reference, of which a board is given this much more (one a tick, its unit): what was
-    /// learnt for it. What it is measured by stays.
+    /// The same reference, of which a board is given this much more (one a tick, its unit): what
+    /// was learnt for it. What it is measured by stays.
     #[must_use]
     pub fn corrected(&self, correction: &[f64]) -> Self {
         Self { correction: correction.to_vec(), ..self.clone() }

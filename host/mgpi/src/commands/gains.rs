@@ -24,8 +24,8 @@ pub struct Gains {
     /// Time constant of the anti-windup in s
     #[arg(long, alias = "anti-windup", value_name = "S")]
     anti_windup_s: Option<f32>,
-    /// Rate of the disturbance observer in 1/s, which takes the place of the integral; 0 switches it
-    /// off
+    /// Rate of the disturbance observer in 1/s, which takes the place of the integral; 0 switches
+    /// it off
     #[arg(long, alias = "observer", value_name = "1/S")]
     observer_per_s: Option<f32>,
     /// Lowest command in bar [default: the lower end of the model's range, at least 0]

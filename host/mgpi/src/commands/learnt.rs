@@ -1,4 +1,5 @@
-//! What was learnt over repetitions, in a file: a correction a tick, with the reference that it is for.
+//! What was learnt over repetitions, in a file: a correction a tick, with the reference that it is
+//! for.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

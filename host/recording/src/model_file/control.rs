@@ -117,8 +117,8 @@ impl Recorded {
 }
 
 impl Tuning {
-    /// No feedback at all, and a command that takes an eighth of a second through 6 bar, for a board
-    /// that ticks with a period (s).
+    /// No feedback at all, and a command that takes an eighth of a second through 6 bar, for a
+    /// board that ticks with a period (s).
     pub fn off(period_s: f64) -> Self {
         Self {
             kp: 0.0,

@@ -7,7 +7,7 @@
 //! | `link`, `bus_port` | the two protocols on such a port |
 //! | `ports` | keeps both ports waiting until the start-up is over |
 //! | `safe_end` | panics, hard faults and unexpected interrupts |
-//! | [`stm32f405`] | converters, timers, clocks, watchdog, flash and pins: what the emulator has not |
+//! | `stm32f405` | converters, timers, clocks, watchdog, flash and pins: what the emulator has not |
 //!
 //! What a board does with them is the business of its image. For a host the crate is empty: there
 //! are no registers.

@@ -26,7 +26,7 @@
 //! # Parameters
 //! A configuration and limits that were accepted are stored, and taken again behind the next start.
 //! Storing them stops the processor for some milliseconds, up to half a second when a sector is
-//! full: see [`bsp::stm32f405::parameter_flash`].
+//! full: see `bsp::stm32f405::parameter_flash`.
 //!
 //! # Limits
 //! The internal oscillator, which is the fall-back, is 1 % off; so is the tick then.

@@ -310,7 +310,12 @@ pub fn diagnose_and_extend(
     let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
     let Proven { mut extended, refuted, is_needless } =
         proven(&extender, (named, valve.as_ref()), given, &simulating)?;
-    let unexplained = unexplained.or(refuted);
+    // A step that the simulated model does without is none: it made up for the form of the model that was searched with.
+    let is_needless_step = |seen: &Unexplained| {
+        best.causes.is_empty()
+            && matches!(seen, Unexplained::ZeroStep { left, .. } if extended.extended_rmse < *left)
+    };
+    let unexplained = unexplained.filter(|seen| !is_needless_step(seen)).or(refuted);
     let is_third_order = !is_needless && named.is_third_order();
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
     let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();

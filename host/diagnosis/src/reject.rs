@@ -62,6 +62,8 @@ pub enum Unexplained {
         time_s: f64,
         /// By how much.
         height: f64,
+        /// What a hysteresis of any form with the step is off by on blocks that no fit has seen.
+        left: f64,
     },
     /// Visits to the same state differ. Output unit.
     NotRepeatable {
@@ -170,7 +172,7 @@ fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
         (time_s, best)
     };
     let place = with_step.fit.step_weight(search.signals)?;
-    Some(Unexplained::ZeroStep { time_s, height: place })
+    Some(Unexplained::ZeroStep { time_s, height: place, left: with_step.score.mean() })
 }
 
 fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {

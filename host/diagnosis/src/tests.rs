@@ -202,7 +202,7 @@ fn a_jump_of_the_zero_is_unexplained_and_said() {
         hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, &t)| y + jump(t)).collect();
     let diagnosis = diagnosed(&plant.recorded(&output));
     assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{:?}", names(&diagnosis));
-    let Some(Unexplained::ZeroStep { time_s, height }) = diagnosis.unexplained else {
+    let Some(Unexplained::ZeroStep { time_s, height, .. }) = diagnosis.unexplained else {
         panic!("{:?}", diagnosis.unexplained)
     };
     assert!((time_s - 50.0).abs() < 2.0 && (height - 1.5).abs() < 0.3, "{height} at {time_s}");

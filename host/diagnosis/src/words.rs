@@ -30,7 +30,7 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
             names.join(" and ")
         ),
         Verdict::Unexplained => match &diagnosis.unexplained {
-            Some(Unexplained::ZeroStep { time_s, height }) => {
+            Some(Unexplained::ZeroStep { time_s, height, .. }) => {
                 format!("{none}: the zero jumps by {} {unit} at {time_s:.0} s.", legible(*height, 2))
             }
             Some(Unexplained::Outliers { rows, largest }) => {

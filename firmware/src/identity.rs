@@ -27,7 +27,7 @@ pub const SOURCE: Source = match option_env!("MGPI_SOURCE") {
     None => Source { commit: [0; 10], is_modified: false },
 };
 
-/// Reads 40 hexadecimal digits; whatever is none counts as 0.
+/// Reads 40 hexadecimal digits; any other character counts as 0.
 const fn source(text: &str) -> Source {
     let (mut bytes, mut commit, mut place) = (text.as_bytes(), [0; 10], 0);
     while let [digit, rest @ ..] = bytes

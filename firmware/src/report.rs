@@ -25,7 +25,8 @@ pub struct Outputs {
     pub contraction_noise_mm: f32,
     /// At the valve's output, read back; 0 where it is not. Unit: V.
     pub output_v: f32,
-    /// That of the converters, by the processor's reference; 0 where there is none. Unit: V.
+    /// Supply of the converters, measured against the processor's reference; 0 on a board that has no
+    /// reference. Unit: V.
     pub converters_supply_v: f32,
 }
 

@@ -1,22 +1,26 @@
 //! The baseline of the search: a rate-independent map of the input with memory, linear in its weights.
 //!
 //! A static curve of tents over the input, and stops of it over logarithmically spaced radii, each times a few tents.
-//! Any Prandtl-Ishlinskii model with an envelope and dead zones is near such a sum. Neighbouring tents are alike to begin with: a
-//! prior of smoothness, as strong as predicts held-out blocks best, lets a recording of few cycles have fewer of them in effect. The stops see the input through an envelope, as generalized operators do: where the muscle is soft a
-//! radius is small in the input's unit. Without it the misfit grows with whatever changes the loop's width. The envelope
-//! lies between a straight line (bend 0) and the static curve of a first fit (bend 1).
+//! Any Prandtl-Ishlinskii model with an envelope and dead zones is near such a sum. A smoothness prior holds the second
+//! differences of neighbouring weights down; its strength is the one that predicts held-out blocks best, so that a
+//! recording of few cycles is not fitted with more freedom than it supports.
+//!
+//! The stops see the input through an envelope, as generalized operators do: where the muscle is soft a radius is small
+//! in the input's unit. Without it the misfit grows with whatever changes the loop's width. The envelope lies between a
+//! straight line (bend 0) and the static curve of a first fit (bend 1).
 
 use pulp::Arch;
 
 use super::signals::Row;
 
-/// Tents of the static curve.
+/// Tents of the static curve: 6 % of the input's span apart.
 const CURVE: usize = 17;
 /// Tents that a stop is multiplied by.
 const FEW: usize = 3;
 /// Radii of the stops.
 const RADII: usize = 8;
-/// The smallest radius as a share of the input's span, and the ratio of one to the next.
+/// The smallest radius as a share of the input's span, and the ratio of one to the next: the largest is half of the span,
+/// beyond which a stop never slides.
 const SMALLEST: f64 = 0.012;
 const RATIO: f64 = 1.7;
 /// The least slope of an envelope, as a share of the mean one.

@@ -235,6 +235,7 @@ impl Normal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synthetic::Noise;
 
     #[test]
     fn sums_of_some_rows_at_a_time_are_those_of_each_row_in_each_of_its_parts() {
@@ -266,6 +267,48 @@ mod tests {
             // Sums of whole numbers are exact.
             assert_eq!((&normal.matrix, &normal.right), (&matrix, &right));
         }
+    }
+
+    /// A design of the baseline alone under a prior, in rows that go through all groups.
+    fn smoothed(smoothness: f64) -> Design {
+        let mut noise = Noise::new(1);
+        let rows = (0..4000).map(|row: usize| Entries {
+            group: (row / 7) % GROUPS,
+            values: std::array::from_fn(|_| noise.white(1.0)),
+        });
+        Design {
+            rows: rows.collect(),
+            dense: Vec::new(),
+            firsts: Vec::new(),
+            one_sign: Vec::new(),
+            smoothness,
+        }
+    }
+
+    #[test]
+    fn the_prior_holds_bends_down_and_leaves_nothing_to_move_at_its_own_solution() {
+        let targets: Vec<f64> = (0..4000).scan(Noise::new(2), |noise, _| Some(noise.white(1.0))).collect();
+        let target = |row: usize| targets[row];
+        let free: Vec<usize> = (0..COLUMNS).collect();
+        let bends_under = |smoothness: f64| {
+            let design = smoothed(smoothness);
+            let all = design.with(&[]);
+            let [normal] = all.normal(target, |_| [true]);
+            let normal = normal.with_prior(smoothness, &[0.0; COLUMNS]);
+            let (weights, _) = normal.solve(&free).expect("it can be solved");
+            let left = |row: usize| target(row) - all.predict(row, &weights);
+            let [there] = all.normal(left, |_| [true]);
+            let (change, _) = there.with_prior(smoothness, &weights).solve(&free).expect("it can be solved");
+            // The ridge, which has no weights to count from, moves them by a little.
+            let size = |all: &[f64]| all.iter().map(|value| value.abs()).fold(0.0, f64::max);
+            assert!(size(&change) < 1e-3 * size(&weights), "{} {}", size(&change), size(&weights));
+            let bend = |places: [usize; 3]| {
+                places.iter().zip(BEND).map(|(&at, factor)| weights[at] * factor).sum::<f64>()
+            };
+            neighbours().map(|places| bend(places).powi(2)).sum::<f64>()
+        };
+        let [free_bends, held] = [0.0, 10.0].map(bends_under);
+        assert!(held < 0.05 * free_bends, "{held} {free_bends}");
     }
 
     #[test]

@@ -98,7 +98,7 @@ use anatomy::excitation::Excitation;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
 use cause::Cause;
-use extend::{Extended, Extender, Operator, Plain, Shape, likely};
+use extend::{Extended, Extender, Operator, Plain, likely};
 use identification::IdentificationError;
 use measured::measure;
 pub use noisy_input::Smoothing;
@@ -310,7 +310,7 @@ pub fn diagnose_and_extend(
     let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
     let Proven { mut extended, refuted, is_needless } =
         proven(&extender, (named, valve.as_ref()), given, &simulating)?;
-    // A step that the simulated model does without is none: it made up for the form of the model that was searched with.
+    // A step is rejected where the simulated model is nearer without it: it made up for a misfit of the search's own model.
     let is_needless_step = |seen: &Unexplained| {
         best.causes.is_empty()
             && matches!(seen, Unexplained::ZeroStep { left, .. } if extended.extended_rmse < *left)
@@ -372,7 +372,7 @@ fn shaped(search: &Search<'_>, columns: &Columns, extended: &mut Extended) -> (O
     if !extended.causes.is_empty() || !first.as_ref().is_some_and(is_form) {
         return (first, None);
     }
-    let shape = Shape::best(columns, &search.signals.scored());
+    let shape = Plain::of_other_form(columns, &search.signals.scored());
     let reshaped = shape.and_then(|shape| extended.reshaped(shape, columns));
     let Some(reshaped) = reshaped.filter(|reshaped| no_gain(reshaped).is_none()) else {
         return (first, None);

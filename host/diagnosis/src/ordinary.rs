@@ -10,7 +10,7 @@ use super::rivals::differ_less_than_misfit;
 use super::search::Search;
 use super::verdict::Named;
 
-/// The best set with a regulator's lag in the place of a fast cause, if it is as good; None where there is none.
+/// The best set in which a regulator's lag replaces a fast cause and explains the recording as well; None if no set does.
 pub fn with_ordinary_lag(
     search: &Search<'_>,
     set: &Candidate,

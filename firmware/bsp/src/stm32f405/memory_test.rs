@@ -15,8 +15,8 @@ use core::arch::naked_asm;
 const FILL: u32 = 0xA5A5_A5A5;
 
 unsafe extern "C" {
-    /// What the test has found, by memory.x: an address within 16 bytes of a word that does not
-    /// keep what is written to it, 0 if there is none; and its complement.
+    /// Result of the test, placed by memory.x: an address within 16 bytes of a word that does not
+    /// keep what is written to it, or 0 if all words do; then the complement of that.
     static _memory_test: [u32; 2];
 }
 

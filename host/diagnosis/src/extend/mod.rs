@@ -73,7 +73,6 @@ use recording::figures::Figures;
 use recording::numbers::{range, root_mean_square};
 use recording::simulation::Rows;
 use recording::unit::Unit;
-pub use shape::Shape;
 use slow::Slow;
 use task::Task;
 pub use written::Written;
@@ -145,7 +144,7 @@ pub struct Extended {
     /// Models with other sets, which are written in its place where they predict better.
     pub(super) others: Vec<Extended>,
     /// The plain model of the input as it was measured, where that was smoothed.
-    of_measured: Option<Shape>,
+    of_measured: Option<Plain>,
     counted: Counted,
 }
 
@@ -220,8 +219,8 @@ impl Extension {
 
 impl Extended {
     /// An operator of another form in the place of the model, behind the same valve; None where it does not run through the recording.
-    pub(super) fn reshaped(&self, shape: Shape, columns: &Columns) -> Option<Self> {
-        let Shape { taught, whole, termination } = shape;
+    pub(super) fn reshaped(&self, shape: Plain, columns: &Columns) -> Option<Self> {
+        let Plain { taught, whole, termination } = shape;
         let [taught, whole] = [taught, whole].map(|operator| operator.with_valve_of(&self.model));
         let (_, untaught) = split(&self.counted.scored);
         let models = (&self.counted.plain, &taught);
@@ -316,7 +315,7 @@ pub struct Extender<'a> {
     pub search: &'a Search<'a>,
     scored: Vec<usize>,
     plain: Plain,
-    of_measured: Option<Shape>,
+    of_measured: Option<Plain>,
     /// The plain model's error over all scored rows, root mean square. Output unit.
     pub without: f64,
     /// What the operator begins with beside sets that were tried, each known by its causes and what it costs.
@@ -328,7 +327,7 @@ impl<'a> Extender<'a> {
     pub fn new(columns: &'a Columns, search: &'a Search<'a>, plain: Plain) -> Self {
         let scored = search.signals.scored();
         let without = Task::alone(columns, &scored).rms(&plain.whole).unwrap_or(f64::INFINITY);
-        let of_measured = Shape::of_measured(columns, &scored);
+        let of_measured = Plain::of_measured(columns, &scored);
         Self { columns, search, scored, plain, of_measured, without, starts: Mutex::default() }
     }
 

@@ -24,8 +24,10 @@ use recording::figures::Figures;
 
 /// Samples that are scored, about, and as many more that only drive the operator.
 const ROWS: usize = 1600;
-/// The envelopes that are tried: tanh, and piecewise-linear with so many knots.
-const ENVELOPES: [Option<usize>; 2] = [None, Some(12)];
+/// Knots of a piecewise-linear envelope, as `mgpi compare` has by default.
+pub const KNOTS: usize = 12;
+/// The envelopes that are tried: tanh, and piecewise-linear.
+const ENVELOPES: [Option<usize>; 2] = [None, Some(KNOTS)];
 /// Sizes of the operator.
 const PLAYS: usize = 10;
 const DEAD_ZONES: usize = 10;
@@ -87,18 +89,30 @@ fn at_rest(fit: &Fit) -> Option<Fit> {
 /// # Errors
 /// No operator can be identified.
 pub fn operator(seen: &Seen, scored: &[usize]) -> Result<Operator, IdentificationError> {
+    let search = |knots| Options { starts: STARTS, seed: SEED, tolerance: TOLERANCE, ..as_identify(knots) };
+    operator_of(seen, scored, &ENVELOPES.map(search))
+}
+
+/// The best of several searches for such an operator.
+///
+/// # Errors
+/// No operator can be identified.
+pub fn operator_of(
+    seen: &Seen,
+    scored: &[usize],
+    searches: &[Options],
+) -> Result<Operator, IdentificationError> {
     let kept = kept(&seen.input, scored);
     let of_kept = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&row| values[row]).collect() };
     let counts: Vec<bool> = kept.iter().map(|row| scored.binary_search(row).is_ok()).collect();
     let problem = Problem { input: &of_kept(&seen.input), output: &of_kept(&seen.output), scored: &counts };
-    let search = |knots| Options { starts: STARTS, seed: SEED, tolerance: TOLERANCE, ..as_identify(knots) };
-    let (operator, _) = best(&problem, &ENVELOPES.map(search))?;
+    let (operator, _) = best(&problem, searches)?;
     Ok(operator)
 }
 
 /// The rows that the search looks at, in order: some of the scored ones, and the lowest and the highest input of each block, for
 /// operators remember extremes only. Blocks are as short as the scored rows need them, however many rows follow.
-pub(super) fn kept(input: &[f64], scored: &[usize]) -> Vec<usize> {
+fn kept(input: &[f64], scored: &[usize]) -> Vec<usize> {
     let mut kept: Vec<usize> = scored.iter().copied().step_by(2 * (scored.len() / ROWS).max(1)).collect();
     let scored_end = scored.last().map_or(0, |last| last + 1);
     let block = 2 * (scored_end / ROWS).max(1);
@@ -117,8 +131,19 @@ pub(super) fn kept(input: &[f64], scored: &[usize]) -> Vec<usize> {
 /// # Errors
 /// No operator can be identified.
 pub fn identified(columns: &Columns) -> Result<(Operator, Termination), IdentificationError> {
+    identified_as(columns, as_identify(None))
+}
+
+/// The same by another search.
+///
+/// # Errors
+/// No operator can be identified.
+pub fn identified_as(
+    columns: &Columns,
+    options: Options,
+) -> Result<(Operator, Termination), IdentificationError> {
     let Columns { input, output, scored, .. } = columns;
-    best(&Problem { input, output, scored }, &[as_identify(None)])
+    best(&Problem { input, output, scored }, &[options])
 }
 
 /// Number of knots of an envelope; None of one that has none.

@@ -4,7 +4,7 @@
 use model_core::ExtensionParameters;
 
 use super::heldout::{self, HeldOutGain, on_another};
-use super::{Extended, Extension, Shape, physical, seen_from, split, start};
+use super::{Extended, Extension, Plain, physical, seen_from, split, start};
 use crate::Columns;
 use crate::cause::Cause;
 use crate::physical::Parameters;
@@ -103,16 +103,16 @@ impl Extended {
         let own = self.alone(columns, other)?;
         let best = extended
             .fold(own, |best, one| if one.gain.after.rmse < best.gain.after.rmse { one } else { best });
-        // The operator that was fitted to a smoothed input is none for what was measured.
+        // A plain operator fitted to the smoothed input may simulate the measured input worse than one fitted to that.
         let measured = self.of_measured.as_ref().filter(|_| !best.is_extended());
-        let measured = measured.and_then(|shape| self.with_operator(shape, columns, other));
+        let measured = measured.and_then(|operator| self.with_operator(operator, columns, other));
         Some(measured.filter(|one| one.rmse < best.rmse).unwrap_or(best))
     }
 
     /// An operator without extensions in the place of what was found.
-    fn with_operator(&self, shape: &Shape, columns: &Columns, other: Option<&Columns>) -> Option<Written> {
+    fn with_operator(&self, operator: &Plain, columns: &Columns, other: Option<&Columns>) -> Option<Written> {
         let plain = Pair { whole: self.plain.clone(), taught: self.counted.plain.clone() };
-        let pair = Pair { whole: shape.whole.clone(), taught: shape.taught.clone() };
+        let pair = Pair { whole: operator.whole.clone(), taught: operator.taught.clone() };
         Some(Written {
             simulated: pair.whole.answer(columns)?,
             rmse: pair.whole.rmse(columns),
@@ -120,7 +120,7 @@ impl Extended {
             gain: self.beside((columns, other), false, (&plain, &pair))?,
             from_command: false,
             starts: start::STARTS,
-            termination: shape.termination,
+            termination: operator.termination,
             model: pair.whole,
             taught: pair.taught,
         })

@@ -25,8 +25,8 @@ pub struct Outputs {
     pub contraction_noise_mm: f32,
     /// At the valve's output, read back; 0 where it is not. Unit: V.
     pub output_v: f32,
-    /// Supply of the converters, measured against the processor's reference; 0 on a board that has no
-    /// reference. Unit: V.
+    /// Supply of the converters, measured against the processor's reference; 0 on a board without
+    /// one. Unit: V.
     pub converters_supply_v: f32,
 }
 

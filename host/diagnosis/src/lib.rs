@@ -30,6 +30,8 @@
 //! | [`shown`] | their names and units, those of the recording |
 //! | [`mod@extend`] | the operator model extended by the named causes, running free, and its gain |
 //! | `measured` | the named causes' parameters as that has them |
+//! | [`diagnosed`] | all of it from a table to the model that is written |
+//! | [`json`] | a diagnosis for programs |
 //! | [`words`] | the verdict in a sentence, and the experiment that is left to be made |
 //!
 //! # Contract
@@ -46,6 +48,7 @@ pub mod basis;
 pub mod candidate;
 pub mod cause;
 mod design;
+pub mod diagnosed;
 pub mod effect;
 pub mod equivalent;
 pub mod extend;
@@ -53,6 +56,7 @@ pub mod fit;
 mod follower;
 pub mod free_run;
 pub mod gain;
+pub mod json;
 mod low_pass;
 mod measured;
 mod noisy_input;

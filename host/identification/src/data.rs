@@ -1,4 +1,5 @@
-//! A recording, checked and normalised for the search.
+//! Recordings of one muscle, checked and normalised for the search: their rows one after the other,
+//! each recording from rest.
 
 use model_core::envelope::KNOTS;
 use model_core::memoryless::{DEGREE, Memoryless, MemorylessParameters};
@@ -14,13 +15,11 @@ use recording::numbers::range;
 /// far a model is kept from being non-invertible.
 const LEAST_SLOPE: f64 = 1e-2;
 
-/// A recording, normalised for the search.
+/// Recordings of one muscle, normalised for the search.
 #[derive(Clone)]
 pub struct Data {
-    /// The rows up to the last that counts.
+    /// The rows up to the last that counts, those of each recording behind those of the one before.
     pub rows: Vec<Row>,
-    /// Number of first rows that rest at the lowest input: their branch is that of what was before.
-    pub resting: usize,
     /// Lowest input and span of the inputs. Input unit.
     pub span: Span,
     /// The functions of the input over its span that are added, if there are any.
@@ -33,13 +32,15 @@ pub struct Data {
     pub coordinates: Vec<Coordinate>,
 }
 
-/// Checks a problem and normalises it for the search.
+/// Checks recordings of one muscle and normalises them for the search.
 ///
 /// # Errors
 /// See [`IdentificationError`].
-pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, IdentificationError> {
-    let Problem { input, output, scored } = *problem;
-    if input.len() != output.len() || input.len() != scored.len() {
+pub fn normalise(problems: &[Problem<'_>], options: &Options) -> Result<Data, IdentificationError> {
+    let have_one_length = |&Problem { input, output, scored }: &Problem<'_>| {
+        input.len() == output.len() && input.len() == scored.len()
+    };
+    if !problems.iter().all(have_one_length) {
         return Err(IdentificationError::Lengths);
     }
     for (name, value, limits) in [
@@ -53,31 +54,33 @@ pub fn normalise(problem: &Problem<'_>, options: &Options) -> Result<Data, Ident
             return Err(IdentificationError::Size(name, value, limits));
         }
     }
-    for (name, list) in [("input", input), ("output", output)] {
-        if let Some(row) = list.iter().position(|value| !value.is_finite()) {
-            return Err(IdentificationError::NotFinite(name, row));
+    for Problem { input, output, .. } in problems {
+        for (name, list) in [("input", input), ("output", output)] {
+            if let Some(row) = list.iter().position(|value| !value.is_finite()) {
+                return Err(IdentificationError::NotFinite(name, row));
+            }
         }
     }
     let structure = Structure::new(options);
     let coordinates = structure.coordinates();
-    let count = scored.iter().filter(|&&scored| scored).count();
+    let outputs = || problems.iter().flat_map(Problem::scored_output);
+    let count = outputs().count();
     let parameters = options.unknowns();
     if count <= parameters {
         return Err(IdentificationError::TooFewRows { rows: count, parameters });
     }
-    let (low, high) = range(input);
+    let (low, high) = range(problems.iter().flat_map(|problem| problem.input));
     if low == high {
         return Err(IdentificationError::ConstantInput(low));
     }
-    let outputs = output.iter().zip(scored).filter(|(_, scored)| **scored).map(|(output, _)| output);
-    let (output_low, output_high) = range(outputs);
+    let (output_low, output_high) = range(outputs());
     if output_low == output_high {
         return Err(IdentificationError::ConstantOutput(output_low));
     }
     let span = (low, high - low);
-    let rows = rows(problem, span);
+    let mut rows: Vec<Row> = problems.iter().flat_map(|problem| rows(problem, span)).collect();
+    rows.truncate(rows.iter().rposition(|row| row.weight > 0.0).map_or(0, |last| last + 1));
     Ok(Data {
-        resting: rows.iter().take_while(|row| row.input == 0.0).count(),
         rows,
         span,
         added: (structure.added() > 0).then(added).transpose().map_err(IdentificationError::Invalid)?,
@@ -93,18 +96,19 @@ fn added() -> Result<Memoryless<f64>, ParameterError> {
     Memoryless::try_new(&MemorylessParameters { rises: [0.0; DEGREE] }, &range)
 }
 
-/// The rows up to the last that counts.
+/// The rows of a recording.
 fn rows(problem: &Problem<'_>, (low, span): Span) -> Vec<Row> {
     let Problem { input, output, scored } = *problem;
-    let end = scored.iter().rposition(|&scored| scored).map_or(0, |last| last + 1);
-    let (mut before, mut rising) = (0.0, true);
-    let row = |((x, &output), &scored): ((&f64, &f64), &bool)| {
-        let input = (x - low) / span;
+    let (mut before, mut rising, mut rests) = (0.0, true, true);
+    let row = |place: usize| {
+        let input = (input[place] - low) / span;
         rising = if input == before { rising } else { input > before };
+        rests &= input == 0.0;
         before = input;
-        Row { input, output, weight: f32::from(u8::from(scored)), rising }
+        let weight = f32::from(u8::from(scored[place]));
+        Row { input, output: output[place], weight, rising, begins: place == 0, rests }
     };
-    input[..end].iter().zip(output).zip(scored).map(row).collect()
+    (0..input.len()).map(row).collect()
 }
 
 /// Number of free weights, if they are.
@@ -118,12 +122,18 @@ impl Data {
         self.rows.iter().filter(|row| row.weight > 0.0).count()
     }
 
-    /// The recording without those rows at which a fresh and a preconditioned muscle differ, all
-    /// before the input is first at its highest. None if that leaves less than half.
+    /// The recordings without those rows at which a fresh and a preconditioned muscle differ, all
+    /// before the input of a recording is first at the highest of all. None if that leaves less
+    /// than half.
     pub fn where_kinds_agree(&self) -> Option<Self> {
         let mut agreed = self.clone();
-        let first = agreed.rows.iter().position(|row| row.input == 1.0)?;
-        agreed.rows[..first].iter_mut().for_each(|row| row.weight = 0.0);
+        let mut has_been_highest = false;
+        for row in &mut agreed.rows {
+            has_been_highest = row.input == 1.0 || has_been_highest && !row.begins;
+            if !has_been_highest {
+                row.weight = 0.0;
+            }
+        }
         let weight = |rows: &[Row]| rows.iter().map(|row| f64::from(row.weight)).sum::<f64>();
         (2.0 * weight(&agreed.rows) >= weight(&self.rows)).then_some(agreed)
     }

@@ -45,15 +45,14 @@ impl Inner {
         }
     }
 
-    /// A muscle at rest before the recording, preconditioned or not, whose first `resting` rows
-    /// rest at the lowest input.
-    pub fn at_rest<const K: usize>(&self, resting: usize, preconditioned: bool) -> Muscle<'_, K> {
+    /// A muscle at rest before a recording, preconditioned or not.
+    pub fn at_rest<const K: usize>(&self, preconditioned: bool) -> Muscle<'_, K> {
         let mut bank = Bank::at_rest(self);
         if preconditioned {
             bank.step(&self.driven(1.0, true));
             bank.step(&self.driven(0.0, false));
         }
-        Muscle { inner: self, bank, resting, preconditioned }
+        Muscle { inner: self, rest: bank.corners.clone(), bank, preconditioned }
     }
 
     /// What an input drives the plays with.
@@ -65,12 +64,12 @@ impl Inner {
     }
 }
 
-/// A muscle on its way through a recording.
+/// A muscle on its way through the recordings.
 pub struct Muscle<'a, const K: usize> {
     inner: &'a Inner,
     bank: Bank<'a, K>,
-    /// Number of rows that will still rest as they did before the recording.
-    resting: usize,
+    /// Where the plays are before a recording.
+    rest: Vec<Corner<K>>,
     preconditioned: bool,
 }
 
@@ -79,8 +78,10 @@ impl<const K: usize> Muscle<'_, K> {
     #[inline(always)]
     pub fn step(&mut self, row: &Row) -> Sample<K> {
         let Inner { plays, of_envelope, .. } = self.inner;
-        let rising = if self.resting > 0 { !self.preconditioned } else { row.rising };
-        self.resting = self.resting.saturating_sub(1);
+        if row.begins {
+            self.bank.corners.clone_from(&self.rest);
+        }
+        let rising = if row.rests { !self.preconditioned } else { row.rising };
         let driven = self.inner.driven(row.input, rising);
         let part = self.bank.step(&driven);
         let mut by: [f64; K] = std::array::from_fn(|c| plays.q * driven.by[c] + part.by[c]);

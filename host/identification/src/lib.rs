@@ -33,7 +33,7 @@
 //! Whatever the recording is, the result is a validated, invertible model or a typed error. Before
 //! the recording the muscle is taken to have come from rest at the lowest input, either
 //! preconditioned by a full cycle or, if that fits clearly better, fresh. Rows that do not count
-//! (`scored` false) still drive it.
+//! (`scored` false) still drive it. Of several recordings each begins so.
 //!
 //! # Limits
 //! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the
@@ -48,7 +48,9 @@ mod descent;
 mod envelope;
 mod error;
 pub mod holdout;
+pub mod identified;
 mod inner;
+pub mod json;
 mod nnls;
 mod plan;
 mod plays;
@@ -107,6 +109,13 @@ pub struct Problem<'a> {
     pub output: &'a [f64],
     /// Whether a row counts; the others are input history only.
     pub scored: &'a [bool],
+}
+
+impl<'a> Problem<'a> {
+    /// The outputs that count.
+    fn scored_output(&self) -> impl Iterator<Item = &'a f64> + use<'a> {
+        self.output.iter().zip(self.scored).filter(|(_, scored)| **scored).map(|(output, _)| output)
+    }
 }
 
 impl<'a> From<&'a Recording> for Problem<'a> {
@@ -204,7 +213,7 @@ pub struct Fit {
     pub parameters: HostParameters,
     /// The density that the play parameters come from.
     pub density: Density,
-    /// The model's output for every row. Output unit.
+    /// The model's output for every row, of several recordings one behind the other. Output unit.
     pub simulated: Vec<f64>,
     /// What is known about the raw parameters.
     pub uncertainty: Uncertainty,
@@ -212,7 +221,8 @@ pub struct Fit {
     pub termination: Termination,
     /// Number of starts tried.
     pub starts: usize,
-    /// The rows that are outliers, as far as they were looked for ([`Loss::Huber`]).
+    /// The rows that are outliers, as far as they were looked for ([`Loss::Huber`]); of several
+    /// recordings counted on from one to the next.
     pub outliers: Vec<usize>,
 }
 
@@ -268,7 +278,39 @@ pub fn identify(
     options: &Options,
     progress: Tell<'_>,
 ) -> Result<Fit, IdentificationError> {
-    let data = normalise(problem, options)?;
+    identify_several(&[*problem], options, progress)
+}
+
+/// Identifies one model from several recordings of one muscle, each of which begins from rest at
+/// the lowest input of all. `progress` is told the share of the work that is done.
+///
+/// # Errors
+/// See [`IdentificationError`]; there is no recording.
+///
+/// ```
+/// use identification::{Options, Problem, identify_several};
+/// use model_core::Kind;
+///
+/// let ramps = |top: f64| -> Vec<f64> { (0..200).map(|k| top * (0.5 - 0.5 * (0.1 * f64::from(k)).cos())).collect() };
+/// let (low, high) = (ramps(2.0), ramps(6.0));
+/// let line = |input: &[f64]| -> Vec<f64> { input.iter().map(|x| 10.0 * x).collect() };
+/// let (short, long) = (line(&low), line(&high));
+/// let scored = [true; 200];
+/// let both = [
+///     Problem { input: &low, output: &short, scored: &scored },
+///     Problem { input: &high, output: &long, scored: &scored },
+/// ];
+/// let options = Options { model: Kind::Cpi, plays: 2, starts: 2, ..Options::default() };
+/// let fit = identify_several(&both, &options, &|_| ())?;
+/// assert_eq!(fit.simulated.len(), 400); // those of the second recording behind those of the first
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+pub fn identify_several(
+    problems: &[Problem<'_>],
+    options: &Options,
+    progress: Tell<'_>,
+) -> Result<Fit, IdentificationError> {
+    let data = normalise(problems, options)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
@@ -280,14 +322,14 @@ pub fn identify(
         let entries = data.structure.entries();
         let ends = with_capacity!(entries, searches.everywhere(&data));
         if options.weights == Weights::Exponential {
-            return with_capacity!(entries, searches.first_model(problem, &data, ends));
+            return with_capacity!(entries, searches.first_model(problems, &data, ends));
         }
         // Free weights go on from where exponential ones end.
         let freed: Vec<Start> = ends.iter().take(FREED).map(|(end, _)| end.freed(&data)).collect();
         let free = data.with_free_weights();
         let entries = free.structure.entries();
         let ends = with_capacity!(entries, searches.onwards(&free, &freed));
-        with_capacity!(entries, searches.first_model(problem, &free, ends))
+        with_capacity!(entries, searches.first_model(problems, &free, ends))
     })
 }
 
@@ -296,7 +338,7 @@ impl Searches<'_> {
     /// extended one is not.
     fn first_model<const K: usize>(
         &self,
-        problem: &Problem<'_>,
+        problems: &[Problem<'_>],
         data: &Data,
         ends: Vec<End>,
     ) -> Result<Fit, IdentificationError> {
@@ -305,7 +347,7 @@ impl Searches<'_> {
         while !ends.is_empty() {
             let later = ends.split_off(finalists(&ends, data.count()));
             for Robust { data, end, outliers } in self.on_all_rows::<K>(data, &ends) {
-                match self.finish::<K>(problem, &data, end) {
+                match self.finish::<K>(problems, &data, end) {
                     Ok(fit) => return Ok(Fit { outliers, ..fit }),
                     Err(error) => refusal = IdentificationError::Invalid(error),
                 }
@@ -317,7 +359,7 @@ impl Searches<'_> {
 
     fn finish<const K: usize>(
         &self,
-        problem: &Problem<'_>,
+        problems: &[Problem<'_>],
         data: &Data,
         (start, Reached { reason, .. }): End,
     ) -> Result<Fit, ParameterError> {
@@ -329,7 +371,7 @@ impl Searches<'_> {
         let model = HostModel::try_new(&parameters)?;
         model.inverse()?;
         Ok(Fit {
-            simulated: simulate(&model, problem.input),
+            simulated: problems.iter().flat_map(|problem| simulate(&model, problem.input)).collect(),
             uncertainty: Uncertainty::new(data, point)?,
             termination: (&reason).into(),
             starts: self.options.starts,

@@ -30,7 +30,7 @@ fn at_the_rows_of_a_thinned_recording_the_plays_are_where_all_rows_bring_them() 
         let outputs: Vec<f64> = (0..inputs.len()).map(|row| row as f64).collect();
         let scored: Vec<bool> = (0..inputs.len()).map(|row| row % 4 != 0).collect();
         let problem = Problem { input: &inputs, output: &outputs, scored: &scored };
-        let whole = normalise(&problem, &options()).expect("sound data");
+        let whole = normalise(&[problem], &options()).expect("sound data");
         let thinned = whole.thinned(2000);
         let count = thinned.count();
         assert!((1000..=2000).contains(&count) && thinned.rows.len() < 10 * count, "{count} rows count");
@@ -39,7 +39,7 @@ fn at_the_rows_of_a_thinned_recording_the_plays_are_where_all_rows_bring_them() 
         let inner = Inner::new(&whole.structure, &[0.8, -0.4, -3.0, 1.2, -0.3], whole.span);
         for preconditioned in [true, false] {
             let u = |data: &Data| -> Vec<f64> {
-                let mut muscle = inner.at_rest::<8>(data.resting, preconditioned);
+                let mut muscle = inner.at_rest::<8>(preconditioned);
                 data.rows.iter().map(|row| muscle.step(row).u).collect()
             };
             let all = u(&whole);
@@ -49,6 +49,31 @@ fn at_the_rows_of_a_thinned_recording_the_plays_are_where_all_rows_bring_them() 
             }
         }
     }
+}
+
+#[test]
+fn of_several_recordings_a_thinned_one_begins_where_each_begins() {
+    let inputs = cycles(0.01);
+    let outputs: Vec<f64> = (0..inputs.len()).map(|row| row as f64).collect();
+    let scored = vec![true; inputs.len()];
+    let parts = [0..20_000, 20_000..45_017, 45_017..60_000].map(|rows| Problem {
+        input: &inputs[rows.clone()],
+        output: &outputs[rows.clone()],
+        scored: &scored[rows],
+    });
+    let whole = normalise(&parts, &options()).expect("sound data");
+    let thinned = whole.thinned(2000);
+    let inner = Inner::new(&whole.structure, &[0.8, -0.4, -3.0, 1.2, -0.3], whole.span);
+    let u = |data: &Data| -> Vec<f64> {
+        let mut muscle = inner.at_rest::<8>(true);
+        data.rows.iter().map(|row| muscle.step(row).u).collect()
+    };
+    let all = u(&whole);
+    for (row, u) in thinned.rows.iter().zip(u(&thinned)).filter(|(row, _)| row.weight > 0.0) {
+        assert!((u - all[row.output as usize]).abs() < 1e-12, "row {}", row.output);
+    }
+    let weight: f64 = thinned.rows.iter().map(|row| f64::from(row.weight)).sum();
+    assert!((weight / 60_000.0 - 1.0).abs() < 0.05, "they stand for {weight} rows");
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! A row of a recording, as the search sees it, and the span that its input is normalised over.
+//! A row of the recordings, as the search sees it, and the span that their inputs are normalised
+//! over.
 
 /// Lowest input and span of the inputs. Input unit.
 pub type Span = (f64, f64);
@@ -6,7 +7,7 @@ pub type Span = (f64, f64);
 /// A row of a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// The input, 0 … 1 over the span of the recording's inputs.
+    /// The input, 0 … 1 over the span of all inputs.
     pub input: f64,
     /// The measured output. Output unit.
     pub output: f64,
@@ -14,4 +15,9 @@ pub struct Row {
     pub weight: f32,
     /// Whether it is on a rising branch; one that rests keeps its branch.
     pub rising: bool,
+    /// Whether a recording begins with it: the muscle comes from rest.
+    pub begins: bool,
+    /// Whether its recording has rested at the lowest input up to here: its branch is that of what
+    /// was before.
+    pub rests: bool,
 }

@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::Fit;
 use super::robust::{beyond, deviation};
 use recording::Recording;
 
@@ -24,11 +23,12 @@ pub struct Strays {
 }
 
 impl Strays {
-    /// Those of a fit, where they are few and make up much of its error.
-    pub fn of(recording: &Recording, fit: &Fit) -> Option<Self> {
+    /// Those of a model that answers with `simulated` (a value a sample, output unit), where they
+    /// are few and make up much of its error.
+    pub fn of(recording: &Recording, simulated: &[f64]) -> Option<Self> {
         let Recording { drive, output, .. } = recording;
         let rows: Vec<usize> = (0..drive.scored.len()).filter(|&row| drive.scored[row]).collect();
-        let residuals: Vec<f64> = rows.iter().map(|&row| output.values[row] - fit.simulated[row]).collect();
+        let residuals: Vec<f64> = rows.iter().map(|&row| output.values[row] - simulated[row]).collect();
         let far: Vec<usize> = beyond(&residuals, deviation(&residuals)).collect();
         let squares = |residual: &f64| residual * residual;
         let all: f64 = residuals.iter().map(squares).sum();

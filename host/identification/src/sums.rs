@@ -164,7 +164,7 @@ fn go<const K: usize>(
 ) {
     let places = Places::of(data);
     let begin = reference.at_knots(grid.width);
-    let mut muscle = inner.at_rest::<K>(data.resting, at.preconditioned);
+    let mut muscle = inner.at_rest::<K>(at.preconditioned);
     for row in &data.rows {
         let Sample { u, by: mut entries } = muscle.step(row);
         if row.weight == 0.0 {

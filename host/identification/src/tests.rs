@@ -90,7 +90,7 @@ pub fn fit(input: &[f64], output: &[f64], options: &Options) -> Result<Fit, Iden
 
 pub fn data(input: &[f64], output: &[f64], options: &Options) -> Data {
     let scored = vec![true; input.len()];
-    normalise(&Problem { input, output, scored: &scored }, options).expect("sound data")
+    normalise(&[Problem { input, output, scored: &scored }], options).expect("sound data")
 }
 
 #[test]
@@ -234,7 +234,7 @@ fn u_is_that_of_the_model_which_the_search_ends_in() {
                 let end = search::<16>(&data, &start, limits, &work.begin(Planned::default()));
                 let point = Point::<16>::new(&data, end.0.clone(), None);
                 let problem = Problem { input: &input, output: &output, scored: &vec![true; input.len()] };
-                let Ok(fit) = searches.finish::<16>(&problem, &data, end) else { continue };
+                let Ok(fit) = searches.finish::<16>(&[problem], &data, end) else { continue };
                 for (row, (y, residual)) in fit.simulated.iter().zip(point.residuals(&data)).enumerate() {
                     let searched = output[row] + residual;
                     assert!((y - searched).abs() < 1e-7, "{model}, row {row}: {y} against {searched}");
@@ -375,4 +375,29 @@ fn unusable_problems_are_typed_errors() {
     let mut broken = output.clone();
     broken[7] = f64::NAN;
     assert_eq!(error(&input, &broken, options()), Some(IdentificationError::NotFinite("output", 7)));
+}
+
+/// The answers of the true muscle to the two parts of an input, from rest each, and where they part.
+fn two_parts() -> (Vec<f64>, Vec<f64>, usize) {
+    let input = triangles();
+    // From 3 bar on the way down to 0: a muscle from rest is elsewhere than one that has come there.
+    let part = 1125;
+    let answers = [&input[..part], &input[part..]].map(|input| simulate(&truth(), input));
+    (input, answers.concat(), part)
+}
+
+#[test]
+fn of_two_recordings_each_begins_from_rest() {
+    let (input, output, part) = two_parts();
+    let scored = vec![true; input.len()];
+    let parts = [0..part, part..input.len()].map(|rows| Problem {
+        input: &input[rows.clone()],
+        output: &output[rows.clone()],
+        scored: &scored[rows],
+    });
+    let error = |fit: &Fit| rms(fit.simulated.iter().zip(&output).map(|(model, truth)| model - truth));
+    let together = identify_several(&parts, &options(), &|_| ()).expect("identified");
+    assert!(error(&together) < 1e-4, "RMSE {} mm", error(&together));
+    let as_one = fit(&input, &output, &options()).expect("identified");
+    assert!(error(&as_one) > 1e-2, "one recording of both has a past that the second part has not had");
 }

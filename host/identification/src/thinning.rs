@@ -6,7 +6,7 @@
 //! Which row of a stretch it is differs from stretch to stretch, so that no cycle is always met at
 //! the same place. Its weight is how many rows it stands for: one over the share of its stretch.
 //!
-//! Before it come the rows at which the input has turned since the last one kept, but for those
+//! Before it come, of several recordings, the first row of its own, and the rows at which the input has turned since the last one kept, but for those
 //! that it has wiped out since (Madelung's rules): what is wiped out has left nothing in the plays.
 //! Noise on the input costs a few rows more, no error.
 //!
@@ -46,6 +46,11 @@ impl Data {
         let mut kept: Vec<(usize, f64)> = Vec::new();
         let (mut measure, mut way_before, mut from) = (0.0, 0.0, 0);
         for (place, (row, way)) in self.rows.iter().zip(way).enumerate() {
+            // With the first row of a further recording the muscle comes from rest.
+            if row.begins && place > 0 {
+                (memory, from) = (Memory::new(), place);
+                kept.push((place, 0.0));
+            }
             memory.take(place, row.input);
             if row.weight == 0.0 {
                 continue;
@@ -61,11 +66,16 @@ impl Data {
             kept.push((place, (width / step).max(1.0)));
             from = place + 1;
         }
-        kept.dedup_by_key(|&mut (place, _)| place);
-        let resting = kept.iter().take_while(|&&(place, _)| place < self.resting).count();
+        kept.dedup_by(|(place, weight), (before, kept_weight)| {
+            let is_repeated = place == before;
+            if is_repeated {
+                *kept_weight = kept_weight.max(*weight);
+            }
+            is_repeated
+        });
         let row = |(place, weight): (usize, f64)| Row { weight: weight as f32, ..self.rows[place] };
         let rows = kept.into_iter().map(row).collect();
-        Cow::Owned(Self { rows, resting, coordinates: self.coordinates.clone(), ..*self })
+        Cow::Owned(Self { rows, coordinates: self.coordinates.clone(), ..*self })
     }
 }
 

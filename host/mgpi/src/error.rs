@@ -15,7 +15,9 @@ use board_client::part::PartError;
 use board_client::pil::PilError;
 use diagnosis::DiagnosisError;
 use diagnosis::plan::PlanError;
+use export::c::NotExported;
 use identification::IdentificationError;
+use import::ImportError;
 use recording::model_file::ModelFileError;
 use recording::simulation::SimulationError;
 use recording::table::DataError;
@@ -26,6 +28,9 @@ pub enum Error {
     /// A recording, reference or log is not what it should be.
     #[error(transparent)]
     Data(#[from] DataError),
+    /// A file of another program is not what it should be.
+    #[error(transparent)]
+    Import(#[from] ImportError),
     /// A model file is not what it should be.
     #[error(transparent)]
     ModelFile(#[from] ModelFileError),
@@ -38,6 +43,9 @@ pub enum Error {
     /// An output cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// A model cannot be written in another language.
+    #[error(transparent)]
+    NotExported(#[from] NotExported),
     /// A log does not grow.
     #[error(transparent)]
     Part(#[from] PartError),

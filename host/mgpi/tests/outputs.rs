@@ -56,6 +56,7 @@ fn the_figures_have_the_agreed_keys() {
         "outlier_rows",
         "parameters",
         "preconditioned",
+        "recordings",
         "residual_memory_rows",
         "seconds",
         "smallest_slope",

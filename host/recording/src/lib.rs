@@ -15,6 +15,7 @@ pub mod drop_out;
 pub mod figures;
 pub mod history;
 pub mod input;
+mod joined;
 pub mod left_out;
 pub mod model;
 pub mod model_file;

@@ -191,7 +191,7 @@ impl Recording {
         let mut drive = Drive::unchecked(table, choice)?;
         let mut output = drive.measured(table, choice)?;
         let Drive { time_s, input, scored, rows, .. } = &mut drive;
-        let line = |row: usize| table.place(rows.source(row), TIME).line.unwrap_or(0);
+        let line = |row: usize| table.place(rows.source(row), TIME).number();
         let drop_outs = take_out(time_s, input, &mut output, line);
         drop_outs.iter().for_each(|drop_out| scored[drop_out.samples.clone()].fill(false));
         check_input(table, input, choice, rows)?;
@@ -372,7 +372,7 @@ impl Drive {
 }
 
 impl Timing {
-    fn of(time_s: &[f64]) -> Self {
+    pub(crate) fn of(time_s: &[f64]) -> Self {
         let mut steps: Vec<(f64, f64)> = time_s.windows(2).map(|pair| (pair[1] - pair[0], pair[0])).collect();
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (median_step_s, _) = steps.get(steps.len() / 2).copied().unwrap_or_default();

@@ -104,6 +104,9 @@ impl Identified<'_> {
                 Some(from_s) => {
                     "A model of the rows before " (format!("{from_s:.2}")) " s, on the rows from there on: it has not seen them."
                 }
+                None if heldout.by_recording => {
+                    "Each recording by a model of the others, one behind the other: it has not seen them."
+                }
                 None => { "The model on " (heldout.recording.file) ", which it has not seen." }
             } }
             (explained(&plots))
@@ -141,12 +144,13 @@ impl Identified<'_> {
             }
             (table(&headings, &rows))
             p { "Of the fit: the " (scored_rows) " scored rows."
-                @if let Some(HeldOut { recording, from_s, .. }) = heldout {
+                @if let Some(HeldOut { recording, from_s, by_recording, .. }) = heldout {
                     " Held out: "
                     @match from_s {
                         Some(from_s) => {
                             "the rows from " (format!("{from_s:.2}")) " s on, by a model of the rows before."
                         }
+                        None if *by_recording => { "each recording, by a model of the others." }
                         None => { "the recording " (recording.file) "." }
                     }
                 }

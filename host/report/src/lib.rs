@@ -25,11 +25,14 @@ pub mod diagnosed;
 pub mod identified;
 mod model_run;
 pub mod page;
+#[cfg(feature = "runs")]
 pub mod paper_figures;
 mod parameters;
 mod parts;
 pub mod plot;
 mod simplify;
 mod table;
+#[cfg(feature = "runs")]
 pub mod tracked;
+#[cfg(feature = "runs")]
 pub mod tracking;

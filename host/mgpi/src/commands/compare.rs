@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let inputs: Vec<&Path> = [file].into_iter().chain(&held_out.validate).map(PathBuf::as_path).collect();
     let files = table.iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let (recording, other) = arguments.columns.read(file, held_out.validate.as_deref())?;
+    let (recording, other) = arguments.columns.read_one(file, held_out.validate.as_deref())?;
     let heldout = match &other {
         Some(other) => HeldOut::Recording(other),
         None if held_out.no_holdout => HeldOut::Nothing,

@@ -1,22 +1,19 @@
 //! `mgpi diagnose`: what a simulation gets wrong about a recording, and why.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::search::Columns as Chosen;
-use super::{diagnosed_json, diagnosed_summary};
+use super::diagnosed_summary;
+use super::search::Columns;
 use crate::Error;
 use crate::output::Outputs;
-use diagnosis::extend::heldout::on_another;
-use diagnosis::extend::{Extension, Operator, Written};
-use diagnosis::{Columns, diagnose_and_extend};
-use identification::HostModel;
-use recording::model_file::{HeldOut, Identification, ModelFile};
-use recording::unit::Unit;
-use recording::{Choice, Recording};
+use diagnosis::diagnosed::{Examined, NotDiagnosed};
+use diagnosis::extend::Operator;
+use diagnosis::json::to_json;
+use recording::Choice;
+use recording::model_file::ModelFile;
 use report::diagnosed;
 
 /// Shows what a simulation gets wrong about a recording, and names the cause.
@@ -45,7 +42,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIAGNOSIS.json")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    columns: Chosen,
+    columns: Columns,
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
@@ -64,119 +61,37 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         Some(given) => arguments.columns.choice().like(&given.input, &given.output),
         None => arguments.columns.choice(),
     };
-    let (columns, recording) = read(file, &choice)?;
+    let examined = read(file, &choice)?;
     let given = given.map(|file| Operator { parameters: file.parameters, density: file.density });
-    let other =
-        validate.as_ref().map(|file| read(file, &arguments.columns.choice_of(&recording))).transpose()?;
-    let begin = Instant::now();
-    let (diagnosis, extended) = with_bar(|progress| diagnose_and_extend(&columns, given.as_ref(), progress))
-        .map_err(|source| Error::Diagnosis { file: file.clone(), source })?;
-    let seconds = begin.elapsed().as_secs_f64();
-    let others = other.as_ref().map(|(columns, _)| columns);
-    let gain = others.map_or(Some(extended.heldout), |columns| on_another(columns, &extended));
-    let measured = others.map(Columns::as_measured);
-    let written = extended.written(&columns.as_measured(), measured.as_deref());
-    let (gain, written) = gain
-        .zip(written)
-        .ok_or_else(|| Error::NotSimulated(validate.clone().unwrap_or_else(|| file.clone())))?;
+    let choice = arguments.columns.choice_of(&examined.recording);
+    let other = validate.as_ref().map(|file| read(file, &choice)).transpose()?;
+    let found = with_bar(|progress| examined.diagnosed(given.as_ref(), other, progress));
+    let found = found.map_err(|error| match error {
+        NotDiagnosed::Diagnosis(source) => Error::Diagnosis { file: file.clone(), source },
+        NotDiagnosed::NotSimulated(file) => Error::NotSimulated(file),
+    })?;
     if let Some(model_file) = model_file {
-        let other = other.as_ref().map(|(_, other)| other);
-        outputs.stage(model_file, to_file(&recording, &written, other)?.to_toml().as_bytes())?;
+        outputs.stage(model_file, found.model()?.to_toml().as_bytes())?;
     }
     if let Some(report) = report {
-        let gained = diagnosed::Gained {
-            extended: &extended,
-            gain: &gain,
-            written: &written,
-            other: validate.as_ref().map(|file| file.display().to_string()),
-        };
-        outputs
-            .stage(report, diagnosed::to_html(&diagnosis, &columns, &recording, Some(&gained)).as_bytes())?;
+        outputs.stage(report, diagnosed::to_html(&found).as_bytes())?;
     }
-    let found = (&extended, &gain, &written);
     if let Some(json) = json {
-        let text = format!("{:#}\n", diagnosed_json::to_json(&diagnosis, found, &recording, seconds));
-        outputs.stage(json, text.as_bytes())?;
+        outputs.stage(json, format!("{:#}\n", to_json(&found)).as_bytes())?;
     }
     outputs.commit()?;
-    diagnosed_summary::print((file, model_file.as_deref()), (&diagnosis, &recording), found, seconds);
+    diagnosed_summary::print((file, model_file.as_deref()), &found);
     Ok(())
 }
 
-/// The file of the model that is written; what it gains may be told by another recording.
-fn to_file(recording: &Recording, written: &Written, other: Option<&Recording>) -> Result<ModelFile, Error> {
-    let Extension { parameters, density, extensions } = &written.model;
-    let heldout = Some(HeldOut {
-        recording: other.unwrap_or(recording).source(),
-        from_s: other.is_none().then_some(written.gain.from_s),
-        figures: written.gain.after,
-    });
-    let identification = Identification::of(
-        recording,
-        &written.simulated,
-        heldout,
-        written.starts,
-        written.termination.to_string(),
-        Vec::new(),
-    );
-    Ok(ModelFile {
-        input: recording.drive.input.channel.clone(),
-        output: recording.output.channel.clone(),
-        density: *density,
-        parameters: parameters.clone(),
-        extensions: extensions.clone(),
-        model: HostModel::try_new(parameters)?,
-        identification: Some(identification),
-    }
-    .with_usual_lead_limit())
-}
-
-/// The columns of a recording that a diagnosis looks at, a noisy input smoothed, and the recording
-/// that they are from.
+/// The columns of a recording that a diagnosis looks at; what was done to read it is said.
 ///
 /// # Errors
 /// The recording is not what it should be.
-pub fn read(file: &Path, choice: &Choice) -> Result<(Columns, Recording), Error> {
-    let table = choice.table(file)?;
-    let mut recording = Recording::of(&table, choice)?;
-    let mut notes = Vec::new();
-    let mut column = |name: &str, unit: Unit| match recording.drive.beside(&table, name, unit) {
-        Ok(found) => found.map(|found| {
-            notes.extend(found.note);
-            found.values
-        }),
-        Err(why) => {
-            notes.push(format!("{name} is not used: {why}"));
-            None
-        }
-    };
-    let (load_n, temperature_c) = (column("load_n", Unit::N), column("temperature_c", Unit::CELSIUS));
-    let input_is_command = recording.drive.input.channel.name.starts_with("command");
-    let input_unit = recording.drive.input.channel.unit;
-    let command =
-        if input_is_command { None } else { column(&format!("command_{}", input_unit.suffix()), input_unit) };
-    recording.drive.notes.extend(notes);
-    recording.drive.announce();
-    let Recording { drive, output, left_out } = &recording;
-    let columns = Columns {
-        command,
-        load_n,
-        temperature_c,
-        time_s: drive.time_s.clone(),
-        input: drive.input.values.clone(),
-        input_unit: drive.input.channel.unit,
-        output_unit: output.channel.unit,
-        input_is_command,
-        output: output.values.clone(),
-        scored: drive.scored.clone(),
-        past_unknown_until_s: left_out.past_unknown_until_s(),
-        drop_outs: left_out.drop_outs.clone(),
-        smoothing: None,
-        measured_input: None,
-    }
-    .with_smooth_input();
-    recording.drive.input.values.clone_from(&columns.input);
-    Ok((columns, recording))
+pub fn read(file: &Path, choice: &Choice) -> Result<Examined, Error> {
+    let examined = Examined::of(&choice.table(file)?, choice)?;
+    examined.recording.drive.announce();
+    Ok(examined)
 }
 
 /// Works with a bar that shows how far it is, and with what.

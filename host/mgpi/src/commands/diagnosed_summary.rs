@@ -4,22 +4,18 @@ use std::path::Path;
 
 use super::reading::say_left_out;
 use diagnosis::anatomy::examinable::Inseparable;
-use diagnosis::extend::{Extended, HeldOutGain, Written};
+use diagnosis::diagnosed::Diagnosed;
 use diagnosis::shown::key;
 use diagnosis::verdict::Named;
 use diagnosis::words::{experiment, in_a_sentence, unexamined, written as what_is_written};
-use diagnosis::{Diagnosis, Smoothing, Verdict};
-use recording::Recording;
+use diagnosis::{Smoothing, Verdict};
 use recording::model_file::names::Names;
 use recording::numbers::legible;
 
 /// Prints a diagnosis of a file, with the file that the model went to, if one was asked for.
-pub fn print(
-    (file, model_file): (&Path, Option<&Path>),
-    (diagnosis, recording): (&Diagnosis, &Recording),
-    (extended, gain, written): (&Extended, &HeldOutGain, &Written),
-    seconds: f64,
-) {
+pub fn print((file, model_file): (&Path, Option<&Path>), found: &Diagnosed) {
+    let Diagnosed { diagnosis, extended, written, examined, seconds, .. } = found;
+    let recording = &examined.recording;
     let units = Names::of(recording);
     let unit = units.output;
     say!("{}: {}", file.display(), diagnosis.verdict.name());
@@ -31,7 +27,7 @@ pub fn print(
             legible(given.refitted_rmse, 3)
         );
     }
-    errors((diagnosis, recording), (extended, gain, written));
+    errors(found);
     let on = if diagnosis.smoothing.is_some() { " on the input as measured" } else { "" };
     let words = format!("{}{on}", what_is_written(written, units));
     match model_file {
@@ -80,10 +76,9 @@ pub fn print(
 
 /// The errors of the simulated models: with and without the named causes, or of the one that is
 /// written.
-fn errors(
-    (diagnosis, recording): (&Diagnosis, &Recording),
-    (extended, gain, written): (&Extended, &HeldOutGain, &Written),
-) {
+fn errors(found: &Diagnosed) {
+    let Diagnosed { diagnosis, extended, gain, written, examined, .. } = found;
+    let recording = &examined.recording;
     let unit = recording.output.channel.unit;
     let percent = |rmse: f64| 100.0 * rmse / recording.stroke();
     if diagnosis.causes.is_empty() {

@@ -1,33 +1,32 @@
-//! `mgpi identify`: from a recording to a model.
+//! `mgpi identify`: from a recording, or several of one muscle, to a model.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use model_core::{ExtensionParameters, Kind};
+use model_core::Kind;
 
+use super::instructions;
 use super::reading::say_left_out;
 use super::search::{Columns, Effort, HeldOutArguments, unidentified, warn_of_poor_fit, with_bar};
-use super::{identified_json, instructions};
 use crate::Error;
 use crate::output::Outputs;
 use identification::comparison::{self, Comparison, choice};
-use identification::holdout::{self, later_cycles, share_before};
-use identification::progress::within;
-use identification::{self, CONVERGED, Fit, Loss, Options, Strays, Weights};
+use identification::holdout;
+use identification::identified::{Identified, NotIdentified, Trial, identified};
+use identification::json::to_json;
+use identification::{CONVERGED, Loss, Options, Strays, Weights};
 use recording::model::named::slope_dimension;
-use recording::model_file::names::Names;
-use recording::model_file::{HeldOut, Identification, ModelFile};
+use recording::model_file::HeldOut;
 use recording::numbers::legible;
 use recording::{Recording, Timing};
-use report::identified::Identified;
+use report::identified::Identified as Report;
 
-/// Identifies a model from a recording.
+/// Identifies a model from a recording, or one model from several recordings of one muscle.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// The recording
-    #[arg(value_name = "REC.csv")]
-    recording: PathBuf,
+    /// The recording; several of one muscle, each from rest, are fitted together
+    #[arg(value_name = "REC.csv", required = true)]
+    recordings: Vec<PathBuf>,
     /// Where the model goes
     #[arg(short = 'o', value_name = "MODEL.toml")]
     model_file: PathBuf,
@@ -154,53 +153,34 @@ impl Model {
 /// A recording is not what it should be, no model can be made of it, or an output cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { recording: file, held_out, model_file, report, json, .. } = arguments;
+    let Arguments { recordings: files, held_out, model_file, report, json, .. } = arguments;
     arguments.check_choices()?;
-    let inputs: Vec<&Path> = [file].into_iter().chain(&held_out.validate).map(PathBuf::as_path).collect();
-    let files = [model_file].into_iter().chain(report).chain(json);
-    let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let (recording, other) = arguments.columns.read(file, held_out.validate.as_deref())?;
+    let inputs: Vec<&Path> = files.iter().chain(&held_out.validate).map(PathBuf::as_path).collect();
+    let written = [model_file].into_iter().chain(report).chain(json);
+    let mut outputs = Outputs::claim(written, &inputs, arguments.force)?;
+    let (recordings, other) = arguments.columns.read(files, held_out.validate.as_deref())?;
 
     let options = match arguments.model.kind() {
         Some(model) => arguments.options(model),
-        None => arguments.choose(&recording)?,
+        None => arguments.choose(&recordings)?,
     };
-    let begin = Instant::now();
-    let holds_out = other.is_none() && !held_out.no_holdout;
-    let share = if holds_out { share_before(&recording, &options) } else { 1.0 };
-    let (fit, seconds, later) = with_bar("identifying", |progress| {
-        let fit = identification::identify(&(&recording).into(), &options, &within(progress, [0.0, share]))?;
-        let seconds = begin.elapsed().as_secs_f64();
-        let later = || later_cycles(&recording, &options, &within(progress, [share, 1.0]));
-        Ok((fit, seconds, holds_out.then(later).flatten()))
-    })
-    .map_err(|source| unidentified(&recording, source))?;
-    let answered = other.as_ref().map(|other| {
-        let simulated = identification::simulate(&fit.model, &other.drive.input.values);
-        (HeldOut { recording: other.source(), from_s: None, figures: other.figures(&simulated) }, simulated)
-    });
-    let heldout = answered.as_ref().map(|(heldout, _)| heldout.clone()).or(later.as_ref().map(|later| {
-        HeldOut { recording: recording.source(), from_s: Some(later.from_s), figures: later.figures }
-    }));
-
-    let identification = identification_of(&recording, &fit, heldout);
-    let model = ModelFile {
-        input: recording.drive.input.channel.clone(),
-        output: recording.output.channel.clone(),
-        density: fit.density,
-        parameters: fit.parameters.clone(),
-        extensions: ExtensionParameters::default(),
-        model: fit.model.clone(),
-        identification: Some(identification.clone()),
+    let trial = match &other {
+        Some(other) => Trial::Another(other),
+        None if held_out.no_holdout => Trial::Nothing,
+        None => Trial::Part,
     };
+    let found = with_bar("identifying", |progress| identified(&recordings, &options, trial, progress));
+    let found = found.map_err(|error| match error {
+        NotIdentified::Data(error) => error.into(),
+        NotIdentified::Identification(found) => unidentified(&found.0, found.1),
+    })?;
+    let Identified { model, identification, fit, recording, tried, .. } = &found;
     outputs.stage(model_file, model.to_toml().as_bytes())?;
     if let Some(file) = report {
-        let later = later.map(|later| (recording.with_scored(later.scored), later.simulated));
-        let tried = other.zip(answered.map(|(_, simulated)| simulated)).or(later);
-        let report = Identified {
-            model: &model,
-            identification: &identification,
-            recording: &recording,
+        let report = Report {
+            model,
+            identification,
+            recording,
             simulated: &fit.simulated,
             heldout: tried.as_ref().map(|(recording, simulated)| (recording, &simulated[..])),
             uncertainty: &fit.uncertainty,
@@ -208,13 +188,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         outputs.stage(file, report.to_html()?.as_bytes())?;
     }
     if let Some(file) = json {
-        let text =
-            format!("{:#}\n", identified_json::to_json(&model, &identification, (&recording, &fit), seconds));
+        let text = format!("{:#}\n", to_json(&found));
         outputs.stage(file, text.as_bytes())?;
     }
     outputs.commit()?;
-    print_summary(&recording, &identification, &model.names(), &fit, seconds);
-    warn_of_poor_fit(&recording, &identification.worth());
+    print_summary(&recordings, &found);
+    warn_of_poor_fit(recording, &identification.worth());
     Ok(())
 }
 
@@ -240,7 +219,11 @@ impl Arguments {
 
     /// Tries the family, on the part of the recording that is not held out, and says how all of it
     /// did.
-    fn choose(&self, recording: &Recording) -> Result<Options, Error> {
+    fn choose(&self, recordings: &[Recording]) -> Result<Options, Error> {
+        let [recording] = recordings else {
+            let message = "--model auto chooses by one recording; of several name the model";
+            return Err(Error::Usage(message.to_owned()));
+        };
         let seen = if self.held_out.validate.is_some() || self.held_out.no_holdout {
             recording.clone()
         } else {
@@ -277,33 +260,24 @@ impl Arguments {
     }
 }
 
-fn identification_of(recording: &Recording, fit: &Fit, heldout: Option<HeldOut>) -> Identification {
-    let errors = fit.uncertainty.estimates.iter();
-    let errors =
-        errors.filter_map(|estimate| Some((estimate.parameter.name.clone(), estimate.standard_error?)));
-    Identification::of(
-        recording,
-        &fit.simulated,
-        heldout,
-        fit.starts,
-        fit.termination.to_string(),
-        errors.collect(),
-    )
-}
-
-fn print_summary(
-    recording: &Recording,
-    identification: &Identification,
-    names: &Names,
-    fit: &Fit,
-    seconds: f64,
-) {
+fn print_summary(recordings: &[Recording], found: &Identified) {
+    let Identified { model, identification, fit, recording, seconds, .. } = found;
     let Recording { drive, output, .. } = recording;
-    let (timing, unit, stroke) = (&drive.timing, output.channel.unit, identification.stroke);
+    let (unit, stroke) = (output.channel.unit, identification.stroke);
     say!("model         {}: {}, from {}", fit.parameters.kind(), recording.columns(), drive.file.display());
     say!("rows          {}, of which {} are scored", drive.time_s.len(), identification.scored_rows);
-    say_left_out(&recording.left_out);
-    say!("time steps    {:.4} s, {}", timing.median_step_s, gaps(timing));
+    let mut from = 0;
+    for one in recordings {
+        let rows = from..from + one.drive.time_s.len();
+        let simulated = &fit.simulated[rows.clone()];
+        let outliers: Vec<usize> =
+            fit.outliers.iter().filter(|row| rows.contains(row)).map(|row| row - from).collect();
+        from = rows.end;
+        if recordings.len() > 1 {
+            say!("{}: training {}", one.drive.file.display(), one.figures(simulated).in_words(stroke, unit));
+        }
+        print_samples(one, simulated, &outliers);
+    }
     say!("stroke        {} {unit}", legible(stroke, 3));
     say!("training      {}", identification.training.in_words(stroke, unit));
     match &identification.heldout {
@@ -311,32 +285,45 @@ fn print_summary(
             "held out      {} (a model of the rows before {from_s:.2} s, on the rows from there on)",
             figures.in_words(stroke, unit)
         ),
+        Some(HeldOut { figures, by_recording: true, .. }) => {
+            say!(
+                "held out      {} (each recording by a model of the others)",
+                figures.in_words(stroke, unit)
+            );
+        }
         Some(HeldOut { figures, recording, .. }) => {
             say!("held out      {} ({})", figures.in_words(stroke, unit), recording.file);
         }
         None => say!("held out      nothing: no second half of cycles, and no other recording (--validate)"),
     }
     say!("worth         {}", identification.worth());
-    if let [first, ..] = fit.outliers[..] {
-        let (count, first_s) = (fit.outliers.len(), drive.time_s[first]);
-        say!(
-            "outliers      {count} rows beyond five robust standard deviations, the first at {first_s:.4} s"
-        );
-    }
-    if let Some(strays) = Strays::of(recording, fit).filter(|_| fit.outliers.is_empty()) {
-        say!("hint          {strays}");
-    }
     say!("termination   {}", identification.termination);
     say!(
         "invertible    smallest slope {:.3e} of the plays, {:.3e} {} of what follows",
         fit.model.smallest_play_slope(),
         fit.model.smallest_output_slope(),
-        names.unit(slope_dimension(fit.parameters.kind()))
+        model.names().unit(slope_dimension(fit.parameters.kind()))
     );
     if let Some(groups) = fit.uncertainty.hardly_separable() {
         say!("separable     hardly: {groups}");
     }
     say!("time          {seconds:.2} s, {:.3} s a start", seconds / identification.starts as f64);
+}
+
+/// The samples of a recording: steps of time, what is not scored, what is far from the model.
+fn print_samples(recording: &Recording, simulated: &[f64], outliers: &[usize]) {
+    let drive = &recording.drive;
+    say_left_out(&recording.left_out);
+    say!("time steps    {:.4} s, {}", drive.timing.median_step_s, gaps(&drive.timing));
+    if let [first, ..] = outliers[..] {
+        let (count, first_s) = (outliers.len(), drive.time_s[first]);
+        say!(
+            "outliers      {count} rows beyond five robust standard deviations, the first at {first_s:.4} s"
+        );
+    }
+    if let Some(strays) = Strays::of(recording, simulated).filter(|_| outliers.is_empty()) {
+        say!("hint          {strays}");
+    }
 }
 
 fn gaps(timing: &Timing) -> String {

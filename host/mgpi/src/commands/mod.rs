@@ -9,13 +9,13 @@ pub mod compare;
 pub mod completions;
 pub mod deploy;
 pub mod diagnose;
-mod diagnosed_json;
 mod diagnosed_summary;
 #[cfg(unix)]
 pub mod emulate;
+pub mod export;
 mod gains;
-mod identified_json;
 pub mod identify;
+pub mod import;
 mod instructions;
 pub mod man;
 mod number;
@@ -53,8 +53,10 @@ pub struct CommandLine {
 enum Command {
     Identify(identify::Arguments),
     Compare(compare::Arguments),
+    Import(import::Arguments),
     Diagnose(diagnose::Arguments),
     Simulate(simulate::Arguments),
+    Export(export::Arguments),
     Report(report::Arguments),
     #[cfg(unix)]
     Pil(Box<pil::Arguments>),
@@ -85,9 +87,11 @@ impl CommandLine {
     pub fn run(self) -> Result<(), Error> {
         match self.command {
             Command::Identify(arguments) => identify::run(&arguments),
+            Command::Import(arguments) => import::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Diagnose(arguments) => diagnose::run(&arguments),
             Command::Simulate(arguments) => simulate::run(&arguments),
+            Command::Export(arguments) => export::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
             #[cfg(unix)]
             Command::Pil(arguments) => pil::run(&arguments),

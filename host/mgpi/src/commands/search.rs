@@ -76,17 +76,35 @@ impl Columns {
     ///
     /// # Errors
     /// Those of [`Recording::read`].
-    pub fn read(
+    pub fn read_one(
         &self,
         training: &Path,
         heldout: Option<&Path>,
     ) -> Result<(Recording, Option<Recording>), Error> {
-        let choice = self.choice();
-        let training = Recording::read(training, &choice)?;
-        let choice = self.choice_of(&training);
+        let (mut recordings, heldout) = self.read(&[training.to_owned()], heldout)?;
+        Ok((recordings.remove(0), heldout))
+    }
+
+    /// Reads recordings, at least one, and another one that models are tried on: the columns of all
+    /// are those of the first, in its units.
+    ///
+    /// # Errors
+    /// Those of [`Recording::read`].
+    pub fn read(
+        &self,
+        training: &[PathBuf],
+        heldout: Option<&Path>,
+    ) -> Result<(Vec<Recording>, Option<Recording>), Error> {
+        let mut choice = self.choice();
+        let mut recordings = Vec::new();
+        for file in training {
+            let recording = Recording::read(file, &choice)?;
+            choice = self.choice_of(&recording);
+            recordings.push(recording);
+        }
         let heldout = heldout.map(|file| Recording::read(file, &choice)).transpose()?;
-        [Some(&training), heldout.as_ref()].into_iter().flatten().for_each(|it| it.drive.announce());
-        Ok((training, heldout))
+        recordings.iter().chain(&heldout).for_each(|it| it.drive.announce());
+        Ok((recordings, heldout))
     }
 }
 

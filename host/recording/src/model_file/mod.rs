@@ -46,6 +46,10 @@ use section::KeyError;
 
 /// The format that this version writes and reads.
 pub const FORMAT: usize = 1;
+/// The recordings of a model behind the first.
+const FURTHER: &str = "further";
+/// Whether each recording was answered by a model of the others.
+const BY_RECORDING: &str = "by_recording";
 /// Where the held-out part of a recording begins.
 const FROM: &str = "from_s";
 /// The words of an input that comes after the valve.
@@ -81,6 +85,8 @@ pub struct Identification {
     pub tool: String,
     /// The recording it was identified from.
     pub recording: Source,
+    /// Further recordings that it was identified from.
+    pub further: Vec<Source>,
     /// Number of rows that were scored.
     pub scored_rows: usize,
     /// Highest less lowest scored output. Output unit.
@@ -115,6 +121,7 @@ impl Identification {
         Self {
             tool: TOOL.to_owned(),
             recording: recording.source(),
+            further: Vec::new(),
             scored_rows: recording.drive.scored.iter().filter(|&&scored| scored).count(),
             stroke: recording.stroke(),
             limit: Limit::of(recording, &training, heldout.as_ref().map(|heldout| &heldout.figures)),
@@ -141,6 +148,8 @@ pub struct HeldOut {
     /// Of the model's own recording: the rows from this time on, by a model of the rows before.
     /// None for another recording. Unit: s.
     pub from_s: Option<f64>,
+    /// Whether each of several recordings was answered by a model of the others.
+    pub by_recording: bool,
     /// The figures. Output unit.
     pub figures: Figures,
 }
@@ -216,10 +225,14 @@ impl ModelFile {
     /// # Errors
     /// None for a model that was read; else the first extension that there cannot be.
     pub fn extended(&self) -> Result<HostExtendedModel, ParameterError> {
+        HostExtendedModel::try_new(&self.parameters, &self.acting())
+    }
+
+    /// The extensions that act between its input and its output: from a pressure without the
+    /// valve.
+    pub fn acting(&self) -> ExtensionParameters<f64> {
         let from_pressure = self.input.words() == PRESSURE;
-        let extensions =
-            if from_pressure { self.extensions.without_valve() } else { self.extensions.clone() };
-        HostExtendedModel::try_new(&self.parameters, &extensions)
+        if from_pressure { self.extensions.without_valve() } else { self.extensions.clone() }
     }
 
     /// The same, with the usual lead limit in the model's unit where a valve's lag has it in bar,

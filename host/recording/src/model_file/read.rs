@@ -5,8 +5,8 @@ use model_core::{Invertible, Kind, ParameterError};
 use super::names::Names;
 use super::section::{KeyError, Section};
 use super::{
-    FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, Problem, extensions,
-    parameters,
+    BY_RECORDING, FORMAT, FROM, FURTHER, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED,
+    Problem, extensions, parameters,
 };
 use crate::Source;
 use crate::figures::Figures;
@@ -97,6 +97,7 @@ fn identification(
         Some(mut heldout) => {
             let on_heldout = HeldOut {
                 recording: source(&mut heldout)?,
+                by_recording: heldout.has(BY_RECORDING) && heldout.truth(BY_RECORDING)?,
                 from_s: if heldout.has(FROM) { Some(heldout.number(FROM)?) } else { None },
                 figures: figures(&mut heldout, names)?,
             };
@@ -108,6 +109,7 @@ fn identification(
     let identification = Identification {
         tool: section.text("tool")?,
         recording,
+        further: further(&mut section)?,
         scored_rows: section.count("scored_rows")?,
         stroke: section.number(&format!("stroke_{}", names.output.suffix()))?,
         training: figures(&mut training, names)?,
@@ -135,6 +137,18 @@ fn limit(section: &mut Section) -> Result<Option<Limit>, KeyError> {
 
 fn source(section: &mut Section) -> Result<Source, KeyError> {
     Ok(Source { file: section.text("recording")?, sha256: section.text("sha256")? })
+}
+
+/// The recordings behind the first: a model of one recording has none.
+fn further(section: &mut Section) -> Result<Vec<Source>, KeyError> {
+    if !section.has(FURTHER) {
+        return Ok(Vec::new());
+    }
+    let of_table = |mut one: Section| {
+        let source = source(&mut one)?;
+        one.finish().map(|()| source)
+    };
+    section.sections(FURTHER)?.into_iter().map(of_table).collect()
 }
 
 fn figures(section: &mut Section, names: &Names) -> Result<Figures, KeyError> {

@@ -78,6 +78,19 @@ impl Section {
         }
     }
 
+    /// A list of tables of this one.
+    pub fn sections(&mut self, key: &str) -> Result<Vec<Self>, KeyError> {
+        let values = match self.take(key)? {
+            Value::Array(values) => values,
+            other => return Err(self.kind(key, "a list of tables", &other)),
+        };
+        let table = |(place, value)| match value {
+            Value::Table(table) => Ok(Self { name: format!("{}.{key}[{place}]", self.name), table }),
+            other => Err(self.kind(key, "a list of tables", &other)),
+        };
+        values.into_iter().enumerate().map(table).collect()
+    }
+
     /// A table of this one that may be missing.
     pub fn optional_section(&mut self, key: &str) -> Result<Option<Self>, KeyError> {
         if self.has(key) { self.section(key).map(Some) } else { Ok(None) }

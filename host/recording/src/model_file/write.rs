@@ -5,7 +5,8 @@ use toml::{Table, Value};
 use super::names::Names;
 use super::values::{count, table};
 use super::{
-    FORMAT, FROM, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED, extensions, parameters,
+    BY_RECORDING, FORMAT, FROM, FURTHER, HeldOut, Identification, LIMITED_BY, ModelFile, PRECONDITIONED,
+    extensions, parameters,
 };
 use crate::Source;
 use crate::figures::Figures;
@@ -44,6 +45,10 @@ pub(super) fn validity(parameters: &HostParameters, names: &Names) -> Value {
 fn identified(file: &ModelFile, identification: &Identification) -> Value {
     let unit = file.output.unit;
     let mut section = source(&identification.recording);
+    if !identification.further.is_empty() {
+        let further = identification.further.iter().map(|one| Value::Table(source(one)));
+        section.insert(FURTHER.into(), Value::Array(further.collect()));
+    }
     section.insert("tool".into(), identification.tool.as_str().into());
     section.insert("scored_rows".into(), count(identification.scored_rows));
     section.insert(format!("stroke_{}", unit.suffix()), identification.stroke.into());
@@ -51,9 +56,10 @@ fn identified(file: &ModelFile, identification: &Identification) -> Value {
     section.insert("starts".into(), count(identification.starts));
     section.insert("termination".into(), identification.termination.as_str().into());
     section.insert("training".into(), Value::Table(figures(&identification.training, unit)));
-    if let Some(HeldOut { recording, from_s, figures: on_heldout }) = &identification.heldout {
+    if let Some(HeldOut { recording, from_s, by_recording, figures: on_heldout }) = &identification.heldout {
         let mut heldout = source(recording);
         heldout.extend(from_s.map(|from_s| (FROM.to_owned(), from_s.into())));
+        heldout.extend(by_recording.then(|| (BY_RECORDING.to_owned(), true.into())));
         heldout.extend(figures(on_heldout, unit));
         section.insert("heldout".into(), Value::Table(heldout));
     }

@@ -212,7 +212,7 @@ pub fn left_out(table: &Table, columns: &[(&[f64], &str)]) -> Option<String> {
         worst.max_by_key(|(missing, _)| missing.iter().map(ExactSizeIterator::len).sum::<usize>())?;
     let count: usize = missing.iter().map(ExactSizeIterator::len).sum();
     let longest = missing.iter().max_by_key(|hole| hole.len())?;
-    let line = table.place(longest.start, name).line.unwrap_or(0);
+    let line = table.place(longest.start, name).number();
     Some(format!(
         "{count} rows without a value of {name} were left out, the longest stretch {} rows from line {line} on",
         longest.len()

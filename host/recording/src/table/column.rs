@@ -50,6 +50,14 @@ impl Column {
         }
     }
 
+    /// A column of numbers, NaN where one is missing.
+    pub fn of_numbers(heading: Heading, values: &[f64]) -> Self {
+        let infinite = values.iter().position(|value| value.is_infinite());
+        let bad = infinite.map(|row| (row, Bad::Infinite(values[row].to_string())));
+        let numbers = values[..infinite.unwrap_or(values.len())].to_vec();
+        Self { numbers, bad, ..Self::new(heading, false) }
+    }
+
     /// Adds the field of a row.
     pub fn push(&mut self, row: usize, field: &str) {
         if self.bad.is_some() {

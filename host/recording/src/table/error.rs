@@ -34,8 +34,10 @@ pub struct DataError {
 pub struct Place {
     /// The file, as it was named.
     pub file: PathBuf,
-    /// Counted from 1.
+    /// Of a file: counted from 1.
     pub line: Option<usize>,
+    /// Of columns in memory: counted from 0.
+    pub row: Option<usize>,
     /// Name of the column.
     pub column: Option<String>,
 }
@@ -45,6 +47,9 @@ impl fmt::Display for Place {
         write!(f, "{}", crate::input::name(&self.file))?;
         if let Some(line) = self.line {
             write!(f, ", line {line}")?;
+        }
+        if let Some(row) = self.row {
+            write!(f, ", row {row}")?;
         }
         if let Some(column) = &self.column {
             write!(f, ", column {column}")?;
@@ -56,7 +61,12 @@ impl fmt::Display for Place {
 impl Place {
     /// A whole file.
     pub fn file(file: &Path) -> Self {
-        Self { file: file.to_owned(), line: None, column: None }
+        Self { file: file.to_owned(), line: None, row: None, column: None }
+    }
+
+    /// The line, or the row of what is in memory; 0 of a whole file.
+    pub fn number(&self) -> usize {
+        self.line.or(self.row).unwrap_or(0)
     }
 
     /// The error that the problem is at this place.
@@ -126,6 +136,8 @@ pub enum DataProblem {
     NotFinite { value: String },
     #[error("no value: the field is empty, or says that there is none")]
     Hole,
+    #[error("{found} values where the first column has {expected}")]
+    OtherLength { found: usize, expected: usize },
     #[error("no row of data below the header")]
     NoRows,
     #[error("no row has both a time and a value of {0}")]
@@ -152,6 +164,13 @@ pub enum DataProblem {
          --units {column}={unit} if they are right"
     )]
     SlowRows { step_s: f64, column: String, smaller: &'static str, unit: &'static str },
+    #[error(
+        "is {is}, but {} has {wanted}: recordings of one model have the same input and output, in the same units",
+        crate::input::name(first)
+    )]
+    OtherColumn { is: String, first: PathBuf, wanted: String },
+    #[error("is the same recording as {}: each counts once", crate::input::name(.0))]
+    SameFile(PathBuf),
     #[error("--strict refuses what would have to be mended: {0}")]
     Mended(String),
     #[error("{value} {unit} is outside {min} to {max} {unit}, {why}")]

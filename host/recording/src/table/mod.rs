@@ -45,6 +45,7 @@ use cell::Cell;
 use column::Column;
 pub use column::Values;
 pub use error::{DataError, DataProblem, Place};
+use heading::Heading;
 use layout::Layout;
 use lines::{Stream, number};
 
@@ -68,7 +69,8 @@ pub struct Table {
     sha256: String,
     /// What was done that a strict reader would not.
     notes: Vec<String>,
-    header_line: usize,
+    /// None of columns in memory.
+    header_line: Option<usize>,
     columns: Vec<Column>,
     rows: usize,
     /// Where the line numbers of rows jump: how many rows come before, and the line of the row.
@@ -109,7 +111,7 @@ impl Table {
             file: file.to_owned(),
             sha256: sha256_hex(bytes),
             notes: encoding.into_iter().chain(notes).collect(),
-            header_line,
+            header_line: Some(header_line),
             columns: headings.into_iter().map(|heading| Column::new(heading, separator != b',')).collect(),
             rows: 0,
             jumps: Vec::new(),
@@ -132,6 +134,49 @@ impl Table {
         }
         filler.finish()?;
         Ok(table)
+    }
+
+    /// A table of columns that are in memory: each a name and a value a row, NaN where one is
+    /// missing. `name` is the table's in messages, which count its rows from 0.
+    ///
+    /// # Errors
+    /// There is no row, or a column is longer than another.
+    ///
+    /// ```
+    /// use recording::table::Table;
+    ///
+    /// let columns = [("time_s", &[0.0, 0.1][..]), ("pressure_bar", &[0.0, f64::INFINITY])];
+    /// let table = Table::of_columns("arrays".as_ref(), &columns)?;
+    /// let error = table.first_column(&["pressure_bar"]).unwrap_err();
+    /// assert_eq!(error.to_string(), "arrays, row 1, column pressure_bar: `inf` is not finite");
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    pub fn of_columns(name: &Path, columns: &[(&str, &[f64])]) -> Result<Self, DataError> {
+        let rows = columns.first().map_or(0, |(_, values)| values.len());
+        if rows == 0 {
+            return Err(Place::file(name).error(DataProblem::NoRows));
+        }
+        let mut hash = Sha256::new();
+        for (column, values) in columns {
+            if values.len() != rows {
+                let place = Place { column: Some((*column).to_owned()), ..Place::file(name) };
+                return Err(place.error(DataProblem::OtherLength { found: values.len(), expected: rows }));
+            }
+            hash.update(column);
+            values.iter().for_each(|value| hash.update(value.to_le_bytes()));
+        }
+        Ok(Self {
+            file: name.to_owned(),
+            sha256: hexadecimal(&hash.finalize()),
+            notes: Vec::new(),
+            header_line: None,
+            columns: columns
+                .iter()
+                .map(|(column, values)| Column::of_numbers(Heading::of(column), values))
+                .collect(),
+            rows,
+            jumps: Vec::new(),
+        })
     }
 
     /// The file, as it was named.
@@ -162,6 +207,21 @@ impl Table {
         self.position(VALID)
     }
 
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// A column under our name, with its unit if that is known.
+    pub fn our_name(&self, index: usize) -> String {
+        self.columns[index].heading.name()
+    }
+
+    /// Whether an option gives the column its name.
+    pub fn is_named(&self, index: usize) -> bool {
+        self.columns[index].heading.is_named
+    }
+
     /// A column as it is shown to people: as it stands in the file.
     pub fn shown(&self, index: usize) -> &str {
         self.columns[index].heading.shown()
@@ -175,13 +235,16 @@ impl Table {
     /// The place of a column's name.
     pub fn heading_place(&self, index: usize) -> Place {
         let column = Some(self.columns[index].heading.shown().to_owned());
-        Place { file: self.file.clone(), line: Some(self.header_line), column }
+        Place { line: self.header_line, column, ..Place::file(&self.file) }
     }
 
     /// Where a value stands; `row` is counted from 0.
     pub fn place(&self, row: usize, column: &str) -> Place {
-        let line = Some(number(&self.jumps, row));
-        Place { file: self.file.clone(), line, column: Some(column.to_owned()) }
+        let at = Place { column: Some(column.to_owned()), ..Place::file(&self.file) };
+        match self.header_line {
+            Some(_) => Place { line: Some(number(&self.jumps, row)), ..at },
+            None => Place { row: Some(row), ..at },
+        }
     }
 
     /// A column's values, one a row; NaN where one is missing.
@@ -354,5 +417,9 @@ impl Filler<'_> {
 }
 
 fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -26,32 +26,32 @@ use self::view::View;
 use super::page::{explained, page, reading};
 use super::plot::Style;
 use diagnosis::anatomy::examinable::Inseparable;
+use diagnosis::diagnosed::{Diagnosed, Examined};
 use diagnosis::extend::{Extended, HeldOutGain, Written};
 use diagnosis::words::{experiment, in_a_sentence, unexamined, written as what_is_written};
-use diagnosis::{Columns, Diagnosis, Verdict};
+use diagnosis::{Diagnosis, Verdict};
 use recording::Recording;
 use recording::model_file::names::Names;
 use recording::numbers::significant;
 
 /// An extended model and what it gains.
-pub struct Gained<'a> {
+struct Gained<'a> {
     /// The model.
-    pub extended: &'a Extended,
+    extended: &'a Extended,
     /// The gain.
-    pub gain: &'a HeldOutGain,
+    gain: &'a HeldOutGain,
     /// The model that is written.
-    pub written: &'a Written,
+    written: &'a Written,
     /// The recording that it was counted on, if that is another.
-    pub other: Option<String>,
+    other: Option<String>,
 }
 
-/// The report as an HTML file; `gained` where the extended model can be simulated.
-pub fn to_html(
-    diagnosis: &Diagnosis,
-    columns: &Columns,
-    recording: &Recording,
-    gained: Option<&Gained<'_>>,
-) -> String {
+/// The report as an HTML file.
+pub fn to_html(found: &Diagnosed) -> String {
+    let Diagnosed { diagnosis, extended, gain, written, examined, other, .. } = found;
+    let Examined { columns, recording } = examined;
+    let other = other.as_ref().map(|other| other.drive.file.display().to_string());
+    let gained = Some(&Gained { extended, gain, written, other });
     let Recording { drive, output, .. } = recording;
     let view = View::new(diagnosis, recording);
     let file = drive.file.file_name().unwrap_or_default().display().to_string();

@@ -1,20 +1,19 @@
-//! What `mgpi identify --json` writes.
+//! An identified model for programs: what `mgpi identify --json` writes.
+
+use std::iter;
 
 use model_core::Hysteresis;
 use serde_json::{Map, Value, json};
 
-use identification::Fit;
-use recording::Recording;
+use crate::identified::Identified;
+use recording::Source;
 use recording::model::named::{Dimension, slope_dimension};
-use recording::model_file::{Identification, ModelFile};
+use recording::model_file::Identification;
 
 /// Figures and parameters of an identification; the keys carry the units of the model's columns.
-pub fn to_json(
-    model: &ModelFile,
-    identification: &Identification,
-    (recording, fit): (&Recording, &Fit),
-    seconds: f64,
-) -> Value {
+pub fn to_json(found: &Identified) -> Value {
+    let Identified { model, identification, fit, recording, seconds, .. } = found;
+    let Identification { recording: first, further, .. } = identification;
     let (names, unit) = (model.names(), model.output.unit);
     let known = &fit.uncertainty;
     let parameters = known.estimates.iter().map(|estimate| {
@@ -28,6 +27,8 @@ pub fn to_json(
         })
     });
     let correlation = known.correlation.row_iter().map(|row| row.iter().copied().collect::<Vec<f64>>());
+    let recordings = iter::once(first).chain(further);
+    let recordings = recordings.map(|Source { file, sha256 }| json!({"file": file, "sha256": sha256}));
     let range = fit.model.input_range();
     let keyed = |entries: [(&str, Dimension, f64); 2]| -> Map<String, Value> {
         entries
@@ -36,6 +37,7 @@ pub fn to_json(
             .collect()
     };
     let mut json = json!({
+        "recordings": recordings.collect::<Vec<_>>(),
         "training": identification.training.to_json(unit),
         "heldout": identification.heldout.as_ref().map(|heldout| heldout.figures.to_json(unit)),
         "heldout_from_s": identification.heldout.as_ref().and_then(|heldout| heldout.from_s),

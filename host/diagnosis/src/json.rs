@@ -1,27 +1,24 @@
-//! What `mgpi diagnose --json` writes.
+//! A diagnosis for programs: what `mgpi diagnose --json` writes.
 
 use serde_json::{Map, Value, json};
 
-use diagnosis::cause::Cause;
-use diagnosis::extend::{Extended, HeldOutGain, Written};
-use diagnosis::poor::Poor;
-use diagnosis::reject::Unexplained;
-use diagnosis::shown::key;
-use diagnosis::stuck::Stuck;
-use diagnosis::words::experiment;
-use diagnosis::{Diagnosis, Named, Smoothing};
-use recording::Recording;
+use crate::cause::Cause;
+use crate::diagnosed::Diagnosed;
+use crate::extend::HeldOutGain;
+use crate::poor::Poor;
+use crate::reject::Unexplained;
+use crate::shown::key;
+use crate::stuck::Stuck;
+use crate::words::experiment;
+use crate::{Named, Smoothing};
 use recording::model_file::names::Names;
 
 /// A diagnosis; the keys of errors carry the output's unit. The errors are those of simulated
 /// models: `heldout` on the rows behind the split, or on another recording; `written` is the model
 /// that `-o` writes, beside the plain one.
-pub fn to_json(
-    diagnosis: &Diagnosis,
-    (extended, gain, written): (&Extended, &HeldOutGain, &Written),
-    recording: &Recording,
-    seconds: f64,
-) -> Value {
+pub fn to_json(found: &Diagnosed) -> Value {
+    let Diagnosed { diagnosis, extended, gain, written, examined, seconds, .. } = found;
+    let recording = &examined.recording;
     let unit = Names::of(recording).output;
     let keyed = |entries: &[(&str, f64)]| -> Value {
         let named =

@@ -377,10 +377,10 @@ fn unusable_problems_are_typed_errors() {
     assert_eq!(error(&input, &broken, options()), Some(IdentificationError::NotFinite("output", 7)));
 }
 
-/// The answers of the true muscle to the two parts of an input, from rest each, and where they part.
+/// The answers of the true muscle to the two parts of an input, from rest each; where they part.
 fn two_parts() -> (Vec<f64>, Vec<f64>, usize) {
     let input = triangles();
-    // From 3 bar on the way down to 0: a muscle from rest is elsewhere than one that has come there.
+    // From 3 bar on the way down to 0: from rest it is elsewhere than if it has come there.
     let part = 1125;
     let answers = [&input[..part], &input[part..]].map(|input| simulate(&truth(), input));
     (input, answers.concat(), part)

@@ -6,9 +6,10 @@
 //! Which row of a stretch it is differs from stretch to stretch, so that no cycle is always met at
 //! the same place. Its weight is how many rows it stands for: one over the share of its stretch.
 //!
-//! Before it come, of several recordings, the first row of its own, and the rows at which the input has turned since the last one kept, but for those
+//! Before it come the rows at which the input has turned since the last one kept, but for those
 //! that it has wiped out since (Madelung's rules): what is wiped out has left nothing in the plays.
-//! Noise on the input costs a few rows more, no error.
+//! Noise on the input costs a few rows more, no error. Of several recordings the first row of each
+//! is kept too.
 //!
 //! Operators of two envelopes jump as the input turns, so that the row after each turn is kept too.
 //! Even so a turn that was wiped out may have left a trace in their plays, of the height of the gap

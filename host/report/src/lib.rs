@@ -10,13 +10,13 @@
 //! | `parameters` | the parameters and what is known about them, as a table |
 //! | `parts` | the parts of a model, as plots |
 //! | [`identified`] | report of `mgpi identify` |
-//! | [`tracked`] | report of `mgpi pil` |
-//! | [`tracking`] | a tracking run, as plots |
+//! | `tracked` | report of `mgpi pil` |
+//! | `tracking` | a tracking run, as plots |
 //! | `table` | tables that a phone shows as cards |
 //! | `bars` | bars with names, in the same look |
 //! | [`diagnosed`] | report of `mgpi diagnose` |
 //! | [`comparison`] | report of `mgpi compare` |
-//! | [`paper_figures`] | report of `mgpi report`: Figs. 8 and 11 to 13 of the paper from own data |
+//! | `paper_figures` | report of `mgpi report`: Figs. 8 and 11 to 13 of the paper from own data |
 
 mod axis;
 pub mod bars;

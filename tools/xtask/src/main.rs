@@ -14,6 +14,7 @@ mod firmware;
 mod fuzz;
 mod gates;
 mod host;
+mod python;
 mod registers;
 mod run;
 mod seal;
@@ -80,6 +81,8 @@ enum Task {
         #[arg(long)]
         bless: bool,
     },
+    /// Build the Python package, and run its README, its notebook and its tests.
+    Python,
     /// Hold the crates against the table of which may build on which.
     Arrows,
     /// Hold comments to 100 columns and to plain words.
@@ -155,6 +158,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
             host::emulate(&arguments)?;
         }
         Task::Game { arguments } => host::game(&arguments)?,
+        Task::Python => python::python()?,
         Task::Arrows => arrows::check()?,
         Task::Comments => comments::check()?,
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,

@@ -67,6 +67,14 @@ const CHIP_MODEL: Need = Need {
     by_hand: PYTHON_BY_HAND,
 };
 
+/// What the Python package needs: what builds its wheel, and what its tests hold it against.
+const PYTHON_PACKAGE: Need = Need {
+    name: "a Python with maturin",
+    is_met: || PACKAGE_PYTHON.is_made(),
+    cures: &[Cure::Python(&PACKAGE_PYTHON), Cure::Packages(&["python3-venv"]), Cure::Python(&PACKAGE_PYTHON)],
+    by_hand: PYTHON_BY_HAND,
+};
+
 const PYTHON_BY_HAND: &str =
     "Python 3.10 or newer with its module venv (Debian, Ubuntu: apt-get install python3-venv)";
 
@@ -77,6 +85,10 @@ pub const BUS_PYTHON: Python =
 /// The Python of the tests of the chip.
 pub const CHIP_PYTHON: Python =
     Python { directory: "chip-model", requirements: "host-tests/chip/requirements.txt" };
+
+/// The Python that builds and tests the package.
+pub const PACKAGE_PYTHON: Python =
+    Python { directory: "python-package", requirements: "host/python/requirements.txt" };
 
 /// A Python with packages of its own, in the target directory.
 pub struct Python {
@@ -175,6 +187,14 @@ pub fn ensure() -> Result<BoardCompiler> {
 /// [`Missing`].
 pub fn ensure_fuzzer() -> Result<()> {
     FUZZER.meet().map_err(|missing| Missing(vec![missing]).into())
+}
+
+/// Makes the Python that builds and tests the package.
+///
+/// # Errors
+/// [`Missing`].
+pub fn ensure_python_package() -> Result<()> {
+    PYTHON_PACKAGE.meet().map_err(|missing| Missing(vec![missing]).into())
 }
 
 /// Installs what some tests need and is missing: what cannot be had is said, and its tests are

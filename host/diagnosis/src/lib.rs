@@ -106,16 +106,17 @@ use extend::{Extended, Extender, Operator, Plain, likely};
 use identification::IdentificationError;
 use measured::measure;
 pub use noisy_input::Smoothing;
-use ordinary::{is_ordinary, with_ordinary_lag};
+use ordinary::{beside_ordinary_lag, is_ordinary, with_ordinary_lag};
 use overlooked::{Overlooked, overlooked};
 use poor::{Better, Poor, poor};
 use proven::{Proven, proven};
+use race::is_same;
 use recording::drop_out::DropOut;
 use recording::noise::{self, NoiseFloor};
 use recording::numbers::{range, root_mean_square};
 use recording::unit::Unit;
 use reject::{Unexplained, no_gain, unexplained};
-use rivals::{Settled, settled};
+use rivals::{Settled, not_told_apart, settled};
 use scored::Scored;
 use search::Search;
 use signals::Signals;
@@ -298,11 +299,21 @@ pub fn diagnose_and_extend(
     let best = best.with_viscosity(&sizes).unwrap_or(best);
     let ordinary = || with_ordinary_lag(&search, &best, &sizes);
     let (best, alternatives, evidence) = match columns.input_is_command.then(ordinary).flatten() {
-        Some(ordinary) => (ordinary, Vec::new(), None),
+        Some(ordinary) => {
+            let is_named = |cause: &Cause| *cause != Cause::ValveLag;
+            let named: Vec<Cause> = ordinary.causes.iter().copied().filter(is_named).collect();
+            let alternatives = not_told_apart(&search, (&ordinary, &named), &sizes);
+            (ordinary, alternatives, None)
+        }
         None => (best, alternatives, evidence),
     };
     progress(0.8, "what is left");
-    let unexplained = unexplained(&search, &best);
+    // A regulator's ordinary lag belongs to what is normal: what else is seen is judged beside it.
+    let beside_lag = beside_ordinary_lag(&search, &best);
+    let unexplained = match &beside_lag {
+        Some(search) => unexplained(search, &search.baseline),
+        None => unexplained(&search, &best),
+    };
     let is_silent = best.causes.is_empty() && unexplained.is_none();
     let look = || overlooked(&search, sizes.first()?, &extender);
     let (best, alternatives, evidence) = match is_silent.then(look).flatten() {
@@ -310,7 +321,8 @@ pub fn diagnose_and_extend(
         None => (best, alternatives, evidence),
     };
     // Where nothing is named, nothing of the muscle extends the model.
-    let named = if unexplained.is_some() { &search.baseline } else { &best };
+    let is_named = unexplained.is_none() || beside_lag.is_some();
+    let named = if is_named { &best } else { &search.baseline };
     let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
     let Proven { mut extended, refuted, is_needless } =
         proven(&extender, (named, valve.as_ref()), given, &simulating)?;
@@ -330,14 +342,12 @@ pub fn diagnose_and_extend(
         Some(Unexplained::NotRepeatable { .. }) => best.causes.is_empty(),
         Some(_) => false,
     };
-    let (poor, other_shape) = match is_form_asked {
-        true => shaped(&search, columns, &mut extended),
-        false => (None, None),
-    };
+    let poor = is_form_asked.then(|| shaped(&search, columns, &mut extended)).flatten();
     let unexplained = poor.map(Unexplained::Poor).or(unexplained);
     if unexplained.is_some() {
         let sets = likely((&best, &sizes), &extended.causes);
-        extended.others = extender.extend_each(&sets, valve.as_ref(), given);
+        let others = extender.extend_each(&sets, valve.as_ref(), given);
+        extended.others = others.into_iter().chain(of_other_form(&search, columns, &extended)).collect();
     }
     let (best, mut alternatives, evidence, valve) = match is_needless {
         true => (search.baseline.clone(), Vec::new(), None, None),
@@ -358,7 +368,6 @@ pub fn diagnose_and_extend(
     if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
         diagnosis.causes.push(Named::given_shape(given, &extended.model.parameters, columns.output_unit));
     }
-    diagnosis.causes.extend(other_shape);
     if diagnosis.verdict == Verdict::Adequate && !diagnosis.causes.is_empty() {
         diagnosis.verdict = Verdict::Explained;
     }
@@ -369,22 +378,25 @@ pub fn diagnose_and_extend(
 }
 
 /// Whether the model that is written is too poor. Where a hysteresis of any form is better than the model without extensions, operators
-/// of other forms are tried first: the one that is then written, and no longer poor, is named.
-fn shaped(search: &Search<'_>, columns: &Columns, extended: &mut Extended) -> (Option<Poor>, Option<Named>) {
-    let first = poor(search, columns, extended);
-    let is_form = |poor: &Poor| poor.better == Better::AnyHysteresis;
-    if !extended.causes.is_empty() || !first.as_ref().is_some_and(is_form) {
-        return (first, None);
+/// of other forms are tried first, and the best of them is then what is written: the form of a model is no cause of the muscle.
+fn shaped(search: &Search<'_>, columns: &Columns, extended: &mut Extended) -> Option<Poor> {
+    let first = poor(search, columns, extended)?;
+    if !extended.causes.is_empty() || first.better != Better::AnyHysteresis {
+        return Some(first);
     }
-    let shape = Plain::of_other_form(columns, &search.signals.scored());
-    let reshaped = shape.and_then(|shape| extended.reshaped(shape, columns));
-    let Some(reshaped) = reshaped.filter(|reshaped| no_gain(reshaped).is_none()) else {
-        return (first, None);
-    };
-    *extended = reshaped;
-    let left = poor(search, columns, extended);
-    let named = left.is_none().then(|| Named::other_shape(extended, columns.output_unit));
-    (left, named)
+    let reshaped = of_other_form(search, columns, extended);
+    match reshaped.filter(|reshaped| no_gain(reshaped).is_none()) {
+        None => Some(first),
+        Some(reshaped) => {
+            *extended = reshaped;
+            poor(search, columns, extended)
+        }
+    }
+}
+
+/// The model without extensions of the form that predicts best.
+fn of_other_form(search: &Search<'_>, columns: &Columns, extended: &Extended) -> Option<Extended> {
+    extended.reshaped(Plain::of_other_form(columns, &search.signals.scored())?, columns)
 }
 
 fn conclude(
@@ -398,7 +410,10 @@ fn conclude(
     let baseline = &search.baseline;
     let mut causes = verdict::named(search, &best, sizes, valve.as_ref(), columns.output_unit);
     causes.retain(|named| !is_ordinary(named));
-    let alternatives = if causes.is_empty() { Vec::new() } else { alternatives };
+    let mut alternatives = if causes.is_empty() { Vec::new() } else { alternatives };
+    // Of second order, a set may come to other names than its causes'.
+    let names: Vec<Cause> = causes.iter().map(|named| named.cause).collect();
+    alternatives.retain(|alternative| !is_same(alternative, &names));
     let verdict = verdict::verdict(&causes, unexplained.as_ref(), &alternatives);
     let signals = search.signals;
     let of_rows = |values: &[f64]| -> Vec<f64> { signals.rows.iter().map(|row| values[row.at]).collect() };

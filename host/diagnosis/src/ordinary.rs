@@ -6,9 +6,14 @@
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::effect::{Effect, ORDINARY_LAG_S};
+use super::physical::parameters;
+use super::pure_error::pure_error;
 use super::rivals::differ_less_than_misfit;
 use super::search::Search;
 use super::verdict::Named;
+
+/// The name of a lag's parameter.
+const TIME_CONSTANT: &str = "time_constant_s";
 
 /// The best set in which a regulator's lag replaces a fast cause and explains the recording as well; None if no set does.
 pub fn with_ordinary_lag(
@@ -31,8 +36,17 @@ pub fn with_ordinary_lag(
         .min_by(|one, other| one.cost().total_cmp(&other.cost()))
 }
 
+/// The search with a regulator's ordinary lag in its baseline, where that lag is all that a set has.
+pub fn beside_ordinary_lag<'a>(search: &Search<'a>, set: &Candidate) -> Option<Search<'a>> {
+    let [(Cause::ValveLag, parameters)] = &parameters(search, &set.causes, &set.fit)[..] else { return None };
+    let lag_s = parameters.iter().find(|(name, _)| *name == TIME_CONSTANT)?.1;
+    let baseline = Candidate { causes: Vec::new(), ..set.clone() };
+    let pure = pure_error(search.signals, &search.basis, &set.fit.seen, &set.residual);
+    (lag_s <= ORDINARY_LAG_S).then(|| Search { baseline, pure, ..search.clone() })
+}
+
 /// Whether what is named is the lag of any regulator.
 pub fn is_ordinary(named: &Named) -> bool {
-    let lag_s = named.parameter("time_constant_s");
+    let lag_s = named.parameter(TIME_CONSTANT);
     named.cause == Cause::ValveLag && lag_s.is_some_and(|lag_s| lag_s <= ORDINARY_LAG_S)
 }

@@ -32,7 +32,8 @@ pub struct Overlooked {
 
 /// The fast cause of single ones that were looked at which the operator model is clearly better with; None where there is none.
 pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Overlooked> {
-    let fast: Vec<&Candidate> = singles.iter().filter(|set| set.causes.iter().all(|c| c.is_fast())).collect();
+    let is_fast = |set: &&Candidate| set.shows && set.causes.iter().all(|cause| cause.is_fast());
+    let fast: Vec<&Candidate> = singles.iter().filter(is_fast).collect();
     if fast.is_empty() {
         return None;
     }

@@ -38,6 +38,9 @@ const APART: f64 = 0.04;
 /// A rival has at least this share of the evidence of the best set.
 const SAYS: f64 = 0.7;
 
+/// A larger set is better by more than so many standard errors: of the eight or so that are looked at, one in a hundred is by chance.
+const BEYOND_CHANCE: f64 = 3.0;
+
 /// The set that is left, and those that are not told apart from it.
 pub struct Settled {
     /// The set.
@@ -72,26 +75,53 @@ pub fn settled(
         }
     });
     let Settled { set, alternatives, .. } = &mut settled;
-    let untold = sizes.iter().flatten().filter(|rival| is_untold(search, set, rival));
-    for rival in untold {
-        if !alternatives.iter().any(|other| is_same(other, &rival.causes)) {
-            alternatives.push(rival.causes.clone());
+    let untold = not_told_apart(search, (set, &set.causes), sizes);
+    untold.into_iter().for_each(|rival| {
+        if !alternatives.iter().any(|other| is_same(other, &rival)) {
+            alternatives.push(rival);
         }
-    }
+    });
     settled
 }
 
-/// Whether a rival with fewer causes is worse than the chosen set by less than the misfit of that set, which is its error beyond the
-/// noise: a model that is so far from the muscle does not show that the simpler form is wrong, however small the noise is.
-fn is_untold(search: &Search<'_>, set: &Candidate, rival: &Candidate) -> bool {
-    rival.shows
+/// The sets that the search does not tell apart from a chosen one, of whose causes these are named: none where none is.
+pub fn not_told_apart(
+    search: &Search<'_>,
+    (set, named): (&Candidate, &[Cause]),
+    sizes: &[Vec<Candidate>],
+) -> Vec<Vec<Cause>> {
+    let untold =
+        |rival: &&Candidate| is_untold(search, (set, named), rival) || is_better((set, named), rival);
+    let untold = sizes.iter().flatten().filter(|_| !named.is_empty()).filter(untold);
+    untold.map(|rival| rival.causes.clone()).collect()
+}
+
+/// Whether a rival with no more causes is not told apart from the chosen set: its error on blocks that no fit has seen is larger by no
+/// more than the standard error of that difference; or, with fewer causes, by less than the misfit of the chosen set, which is its error
+/// beyond the noise: a model that is so far from the muscle does not show that the simpler form is wrong, however small the noise is.
+fn is_untold(search: &Search<'_>, (set, named): (&Candidate, &[Cause]), rival: &Candidate) -> bool {
+    let is_rival = rival.shows
         && rival.outlasts
-        && !set.causes.is_empty()
-        && rival.count() < set.count()
-        && !is_within(rival, set)
-        && !is_within(set, rival)
-        && differ_less_than_misfit(set.score.mean(), rival.score.mean(), search.signals.noise)
-        && says_enough(search, set, rival)
+        && rival.count() <= set.count()
+        && !has_all(named, rival)
+        && !has_all(&rival.causes, set);
+    let is_by_chance = || rival.score.gain(&set.score) <= rival.score.gain_error(&set.score);
+    let is_simpler = || {
+        rival.count() < set.count()
+            && differ_less_than_misfit(set.score.mean(), rival.score.mean(), search.signals.noise)
+            && says_enough(search, set, rival)
+    };
+    is_rival && (is_by_chance() || is_simpler())
+}
+
+/// Whether a set with more causes than those named is better by far more than chance, though not worth each of them.
+fn is_better((set, named): (&Candidate, &[Cause]), larger: &Candidate) -> bool {
+    let gain = set.score.gain(&larger.score);
+    larger.shows
+        && larger.outlasts
+        && larger.causes.len() > named.len()
+        && has_all(named, larger)
+        && gain > BEYOND_CHANCE * set.score.gain_error(&larger.score)
 }
 
 /// Whether the squared error of a rival exceeds that of a set by less than the set's own squared error exceeds the noise's. All are
@@ -189,7 +219,12 @@ fn is_larger_rival(best: &Candidate, set: &Candidate) -> bool {
 
 /// Whether all causes of a set are in another one.
 fn is_within(one: &Candidate, other: &Candidate) -> bool {
-    one.causes.iter().all(|cause| other.causes.contains(cause))
+    has_all(&one.causes, other)
+}
+
+/// Whether a set has all of these causes.
+fn has_all(causes: &[Cause], set: &Candidate) -> bool {
+    causes.iter().all(|cause| set.causes.contains(cause))
 }
 
 fn names(set: &Candidate) -> String {

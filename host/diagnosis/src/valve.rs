@@ -1,11 +1,11 @@
 //! The valve, from command to measured pressure: which of its effects the recording shows.
 //!
 //! Where both columns are recorded the valve is told apart from the muscle: it is simulated forward and compared at the
-//! pressure. A lag is always part of it; a second one as short as any regulator has, a delay, a dead band and a limit are added while
-//! each makes the error clearly smaller. The muscle is then modelled from the measured pressure, whatever the valve does.
+//! pressure. A lag is always part of it; its second order, a delay, a dead band and a limit are added while each makes the error clearly
+//! smaller. The muscle is then modelled from the measured pressure, whatever the valve does.
 //!
-//! Two lags one behind the other are not one and a delay: a slow valve has its regulator's own lag as well, which alone would look like a
-//! dead time.
+//! A lag of the second order is not one and a delay: a regulator's spool, or a slow valve behind a regulator's own lag, begins as if it
+//! had a dead time.
 
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use super::Columns;
 use super::cause::Cause;
 use super::effect::ORDINARY_LAG_S;
 use super::equivalent::delayed;
-use super::low_pass::low_pass;
+use super::low_pass::{low_pass, low_pass_of_second_order};
 use recording::noise::steps;
 use recording::numbers::range;
 use recording::unit::Unit;
@@ -37,7 +37,9 @@ const APART: f64 = 8.0;
 const CLOSELY: [(i32, f64); 3] = [(60, 0.05), (60, 0.01), (60, 0.002)];
 /// How far to either side of the best a band that drags is looked for. Unit: place.
 const FINER: [f64; 8] = [6.0, 3.6, 2.0, 1.2, 0.72, 0.4, 0.24, 0.14];
-/// Iterations for lags, delay and limit.
+/// Damping ratios of a lag of the second order: from one that rings on and on to one whose shorter lag is 0.0006 of the longer one.
+const DAMPING: (f64, f64) = (0.1, 20.0);
+/// Iterations for lag, damping, delay and limit.
 const ITERATIONS: usize = 12;
 
 /// How a dead band works.
@@ -52,10 +54,10 @@ pub enum BandForm {
 /// A valve's effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Valve {
-    /// Unit: s.
+    /// How late the pressure is on a ramp, without the delay. Unit: s.
     pub lag_s: f64,
-    /// A second lag behind that, no longer than an ordinary one. Unit: s.
-    pub own_lag_s: Option<f64>,
+    /// The damping ratio of a lag of the second order: two lags one behind the other from one on. None of one of the first.
+    pub damping_ratio: Option<f64>,
     /// Unit: s.
     pub delay_s: Option<f64>,
     /// Unit: bar.
@@ -82,7 +84,7 @@ pub struct ValveFit {
 impl Valve {
     /// With a lag only.
     fn slow(lag_s: f64) -> Self {
-        Self { lag_s, own_lag_s: None, delay_s: None, band: None, supply_bar: None }
+        Self { lag_s, damping_ratio: None, delay_s: None, band: None, supply_bar: None }
     }
 
     /// The pressure that it makes of a command. Unit: bar.
@@ -105,10 +107,9 @@ impl Valve {
         if let Some(supply_bar) = self.supply_bar {
             values.iter_mut().for_each(|value| *value = value.min(supply_bar));
         }
-        let late = low_pass(&values, time_s, self.lag_s);
-        match self.own_lag_s {
-            Some(lag_s) => low_pass(&late, time_s, lag_s),
-            None => late,
+        match self.damping_ratio {
+            Some(ratio) => low_pass_of_second_order(&values, time_s, self.lag_s, ratio),
+            None => low_pass(&values, time_s, self.lag_s),
         }
     }
 }
@@ -153,19 +154,19 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
     for (cause, poorer) in valve.poorer() {
         let mut without = task.polished(poorer).1;
         if cause == Cause::TransportDelay {
-            let is_ordinary = |delay_s| delay_s + valve.all_lags_s() <= ORDINARY_LAG_S;
+            let is_ordinary = |delay_s| delay_s + valve.lag_s <= ORDINARY_LAG_S;
             if valve.delay_s.is_some_and(|delay_s| delay_s <= recorded_s || is_ordinary(delay_s)) {
                 continue;
             }
             without = without.min(Task { command: &later, ..task }.polished(poorer).1);
-            without = without.min(task.polished(poorer.with_own_lag()).1);
+            without = without.min(task.polished(poorer.of_second_order()).1);
         }
         let gain = (without / rmse_bar).ln();
         if gain > GAIN {
             causes.push((cause, gain));
         }
     }
-    if valve.all_lags_s() > ORDINARY_LAG_S {
+    if valve.lag_s > ORDINARY_LAG_S {
         let at_once = task.error(&Valve { lag_s: 1e-6, ..valve }.simulate(task.time_s, task.command));
         causes.push((Cause::ValveLag, (at_once / rmse_bar).ln()));
     }
@@ -188,25 +189,25 @@ impl Valve {
         all
     }
 
-    /// Both lags together: how late the pressure is on a ramp. Unit: s.
-    pub fn all_lags_s(&self) -> f64 {
-        self.lag_s + self.own_lag_s.unwrap_or(0.0)
-    }
-
-    /// The longer lag. Unit: s.
+    /// The longer of two lags; of one that rings how late it is on a ramp. Unit: s.
     pub fn longer_lag_s(&self) -> f64 {
-        self.own_lag_s.map_or(self.lag_s, |own| own.max(self.lag_s))
+        let apart = self.damping_ratio.map_or(1.0, |ratio| (1.0 - ratio.powi(-2)).max(0.0).sqrt());
+        if self.damping_ratio.is_some_and(|ratio| ratio < 1.0) {
+            self.lag_s
+        } else {
+            0.5 * self.lag_s * (1.0 + apart)
+        }
     }
 
-    /// With a second lag, if it has none yet.
-    fn with_own_lag(&self) -> Self {
-        Self { own_lag_s: self.own_lag_s.or(Some(0.3 * ORDINARY_LAG_S)), ..*self }
+    /// With a lag of the second order, if it has none yet.
+    fn of_second_order(&self) -> Self {
+        Self { damping_ratio: self.damping_ratio.or(Some(1.0)), ..*self }
     }
 
-    /// Lags and, where they are there, delay and limit.
+    /// Lag and, where they are there, damping, delay and limit.
     fn smooth(&self) -> Vec<f64> {
-        let own = self.own_lag_s.map(f64::ln);
-        [Some(self.lag_s.ln()), own, self.delay_s, self.supply_bar].into_iter().flatten().collect()
+        let damping = self.damping_ratio.map(f64::ln);
+        [Some(self.lag_s.ln()), damping, self.delay_s, self.supply_bar].into_iter().flatten().collect()
     }
 
     /// This valve with those.
@@ -215,7 +216,7 @@ impl Valve {
         let mut next = || values.next().unwrap_or(0.0);
         Self {
             lag_s: next().clamp((0.02 * step_s).ln(), 20.0f64.ln()).exp(),
-            own_lag_s: self.own_lag_s.map(|_| next().clamp((0.02 * step_s).ln(), ORDINARY_LAG_S.ln()).exp()),
+            damping_ratio: self.damping_ratio.map(|_| next().clamp(DAMPING.0.ln(), DAMPING.1.ln()).exp()),
             delay_s: self.delay_s.map(|_| next().clamp(0.0, 5.0)),
             supply_bar: self.supply_bar.map(|_| next()),
             ..*self
@@ -247,8 +248,8 @@ impl Task<'_> {
     /// The valve with each effect that it has not, polished.
     fn richer(&self, valve: &Valve) -> Vec<(Valve, f64)> {
         let mut all = Vec::new();
-        if valve.own_lag_s.is_none() {
-            all.push(self.polished(valve.with_own_lag()));
+        if valve.damping_ratio.is_none() {
+            all.push(self.polished(valve.of_second_order()));
         }
         if valve.delay_s.is_none() {
             all.push(self.polished(Valve { delay_s: Some(2.0 * self.step_s), ..*valve }));
@@ -318,7 +319,7 @@ impl Task<'_> {
         Some(best.1)
     }
 
-    /// Lags, delay and limit by Gauss-Newton with differences.
+    /// Lag, damping, delay and limit by Gauss-Newton with differences.
     fn polished(&self, valve: Valve) -> (Valve, f64) {
         let mut valve = valve;
         let mut simulated = valve.simulate(self.time_s, self.command);
@@ -328,9 +329,9 @@ impl Task<'_> {
             let columns: Vec<Vec<f64>> = (0..values.len())
                 .map(|i| {
                     let mut moved = values.clone();
-                    // Those of lags are their logarithms.
-                    let lags = 1 + usize::from(valve.own_lag_s.is_some());
-                    let step = if i < lags { 1e-3 } else { 0.1 * self.step_s.min(1e-2) };
+                    // Lag and damping are by their logarithms.
+                    let logarithms = 1 + usize::from(valve.damping_ratio.is_some());
+                    let step = if i < logarithms { 1e-3 } else { 0.1 * self.step_s.min(1e-2) };
                     moved[i] += step;
                     let other = valve.with_smooth(&moved, self.step_s).simulate(self.time_s, self.command);
                     other.iter().zip(&simulated).map(|(a, b)| (a - b) / step).collect()

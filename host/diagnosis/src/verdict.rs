@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::candidate::Candidate;
 use super::cause::Cause;
+use super::extend::Given;
 use super::extend::start::knots;
-use super::extend::{Extended, Given};
 use super::physical::{self, DAMPED, Parameters};
 use super::reject::Unexplained;
 use super::search::Search;
@@ -81,28 +81,10 @@ impl Named {
             legible(given.refitted_rmse, 3),
             legible(given.richer_rmse, 3)
         );
-        Self::shape(richer, given.share(), evidence)
-    }
-
-    /// That the plain model's form is too poor, and that of a reshaped one is not. `unit`: of the output.
-    pub fn other_shape(reshaped: &Extended, unit: Unit) -> Self {
-        let Extended { model, baseline_rmse, extended_rmse, .. } = reshaped;
-        let evidence = format!(
-            "simulated, the form {} is off by {} {unit} over all samples, {} by {} {unit}",
-            model.form(),
-            legible(*extended_rmse, 3),
-            reshaped.plain.form(),
-            legible(*baseline_rmse, 3)
-        );
-        let share = 1.0 - (extended_rmse / baseline_rmse).powi(2);
-        Self::shape(&model.parameters, share, evidence)
-    }
-
-    fn shape(richer: &HostParameters, share: f64, evidence: String) -> Self {
         Self {
             cause: Cause::HysteresisShape,
             parameters: sizes(richer),
-            share,
+            share: given.share(),
             evidence: vec![evidence],
             without: None,
         }

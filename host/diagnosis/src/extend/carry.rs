@@ -78,7 +78,7 @@ pub fn before_operator(
 pub fn add_valve(all: &mut ExtensionParameters<f64>, valve: Option<&ValveFit>) {
     let Some(ValveFit { valve, .. }) = valve else { return };
     // One lag for both: as late on a ramp, if not quite after a jump.
-    all.valve_lag = Some(ValveLagParameters::new(valve.all_lags_s()));
+    all.valve_lag = Some(ValveLagParameters::new(valve.lag_s));
     all.valve_deadband = valve.band.map(|(form, band)| match form {
         BandForm::Hold => ValveDeadbandParameters { band, form: DeadbandForm::Hold },
         BandForm::Backlash => ValveDeadbandParameters { band: 0.5 * band, form: DeadbandForm::Backlash },

@@ -141,7 +141,7 @@ pub struct Extended {
     pub valve_is_named: bool,
     /// The causes of the set that extends it.
     pub(super) causes: Vec<Cause>,
-    /// Models with other sets, which are written in its place where they predict better.
+    /// Models with other sets or of another form, which are written in its place where they predict better.
     pub(super) others: Vec<Extended>,
     /// The plain model of the input as it was measured, where that was smoothed.
     of_measured: Option<Plain>,

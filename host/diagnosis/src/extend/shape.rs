@@ -24,12 +24,12 @@ impl Plain {
             Some((penalised(root_mean_square(&errors), options), *options, taught))
         };
         // One by one: each search runs its starts on all threads.
-        let base = Options { starts: start::STARTS, ..start::as_identify(None) };
-        let (_, options, taught) = candidates(&base, start::KNOTS)
+        let (_, options, taught) = candidates(&start::in_passing(None), start::KNOTS)
             .iter()
             .filter_map(predicted)
             .min_by(|one, other| one.0.total_cmp(&other.0))?;
-        let (operator, termination) = start::identified_as(columns, options).ok()?;
+        let to_the_end = Options { tolerance: identification::CONVERGED, ..options };
+        let (operator, termination) = start::identified_as(columns, to_the_end).ok()?;
         Some(Self { taught, whole: plainly(operator), termination })
     }
 

@@ -89,8 +89,7 @@ fn at_rest(fit: &Fit) -> Option<Fit> {
 /// # Errors
 /// No operator can be identified.
 pub fn operator(seen: &Seen, scored: &[usize]) -> Result<Operator, IdentificationError> {
-    let search = |knots| Options { starts: STARTS, seed: SEED, tolerance: TOLERANCE, ..as_identify(knots) };
-    operator_of(seen, scored, &ENVELOPES.map(search))
+    operator_of(seen, scored, &ENVELOPES.map(in_passing))
 }
 
 /// The best of several searches for such an operator.
@@ -168,6 +167,11 @@ pub(super) fn as_identify(knots: Option<usize>) -> Options {
         threads: 0,
         tolerance: CONVERGED,
     }
+}
+
+/// The same with the few starts and the tolerance of what is refined later, or only chosen by.
+pub(super) fn in_passing(knots: Option<usize>) -> Options {
+    Options { starts: STARTS, seed: SEED, tolerance: TOLERANCE, ..as_identify(knots) }
 }
 
 /// The best operator of several searches.

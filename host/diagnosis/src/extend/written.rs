@@ -9,6 +9,10 @@ use crate::Columns;
 use crate::cause::Cause;
 use crate::physical::Parameters;
 use identification::{self, Termination};
+use recording::numbers::range;
+
+/// The samples behind the split tell models apart where the input moves over at least this share of its span in them.
+const TESTED: f64 = 0.5;
 
 /// The model that is written, beside the plain one. Errors are root mean squares in output unit.
 #[derive(Clone, Debug)]
@@ -96,17 +100,28 @@ impl Extended {
 
     /// The model that is written, by what its extensions gain on samples that took no part in the fit: those of another recording, or
     /// the last third of this one; None where no model runs through them. Of several sets of causes it is the one that predicts
-    /// best, whether it is named or not. The input of the columns is the one that the models are judged by.
+    /// best, whether it is named or not, and of forms too. The input of the columns is the one that the models are judged by.
     pub fn written(&self, columns: &Columns, other: Option<&Columns>) -> Option<Written> {
-        let extended = self.others.iter().filter_map(|one| one.alone(columns, other));
-        let extended = extended.filter(Written::is_extended);
+        let is_tested = other.is_some() || self.is_tested(columns);
+        let others = self.others.iter().filter(|_| is_tested).filter_map(|one| one.alone(columns, other));
         let own = self.alone(columns, other)?;
-        let best = extended
-            .fold(own, |best, one| if one.gain.after.rmse < best.gain.after.rmse { one } else { best });
+        let best =
+            others.fold(own, |best, one| if one.gain.after.rmse < best.gain.after.rmse { one } else { best });
         // A plain operator fitted to the smoothed input may simulate the measured input worse than one fitted to that.
         let measured = self.of_measured.as_ref().filter(|_| !best.is_extended());
         let measured = measured.and_then(|operator| self.with_operator(operator, columns, other));
         Some(measured.filter(|one| one.rmse < best.rmse).unwrap_or(best))
+    }
+
+    /// Whether the samples behind the split move through enough of what the input reaches to tell which model predicts: in a hold that
+    /// goes on, any model that has learnt its beginning does.
+    fn is_tested(&self, columns: &Columns) -> bool {
+        let span = |rows: &[usize]| {
+            let (low, high) = range(&rows.iter().map(|&row| columns.input[row]).collect::<Vec<_>>());
+            high - low
+        };
+        let scored = &self.counted.scored;
+        span(split(scored).1) >= TESTED * span(scored)
     }
 
     /// An operator without extensions in the place of what was found.
@@ -134,6 +149,8 @@ impl Extended {
             Some(other) => self.gains(&on_another(other, self)?),
             None => self.gains(&self.heldout),
         };
+        // Where the input was smoothed, what gains on that may be driven out of all bounds by the noise of the measured one.
+        let gains = gains && extended.whole.rmse(columns) < plain.whole.rmse(columns);
         let mut pair = if gains { extended.clone() } else { plain.clone() };
         // What an ordinary valve gains shows from the command.
         if extended.has_valve() && columns.command.is_some() && !self.valve_is_named {

@@ -21,6 +21,12 @@ fn found(time_s: &[f64], commands: &[f64], valve: &Valve) -> ValveFit {
     examine(&columns, 1e-4).expect("there is a command")
 }
 
+/// With two lags one behind the other.
+fn of_two(one_s: f64, other_s: f64) -> Valve {
+    let damping_ratio = 0.5 * (one_s + other_s) / (one_s * other_s).sqrt();
+    Valve { damping_ratio: Some(damping_ratio), ..Valve::slow(one_s + other_s) }
+}
+
 /// Jumps with holds. Unit: bar.
 fn jumps(time_s: &[f64]) -> Vec<f64> {
     time_s.iter().map(|t| [1.0, 4.0, 2.0, 5.0][(0.7 * t) as usize % 4]).collect()
@@ -30,20 +36,33 @@ fn jumps(time_s: &[f64]) -> Vec<f64> {
 fn a_slow_valve_behind_an_ordinary_one_is_slow_and_not_late() {
     let time_s: Vec<f64> = (0..4000).map(|row| 0.01 * f64::from(row)).collect();
     for lag_s in [0.08, 0.22] {
-        let valve = Valve { own_lag_s: Some(0.04), ..Valve::slow(lag_s) };
+        let valve = of_two(lag_s, 0.04);
         let found = found(&time_s, &jumps(&time_s), &valve);
         assert_eq!(found.causes.iter().map(|(cause, _)| *cause).collect::<Vec<_>>(), [Cause::ValveLag]);
-        assert!((found.valve.lag_s / lag_s - 1.0).abs() < 0.05, "{:?}", found.valve);
+        assert!((found.valve.longer_lag_s() / lag_s - 1.0).abs() < 0.05, "{:?}", found.valve);
     }
-    let ordinary = Valve { own_lag_s: Some(0.02), ..Valve::slow(0.02) };
+    let ordinary = of_two(0.02, 0.02);
     assert_eq!(found(&time_s, &jumps(&time_s), &ordinary).causes, []);
+}
+
+#[test]
+fn a_regulator_of_the_second_order_is_not_late() {
+    let time_s: Vec<f64> = (0..4000).map(|row| 0.01 * f64::from(row)).collect();
+    for (lag_s, damping_ratio) in [(0.15, 0.7), (0.1, 0.4), (0.2, 1.0)] {
+        let valve = Valve { damping_ratio: Some(damping_ratio), ..Valve::slow(lag_s) };
+        for commands in [jumps(&time_s), time_s.iter().map(|&time_s| command(time_s)).collect()] {
+            let found = found(&time_s, &commands, &valve);
+            assert_eq!(found.causes.iter().map(|(cause, _)| *cause).collect::<Vec<_>>(), [Cause::ValveLag]);
+            assert!((found.valve.lag_s / lag_s - 1.0).abs() < 0.05, "{:?}", found.valve);
+        }
+    }
 }
 
 #[test]
 fn a_late_valve_is_late_whether_it_has_one_lag_or_two() {
     let time_s: Vec<f64> = (0..4000).map(|row| 0.01 * f64::from(row)).collect();
-    for own_lag_s in [None, Some(0.02)] {
-        let valve = Valve { own_lag_s, delay_s: Some(0.06), ..Valve::slow(0.04) };
+    for valve in [Valve::slow(0.04), of_two(0.04, 0.02)] {
+        let valve = Valve { delay_s: Some(0.06), ..valve };
         let found = found(&time_s, &jumps(&time_s), &valve);
         assert_eq!(found.causes.iter().map(|(cause, _)| *cause).collect::<Vec<_>>(), [Cause::TransportDelay]);
         assert!(found.valve.delay_s.is_some_and(|s| (s / 0.06 - 1.0).abs() < 0.1), "{:?}", found.valve);

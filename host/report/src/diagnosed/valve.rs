@@ -8,8 +8,9 @@ use super::with_unit;
 use crate::bars::{Bar, bars};
 use crate::page::explained;
 use crate::plot::{Line, Plot, Style};
-use diagnosis::valve::{BandForm, ValveFit};
+use diagnosis::valve::{BandForm, Valve, ValveFit};
 use diagnosis::{Columns, Verdict};
+use recording::numbers::legible;
 
 /// The section of the report; nothing where the command was not recorded beside the pressure.
 pub fn section(view: &View<'_>, columns: &Columns) -> Markup {
@@ -91,8 +92,7 @@ fn in_words(ValveFit { valve, unit, .. }: &ValveFit) -> String {
         format!("{form} {}", with_unit(band, unit))
     });
     [
-        Some(format!("a lag of {}", with_unit(valve.lag_s, "s"))),
-        valve.own_lag_s.map(|lag_s| format!("a second lag of {}", with_unit(lag_s, "s"))),
+        Some(lag_in_words(valve)),
         valve.delay_s.map(|delay_s| format!("a delay of {}", with_unit(delay_s, "s"))),
         band,
         valve.supply_bar.map(|supply_bar| format!("a supply of {}", with_unit(supply_bar, unit))),
@@ -101,4 +101,23 @@ fn in_words(ValveFit { valve, unit, .. }: &ValveFit) -> String {
     .flatten()
     .collect::<Vec<_>>()
     .join(", ")
+}
+
+/// One lag, two, or one that overshoots.
+fn lag_in_words(valve: &Valve) -> String {
+    let longer_s = valve.longer_lag_s();
+    match valve.damping_ratio {
+        Some(ratio) if ratio < 1.0 => {
+            format!(
+                "a lag of the second order of {}, damping ratio {}",
+                with_unit(longer_s, "s"),
+                legible(ratio, 2)
+            )
+        }
+        Some(_) => {
+            let shorter_s = valve.lag_s - longer_s;
+            format!("a lag of {} and one of {}", with_unit(longer_s, "s"), with_unit(shorter_s, "s"))
+        }
+        None => format!("a lag of {}", with_unit(longer_s, "s")),
+    }
 }

@@ -1,6 +1,7 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
 pub mod backup;
+pub mod batch;
 mod board_model;
 pub mod bus;
 pub mod calibrate;
@@ -54,6 +55,7 @@ enum Command {
     Identify(identify::Arguments),
     Compare(compare::Arguments),
     Import(import::Arguments),
+    Batch(batch::Arguments),
     Diagnose(diagnose::Arguments),
     Simulate(simulate::Arguments),
     Export(export::Arguments),
@@ -87,6 +89,7 @@ impl CommandLine {
     pub fn run(self) -> Result<(), Error> {
         match self.command {
             Command::Identify(arguments) => identify::run(&arguments),
+            Command::Batch(arguments) => batch::run(&arguments),
             Command::Import(arguments) => import::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Diagnose(arguments) => diagnose::run(&arguments),

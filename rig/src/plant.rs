@@ -96,6 +96,8 @@ pub struct Plant {
     gauge: Gauge,
     sensors: Sensors,
     time_s: f64,
+    /// Load that somebody puts on it, N.
+    put_on_n: f64,
 }
 
 impl Plant {
@@ -143,6 +145,7 @@ impl Plant {
             gauge: Gauge::new(&effects, &scale, seed),
             sensors,
             time_s: 0.0,
+            put_on_n: 0.0,
             effects,
         }
     }
@@ -150,6 +153,11 @@ impl Plant {
     /// What is wrong with it.
     pub fn truth(&self) -> Truth {
         Truth::new(&self.effects, &self.body.sensitivities())
+    }
+
+    /// Puts a load (N) on the muscle, beside what hangs there, from now on; no sensor sees it.
+    pub fn put_on(&mut self, load_n: f64) {
+        self.put_on_n = load_n;
     }
 
     /// Holds `command_bar` for `dt_s` (0 s and more), then measures.
@@ -166,6 +174,11 @@ impl Plant {
                 self.advance(command_bar, dt_s / steps);
             }
         }
+    }
+
+    /// The contraction as an exact sensor would read it now, mm.
+    pub fn exact_mm(&mut self) -> f64 {
+        self.gauge.read(self.contraction_mm, self.time_s)
     }
 
     /// Measures once.
@@ -189,6 +202,8 @@ impl Plant {
         if let Some((share, opening)) = &mut self.leak {
             pressure_bar *= (1.0 - *share * opening.at(self.time_s)).max(0.0);
         }
-        self.contraction_mm = self.body.step(pressure_bar, &self.course.at(self.time_s), dt_s);
+        let mut surroundings = self.course.at(self.time_s);
+        surroundings.load_n += self.put_on_n;
+        self.contraction_mm = self.body.step(pressure_bar, &surroundings, dt_s);
     }
 }

@@ -164,6 +164,8 @@ impl Diagnosed {
             extensions: extensions.clone(),
             model: HostModel::try_new(parameters)?,
             identification: Some(identification),
+            recorded: None,
+            tuning: None,
         }
         .with_usual_lead_limit())
     }

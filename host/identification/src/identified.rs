@@ -106,6 +106,8 @@ pub fn identified(
         extensions: ExtensionParameters::default(),
         model: fit.model.clone(),
         identification: Some(identification.clone()),
+        recorded: None,
+        tuning: None,
     };
     Ok(Identified { model, identification, fit, recording: joined, tried, seconds })
 }

@@ -86,6 +86,14 @@ pub enum Error {
         /// Why.
         source: DiagnosisError,
     },
+    /// No feedback is safe for a model.
+    #[error("{}: {source}", file.display())]
+    Tuning {
+        /// The model.
+        file: PathBuf,
+        /// Why.
+        source: tuning::Refusal,
+    },
     /// No model of a recording runs through another one.
     #[error("{}: the model does not run through the recording", .0.display())]
     NotSimulated(PathBuf),

@@ -22,12 +22,13 @@ fn main() {
     if let Some(reason) = &missing {
         println!("the tests of the emulated board are skipped: {reason}");
     }
-    let tests: [(&str, fn()); 10] = [
+    let tests: [(&str, fn()); 11] = [
         ("a_muscle_that_is_torn_off_vents_within_200_ticks", torn_off),
         ("without_monitors_a_muscle_that_is_torn_off_is_not_noticed", torn_off_unnoticed),
         ("a_sensor_that_stands_still_ends_pil_with_its_fault_and_keeps_the_logs", frozen),
         ("a_killed_capture_leaves_the_board_vented", killed_capture),
         ("an_interrupted_track_keeps_its_log", interrupted_track),
+        ("a_board_that_is_lost_while_learning_spoils_nothing", learning_lost),
         ("a_killed_emulator_leaves_no_program_and_no_way_to_another_board", killed_emulator),
         ("a_port_has_one_emulator", one_a_port),
         ("an_emulator_that_cannot_start_says_why_in_the_background_too", no_start),
@@ -254,14 +255,51 @@ fn interrupted_track() {
     assert_eq!(board.status()["state"], "Ready", "vented");
 }
 
-fn killed_emulator() {
-    let bench = bench();
-    let mut emulator = mgpi(&bench, &["emulate", "--port", "board"]).spawn().expect("mgpi runs");
+fn wait_for_port(bench: &Bench) {
     let deadline = Instant::now() + Duration::from_secs(60);
     while !bench.path("board").exists() {
         assert!(Instant::now() < deadline, "no port");
         sleep(Duration::from_millis(20));
     }
+}
+
+/// The emulator is killed in the third pass of a learning.
+fn learning_lost() {
+    let bench = bench();
+    bench.write("ref.csv", "time_s,reference_mm\n0,5\n2,50\n4,10\n");
+    let recorded = "[recorded]\nstep_s = 0.01\nnoise_mm = 0.03\nsteeper = 1.3\nlate_s = 0.0\n\
+                    late_error_s = 0.002\nvalve_late_s = 0.05\nvalve_late_error_s = 0.001\n";
+    bench.write("model.toml", format!("{PAPER}\n{recorded}"));
+    succeeds(&bench, &["tune", "model.toml", "-o", "tuned.toml"]);
+    let mut emulator = mgpi(&bench, &["emulate", "--port", "board"]).spawn().expect("mgpi runs");
+    wait_for_port(&bench);
+    let said = succeeds(&bench, &[&["deploy", "tuned.toml"][..], &BUS].concat());
+    assert!(said.contains("tuned, largest sensitivity") && said.contains(": tuned for this model"), "{said}");
+    let learn = ["track", "--reference", "ref.csv", "--model", "tuned.toml", "--repeat"];
+    let said = succeeds(&bench, &[&learn[..], &["3", "--learn", "learnt.csv"], &BUS].concat());
+    let passes = said.lines().filter(|line| line.starts_with("pass ")).count();
+    assert!(passes >= 2, "{said}");
+    assert!(bench.read("learnt.csv").contains("time_s,reference_mm,correction_mm"), "{said}");
+    let on = ["9", "--correction", "learnt.csv", "--learn", "more.csv"];
+    let mut child = mgpi(&bench, &[&learn[..], &on, &BUS].concat());
+    let mut child = child.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("mgpi runs");
+    let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stdout.take().expect("a pipe")));
+    // Two passes have come to their end.
+    let done = lines.by_ref().map_while(Result::ok).filter(|line| line.starts_with("pass ")).take(2);
+    assert_eq!(done.count(), 2);
+    signal("KILL", emulator.id());
+    emulator.wait().expect("a child");
+    let output = child.wait_with_output().expect("it ends");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("whole passes is kept in more.csv"), "{message}");
+    assert!(bench.read("more.csv").contains("time_s,reference_mm,correction_mm"), "{message}");
+}
+
+fn killed_emulator() {
+    let bench = bench();
+    let mut emulator = mgpi(&bench, &["emulate", "--port", "board"]).spawn().expect("mgpi runs");
+    wait_for_port(&bench);
     assert_eq!(emulators(&bench).len(), 1);
     signal("KILL", emulator.id());
     emulator.wait().expect("a child");

@@ -21,7 +21,7 @@ fn main() {
     if let Some(reason) = &missing {
         println!("the tests of the firmware in the loop are skipped: {reason}");
     }
-    let tests: [(&str, fn()); 13] = [
+    let tests: [(&str, fn()); 15] = [
         ("three_runs_leave_logs_and_figures", three_runs),
         ("two_runs_are_the_same_byte_for_byte", repeatable),
         ("the_example_in_python_is_a_plant", python_example),
@@ -31,6 +31,8 @@ fn main() {
         ("a_plant_that_dies_is_an_error_with_its_last_words", dying),
         ("a_plant_that_answers_twice_is_an_error", twice),
         ("a_plant_beyond_its_sensors_is_an_error", beyond),
+        ("what_repeats_is_learnt_stored_and_played_back", learnt),
+        ("a_plant_that_dies_while_learning_spoils_nothing", learning_broken),
         ("gains_that_the_board_does_not_take_are_an_error", bad_gain),
         ("ctrl_c_leaves_no_process_and_the_log_so_far", interrupted),
         ("the_emulators_death_is_an_error_with_the_firmwares_log", emulator_killed),
@@ -197,6 +199,93 @@ fn twice() {
 fn beyond() {
     let message = refusal("while read line; do echo 40 0; done", &[]);
     assert!(message.contains("at 0 s the plant answers the pressure 40 bar, outside"), "{message}");
+}
+
+/// A muscle at once and without hysteresis, a fifth shorter than its model: what repeats is a fifth
+/// of everything.
+const SHORT_OF_IT: &str = r"
+import sys
+for line in sys.stdin:
+    command = float(line.split()[1])
+    print(command, 16.0 * command, flush=True)
+";
+
+/// Up and down between heights that muscle and model both reach, twice.
+const UP_AND_DOWN: &str = "time_s,reference_mm\n0,5\n1,40\n2,5\n3,40\n4,5\n";
+
+fn pass_rmse(said: &str) -> Vec<f64> {
+    let lines = said.lines().filter(|line| line.starts_with("pass "));
+    lines.map(|line| line.split_whitespace().nth(3).expect("a figure").parse().expect("a number")).collect()
+}
+
+/// A bench with a model whose recording has shown that muscle and valve follow at once.
+fn prompt(reference: &str) -> Bench {
+    let bench = bench(reference);
+    let recorded = "[recorded]\nstep_s = 0.005\nnoise_mm = 0.03\nsteeper = 1.2\nlate_s = 0.0\n\
+                    late_error_s = 0.001\nvalve_late_s = 0.0\nvalve_late_error_s = 0.001\n";
+    bench.write("model.toml", format!("{PAPER}\n{recorded}"));
+    bench
+}
+
+fn succeeds(command: &mut Command) -> String {
+    let output = command.output().expect("mgpi runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+fn learnt() {
+    let bench = prompt(UP_AND_DOWN);
+    bench.write("plant.py", SHORT_OF_IT);
+    let plant = "python3 plant.py";
+    let said =
+        succeeds(&mut pil(&bench, plant, &["--repeat", "4", "--learn", "learnt.csv", "--json", "j.json"]));
+    let passes = pass_rmse(&said);
+    assert_eq!(passes.len(), 4, "{said}");
+    assert!(passes[3] < 0.5 * passes[0], "{passes:?}");
+    let json: serde_json::Value = serde_json::from_str(&bench.read("j.json")).expect("JSON");
+    assert_eq!(json["passes"].as_array().map(Vec::len), Some(4));
+    // What was learnt stands beside its reference, a row a tick, and is played back.
+    let learnt = bench.read("learnt.csv");
+    assert!(learnt.starts_with("# learnt by mgpi") && learnt.lines().count() == 4003, "{}", learnt.len());
+    let said = succeeds(&mut pil(&bench, plant, &["--correction", "learnt.csv", "--repeat", "2"]));
+    let again = pass_rmse(&said);
+    assert!(
+        (again[0] / passes.iter().copied().fold(f64::INFINITY, f64::min) - 1.0).abs() < 0.05,
+        "{again:?} {passes:?}"
+    );
+    assert!(!learnt.is_empty() && bench.read("learnt.csv") == learnt, "played back, not changed");
+}
+
+fn learning_broken() {
+    let bench = prompt(UP_AND_DOWN);
+    // The third run of the plant, the third pass, dies half way.
+    let dies = SHORT_OF_IT.replace(
+        "import sys\n",
+        "import os, sys\nruns = len(open('runs').read()) if os.path.exists('runs') else 0\nopen('runs', 'a').write('x')\n",
+    );
+    let dies = dies.replace(
+        "    print(",
+        "    if runs == 2 and float(line.split()[0]) > 2:\n        sys.exit('torn')\n    print(",
+    );
+    bench.write("plant.py", dies);
+    let options = ["--repeat", "4", "--learn", "learnt.csv", "--json", "j.json"];
+    let output = pil(&bench, "python3 plant.py", &options).output().expect("mgpi runs");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("what was learnt in 2 whole passes is kept in learnt.csv"), "{message}");
+    assert!(message.contains("torn") && !bench.path("j.json").exists(), "{message}");
+    let kept = bench.read("learnt.csv");
+    assert!(kept.contains("in 2 passes"), "{kept:.200}");
+    // In its first pass it spoils nothing that was there.
+    let message = String::from_utf8(
+        pil(&bench, "python3 -c 1", &["--repeat", "3", "--learn", "learnt.csv", "--force"])
+            .output()
+            .expect("runs")
+            .stderr,
+    )
+    .expect("UTF-8");
+    assert!(!message.contains("is kept"), "{message}");
+    assert_eq!(bench.read("learnt.csv"), kept);
 }
 
 fn bad_gain() {

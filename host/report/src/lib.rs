@@ -12,6 +12,7 @@
 //! | [`identified`] | report of `mgpi identify` |
 //! | `tracked` | report of `mgpi pil` |
 //! | `tracking` | a tracking run, as plots |
+//! | [`tuned`] | report of `mgpi tune` |
 //! | `table` | tables that a phone shows as cards |
 //! | `bars` | bars with names, in the same look |
 //! | [`diagnosed`] | report of `mgpi diagnose` |
@@ -36,3 +37,4 @@ mod table;
 pub mod tracked;
 #[cfg(feature = "runs")]
 pub mod tracking;
+pub mod tuned;

@@ -272,14 +272,28 @@ impl Exhibit {
         (resolution(10.0), resolution(1.2 * stroke_mm))
     }
 
-    /// The rows with this hidden, and the plant behind them.
-    fn rows(&self, hidden: &[Effect], noise: bool) -> (Vec<Row>, Plant) {
+    /// The plant itself, at rest, with what is hidden in it: to be driven by somebody else.
+    pub fn plant(&self, noise: bool) -> Plant {
+        self.plant_with(&self.hidden, noise)
+    }
+
+    /// Contraction at 6 bar without friction, beyond that at 0 bar, mm.
+    pub fn stroke_mm(&self) -> f64 {
+        self.muscle(&[]).0.stroke_mm()
+    }
+
+    /// Force at 6 bar and no contraction, N.
+    pub fn blocked_n(&self) -> f64 {
+        self.muscle(&[]).3.full_n
+    }
+
+    /// The plant with this hidden.
+    fn plant_with(&self, hidden: &[Effect], noise: bool) -> Plant {
         let (muscle, effects, scale, size) = self.muscle(hidden);
-        let stroke_mm = muscle.stroke_mm();
-        let (pressure, contraction) = self.resolutions(stroke_mm);
+        let (pressure, contraction) = self.resolutions(muscle.stroke_mm());
         let mut of_valve = Drawn::Valve.by(self.seed);
         of_valve.index(3);
-        let mut plant = Plant::assembled(Parts {
+        Plant::assembled(Parts {
             valve: self.valve.drawn(&mut of_valve, &effects),
             effects,
             seed: self.seed,
@@ -289,7 +303,12 @@ impl Exhibit {
             scale,
             volume_per_mm: 3.0 / size.length_mm,
             is_timed: true,
-        });
+        })
+    }
+
+    /// The rows with this hidden, and the plant behind them.
+    fn rows(&self, hidden: &[Effect], noise: bool) -> (Vec<Row>, Plant) {
+        let mut plant = self.plant_with(hidden, noise);
         let mut draw = Drawn::Excitation.by(self.seed);
         let excitation = Excitation::drawn(&mut draw);
         let range_bar = draw.uniform(5.2, 6.0);

@@ -1,6 +1,8 @@
-//! The controller's settings of a new configuration: what is asked for, else what the board has,
-//! else the default.
+//! The controller's settings of a new configuration: what is asked for, else what was tuned for
+//! the model, else what the board has, else the default.
 //!
+//! Tuned gains go with their model: where it has some, those that the board has for another model
+//! do not stay, unless that is asked for.
 //! A limit of the command that is an end of the model's range was not set by anybody: it follows
 //! the new model. One that the new model does not allow is brought to the end of its range.
 
@@ -30,6 +32,8 @@ pub enum Reason {
     Asked,
     /// The board has none yet, and no option says otherwise.
     Default,
+    /// It was tuned for the model.
+    Tuned,
     /// The end of the model's range, as it was of the model before.
     Follows,
     /// What was asked for, or set before, is beyond the model's range.
@@ -56,6 +60,7 @@ impl std::fmt::Display for Setting {
         match reason {
             Some(Reason::Asked) if !self.stays() => write!(f, ": as asked for"),
             Some(Reason::Default) => write!(f, ": the default"),
+            Some(Reason::Tuned) if !self.stays() => write!(f, ": tuned for this model"),
             Some(Reason::Follows) if !self.stays() => {
                 write!(f, ": the end of the model's range, as before")
             }
@@ -65,8 +70,12 @@ impl std::fmt::Display for Setting {
     }
 }
 
-/// Puts the settings into a new configuration, whose own are the defaults and the ends of its
-/// model's range. `installed` is what the board has, `asked` what options say.
+/// What is tuned for a model.
+pub const GAINS: [Id; 5] = [Id::Kp, Id::Ki, Id::Kd, Id::DerivativeFilter, Id::TrackingTime];
+
+/// Puts the settings into a new configuration, whose own are the defaults or, if `is_tuned`, those
+/// tuned for its model, and the ends of its model's range. `installed` is what the board has,
+/// `asked` what options say.
 ///
 /// # Errors
 /// What is asked for is outside the register's limits, or the lowest command is not below the
@@ -75,6 +84,7 @@ pub fn settle(
     new: &mut BoardParameters,
     installed: Option<&BoardParameters>,
     asked: &[(Id, f32)],
+    is_tuned: bool,
 ) -> Result<Vec<Setting>, BoardError> {
     for &(id, value) in asked {
         let register = id.register();
@@ -93,6 +103,7 @@ pub fn settle(
             .is_some_and(|installed| end(ends(installed), id).is_some_and(|end| Some(end) == before));
         let (after, reason) = match (asked, before) {
             (Some(asked), _) => (asked, Some(Reason::Asked)),
+            (None, _) if is_tuned && GAINS.contains(&id) => (own, Some(Reason::Tuned)),
             (None, Some(_)) if follows => (own, Some(Reason::Follows)),
             (None, Some(before)) => (before, None),
             (None, None) => (own, Some(Reason::Default)),

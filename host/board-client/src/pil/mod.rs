@@ -33,6 +33,7 @@ use std::path::{Path, PathBuf};
 use model_core::pid::PidParameters;
 use model_core::{Mode, ParameterError, TrackingParameters};
 use thiserror::Error;
+use wire::registers::{Access, Id};
 use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Refusal, VERSION};
 
 use crate::bus::error::{in_full, row};
@@ -41,6 +42,7 @@ use crate::emulator::EmulatorError;
 #[cfg(unix)]
 use plant::PlantError;
 use recording::model_file::ModelFile;
+use recording::model_file::control::Tuning;
 use recording::table::DataError;
 use recording::unit::Unit;
 use reference::MOST_TICKS;
@@ -133,8 +135,32 @@ fn in_words(refusal: &Refusal) -> String {
 /// paper's proportional gain. Unit: bar/(mm s).
 const INTEGRAL_GAIN: f32 = 0.1;
 
-/// A model with the default gains and limits for a board that ticks `rate_hz` times a second. The
-/// valve's range is the model's.
+/// The default gains.
+fn default_pid() -> PidParameters<f32> {
+    PidParameters { ki: INTEGRAL_GAIN, ..PidParameters::paper() }
+}
+
+/// Those of a tuning.
+fn tuned_pid(tuning: &Tuning) -> PidParameters<f32> {
+    PidParameters {
+        kp: tuning.kp as f32,
+        ki: tuning.ki as f32,
+        kd: tuning.kd as f32,
+        derivative_filter_s: tuning.derivative_filter_s as f32,
+        tracking_time_s: tuning.tracking_time_s as f32,
+    }
+}
+
+/// A rate of change (bar/s) as far as a board takes it.
+fn slew(bar_per_s: f64) -> f32 {
+    match Id::CommandSlew.register().access {
+        Access::Write(min, max) => bar_per_s.clamp(min, max) as f32,
+        _ => bar_per_s as f32,
+    }
+}
+
+/// A model for a board that ticks `rate_hz` times a second, with the gains and leads that were
+/// tuned for it at this rate, or else the default gains. The valve's range is the model's.
 ///
 /// # Errors
 /// The model, read from `file`, has other units than the board or is too large for it.
@@ -148,8 +174,12 @@ pub fn configuration(file: &Path, model: &ModelFile, rate_hz: f64) -> Result<Con
             return Err(PilError::Unit { model: file.to_owned(), channel, found, needed });
         }
     }
+    let tuning = model.tuning.as_ref().filter(|tuning| tuning.is_for(rate_hz.recip()));
     let converted = model.parameters.convert::<f32, PLAYS, DEAD_ZONES>();
-    let extensions = model.extensions.convert();
+    let extensions = match tuning {
+        Some(tuning) => tuning.extended(&model.extensions).convert(),
+        None => model.extensions.convert(),
+    };
     let problem = |problem| PilError::Capacity { model: file.to_owned(), problem };
     let (model, extensions) = (converted.map_err(problem)?, extensions.map_err(problem)?);
     Ok(Configuration {
@@ -160,8 +190,8 @@ pub fn configuration(file: &Path, model: &ModelFile, rate_hz: f64) -> Result<Con
             command_max: model.input().1,
             model,
             extensions,
-            pid: PidParameters { ki: INTEGRAL_GAIN, ..PidParameters::paper() },
-            slew_bar_per_s: SLEW_BAR_PER_S,
+            pid: tuning.map_or_else(default_pid, tuned_pid),
+            slew_bar_per_s: tuning.and_then(|tuning| tuning.slew_per_s).map_or(SLEW_BAR_PER_S, slew),
             period_s: (1.0 / rate_hz) as f32,
         },
     })

@@ -22,6 +22,8 @@ pub struct Reference {
     values: Vec<f64>,
     rate_hz: f64,
     ticks: usize,
+    /// What a board is given beside the values, one a tick; none where that is nothing.
+    correction: Vec<f64>,
     /// What was done to read it, a sentence each.
     notes: Vec<String>,
 }
@@ -61,7 +63,8 @@ impl Reference {
         if ticks > MOST_TICKS as f64 {
             return Err(PilError::TooLong { file, ticks });
         }
-        Ok(Self { time_s, values: input.values, rate_hz, ticks: ticks as usize, notes })
+        let correction = Vec::new();
+        Ok(Self { time_s, values: input.values, rate_hz, ticks: ticks as usize, correction, notes })
     }
 
     /// Number of ticks, at least 1.
@@ -81,9 +84,34 @@ impl Reference {
         after_s.map(move |after_s| cursor.at(self.time_s[0] + after_s))
     }
 
-    /// The values at every tick, or `ahead_s` (0 or more) later; the last row lasts.
+    /// The same reference, of which a board is given this much more (one a tick, its unit): what
+    /// was learnt for it. What it is measured by stays.
+    #[must_use]
+    pub fn corrected(&self, correction: &[f64]) -> Self {
+        Self { correction: correction.to_vec(), ..self.clone() }
+    }
+
+    /// Ticks a second. Unit: Hz.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// The correction so long (s) after the first time: straight between ticks, at last the last.
+    fn correction(&self, after_s: f64) -> f64 {
+        let Some(last) = self.correction.len().checked_sub(1) else { return 0.0 };
+        let place = (after_s * self.rate_hz).clamp(0.0, last as f64);
+        let from = place.floor();
+        let (tick, share) = (from as usize, place - from);
+        let (begin, end) = (self.correction[tick], self.correction[(tick + 1).min(last)]);
+        begin + share * (end - begin)
+    }
+
+    /// What a board is given at every tick, `ahead_s` (0 or more) before it is due; the last row
+    /// lasts.
     pub fn points(&self, ahead_s: f64) -> impl Iterator<Item = f64> {
-        self.values((0..self.ticks).map(move |tick| tick as f64 / self.rate_hz + ahead_s))
+        let times = move |tick: usize| tick as f64 / self.rate_hz + ahead_s;
+        let values = self.values((0..self.ticks).map(times));
+        values.enumerate().map(move |(tick, value)| value + self.correction(times(tick)))
     }
 
     /// What is wanted at every tick, and `ahead_s` (0 or more) later; the last row lasts.
@@ -91,7 +119,9 @@ impl Reference {
         let (mut now, mut ahead) = (Cursor::new(self), Cursor::new(self));
         (0..self.ticks).map(move |tick| {
             let time_s = self.time_s[0] + tick as f64 / self.rate_hz;
-            Wanted { time_s, reference_mm: now.at(time_s), ahead_mm: ahead.at(time_s + ahead_s) }
+            let after_s = tick as f64 / self.rate_hz + ahead_s;
+            let ahead_mm = ahead.at(time_s + ahead_s) + self.correction(after_s);
+            Wanted { time_s, reference_mm: now.at(time_s), ahead_mm }
         })
     }
 }
@@ -153,6 +183,18 @@ mod tests {
         let reference = Reference::read(file.path(), Choice::default(), 2.0).expect("valid");
         let ahead: Vec<f64> = reference.samples(0.75).map(|wanted| wanted.ahead_mm).collect();
         assert_eq!(ahead, [6.0, 7.0, 5.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn a_correction_reaches_the_board_ahead_and_not_the_figures() {
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        std::fs::write(&file, "time_s,reference_mm\n0,0\n1,8\n2,4\n").expect("written");
+        let reference = Reference::read(file.path(), Choice::default(), 1.0).expect("valid");
+        let corrected = reference.corrected(&[1.0, 2.0, 4.0]);
+        let wanted: Vec<(f64, f64)> =
+            corrected.samples(0.5).map(|wanted| (wanted.reference_mm, wanted.ahead_mm)).collect();
+        assert_eq!(wanted, [(0.0, 5.5), (8.0, 9.0), (4.0, 8.0)]);
+        assert_eq!(corrected.points(0.0).collect::<Vec<_>>(), [1.0, 10.0, 8.0]);
     }
 
     #[test]

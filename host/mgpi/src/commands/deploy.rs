@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use wire::registers::Id;
 use wire::{Configuration, State};
 
 use super::board_model;
 use super::gains::Gains;
 use super::port::PortArguments;
+use super::tuned;
 use crate::Error;
 use board_client::bus::settings::settle;
 use board_client::bus::{Board, BoardError, upload};
@@ -17,8 +19,9 @@ use board_client::pil::configuration;
 /// Brings a model to a board: uploads, reads back, commits and verifies. Broken off, it changes
 /// nothing.
 ///
-/// Gains, filter and limits that the board has stay, unless an option says otherwise; what changes
-/// is listed first. The limits of the plant (protection) always stay.
+/// Gains, filter and limits that the board has stay, unless an option says otherwise, or the
+/// model's file has gains that were tuned for it; what changes is listed first. The limits of the
+/// plant (protection) always stay.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// The model, from `mgpi identify` or `diagnose`
@@ -27,6 +30,9 @@ pub struct Arguments {
     /// List what would change, and change nothing
     #[arg(long)]
     dry_run: bool,
+    /// Gains that the board has stay, though the model's file has tuned ones
+    #[arg(long)]
+    keep_gains: bool,
     /// Also deploy a model that is off by more than 10 % of stroke
     #[arg(long)]
     force: bool,
@@ -42,14 +48,18 @@ pub struct Arguments {
 /// The model is not for the board, or is off too far; an option is outside its limits; the board
 /// does not take it.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { model: file, port, gains, dry_run, force } = arguments;
+    let Arguments { model: file, port, gains, dry_run, keep_gains, force } = arguments;
     let model = board_model::read(file)?;
     board_model::demand_worth(file, &model, *force)?;
     let mut board = port.open()?;
-    let mut configuration = configuration(file, &model, 1.0 / board.identity().period_s)?;
+    let period_s = board.identity().period_s;
+    let mut configuration = configuration(file, &model, 1.0 / period_s)?;
     demand_rest(&mut board)?;
     let installed = installed(&mut board)?;
-    list(&mut configuration, installed.as_ref(), gains)?;
+    let is_tuned = tuned::is_tuned(file, &model, period_s) && !(*keep_gains && installed.is_some());
+    let asked = gains.asked();
+    list(&mut configuration, installed.as_ref(), &asked, is_tuned)?;
+    tuned::warn(file, &model, &configuration.tracking, &asked);
     if *dry_run {
         say!("nothing has been changed (--dry-run)");
         return Ok(());
@@ -72,10 +82,11 @@ fn installed(board: &mut Board) -> Result<Option<Configuration>, BoardError> {
 fn list(
     configuration: &mut Configuration,
     installed: Option<&Configuration>,
-    gains: &Gains,
+    asked: &[(Id, f32)],
+    is_tuned: bool,
 ) -> Result<(), BoardError> {
     let before = installed.map(|installed| &installed.tracking);
-    let settings = settle(&mut configuration.tracking, before, &gains.asked())?;
+    let settings = settle(&mut configuration.tracking, before, asked, is_tuned)?;
     let model = board_model::words(&configuration.tracking);
     match before {
         None => say!("the board has no model yet; it gets\n  {:<24}{model}", "model"),

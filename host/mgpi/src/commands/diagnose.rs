@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::diagnosed_summary;
 use super::search::Columns;
+use super::{diagnosed_summary, recorded};
 use crate::Error;
 use crate::output::Outputs;
 use diagnosis::diagnosed::{Examined, NotDiagnosed};
@@ -71,7 +71,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         NotDiagnosed::NotSimulated(file) => Error::NotSimulated(file),
     })?;
     if let Some(model_file) = model_file {
-        outputs.stage(model_file, found.model()?.to_toml().as_bytes())?;
+        let mut file = found.model()?;
+        file.recorded = recorded::of_columns(&file, &found.examined.columns.as_measured());
+        outputs.stage(model_file, file.to_toml().as_bytes())?;
     }
     if let Some(report) = report {
         outputs.stage(report, diagnosed::to_html(&found).as_bytes())?;

@@ -5,16 +5,18 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use model_core::Kind;
 
-use super::instructions;
 use super::reading::say_left_out;
 use super::search::{Columns, Effort, HeldOutArguments, unidentified, warn_of_poor_fit, with_bar};
+use super::{instructions, recorded};
 use crate::Error;
 use crate::output::Outputs;
+use diagnosis::diagnosed::Examined;
 use identification::comparison::{self, Comparison, choice};
 use identification::holdout;
 use identification::identified::{Identified, NotIdentified, Trial, identified};
 use identification::json::to_json;
 use identification::{CONVERGED, Loss, Options, Strays, Weights};
+use recording::input::is_standard;
 use recording::model::named::slope_dimension;
 use recording::model_file::HeldOut;
 use recording::numbers::legible;
@@ -175,7 +177,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         NotIdentified::Identification(found) => unidentified(&found.0, found.1),
     })?;
     let Identified { model, identification, fit, recording, tried, .. } = &found;
-    outputs.stage(model_file, model.to_toml().as_bytes())?;
+    let mut written_model = model.clone();
+    // Of several recordings each would show its own; what is read from a pipe is gone.
+    if let [file] = &files[..]
+        && !is_standard(file)
+    {
+        let choice = arguments.columns.choice_of(recording);
+        let columns = Examined::of(&choice.table(file)?, &choice)?.columns;
+        written_model.recorded = recorded::of_columns(&written_model, &columns.as_measured());
+    }
+    outputs.stage(model_file, written_model.to_toml().as_bytes())?;
     if let Some(file) = report {
         let report = Report {
             model,

@@ -18,6 +18,7 @@ mod gains;
 pub mod identify;
 pub mod import;
 mod instructions;
+mod learnt;
 pub mod man;
 mod number;
 #[cfg(unix)]
@@ -27,6 +28,7 @@ pub mod plan;
 mod plant;
 mod port;
 mod reading;
+mod recorded;
 pub mod report;
 pub mod restore;
 pub mod rig;
@@ -35,6 +37,8 @@ mod show;
 pub mod simulate;
 pub mod status;
 pub mod track;
+pub mod tune;
+mod tuned;
 pub mod watch;
 
 use ::rig::command::Command as Rig;
@@ -59,6 +63,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Simulate(simulate::Arguments),
     Export(export::Arguments),
+    Tune(tune::Arguments),
     Report(report::Arguments),
     #[cfg(unix)]
     Pil(Box<pil::Arguments>),
@@ -95,6 +100,7 @@ impl CommandLine {
             Command::Diagnose(arguments) => diagnose::run(&arguments),
             Command::Simulate(arguments) => simulate::run(&arguments),
             Command::Export(arguments) => export::run(&arguments),
+            Command::Tune(arguments) => tune::run(&arguments),
             Command::Report(arguments) => report::run(&arguments),
             #[cfg(unix)]
             Command::Pil(arguments) => pil::run(&arguments),

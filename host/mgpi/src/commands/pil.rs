@@ -1,18 +1,20 @@
 //! `mgpi pil`: the firmware, in the emulator, tracks a reference with a plant.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use model_core::Mode;
+use model_core::{Hysteresis, Mode};
 
 use super::board_model;
 use super::gains::Gains;
+use super::learnt::{self, Learning};
 use super::number::positive;
 use super::plant::PlantArguments;
 use super::reading::Reading;
+use super::tuned;
 use crate::Error;
 use crate::output::Outputs;
 use board_client::bus::settings::settle;
@@ -80,6 +82,8 @@ pub struct Arguments {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
+    learning: Learning,
+    #[command(flatten)]
     gains: Gains,
 }
 
@@ -91,19 +95,61 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { log: main_log, feedforward_log, feedback_log, json: json_file, rate_hz, .. } = arguments;
     let logs = [main_log, feedforward_log, feedback_log];
-    let files = logs.into_iter().flatten().chain(json_file).chain(&arguments.report);
-    let mut outputs = Outputs::claim(files, &[&arguments.model, &arguments.reference], arguments.force)?;
+    let learning = &arguments.learning;
+    let files = logs.into_iter().flatten().chain(json_file).chain(&arguments.report).chain(&learning.learn);
+    let inputs: Vec<&Path> = [&arguments.model, &arguments.reference]
+        .into_iter()
+        .chain(&learning.correction)
+        .map(PathBuf::as_path)
+        .collect();
+    let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
+    let passes = learning.passes()?;
     let model = board_model::read(&arguments.model)?;
     let mut configuration = configuration(&arguments.model, &model, *rate_hz)?;
-    settle(&mut configuration.tracking, None, &arguments.gains.asked())?;
+    let is_tuned = tuned::is_tuned(&arguments.model, &model, rate_hz.recip());
+    let asked = arguments.gains.asked();
+    settle(&mut configuration.tracking, None, &asked, is_tuned)?;
+    tuned::warn(&arguments.model, &model, &configuration.tracking, &asked);
     let reference = Reference::read(&arguments.reference, arguments.reading.choice(), *rate_hz)?;
+    let corner_hz = match &learning.learn {
+        Some(_) => learnt::corner_hz(&arguments.model, &model, &configuration.tracking, Mode::Both)?,
+        None => 0.0,
+    };
+    let mut lesson = learning.lesson(reference, corner_hz, model.model.output_range())?;
     let firmware = image::find(arguments.firmware.as_deref())?;
     let plant = arguments.plant.program();
     let stop = Stop::on_signals();
+    let protection = arguments.plant.protection(configuration.tracking.period_s);
+    // The last pass is the one that is logged, beside those of the other modes.
+    for _ in 1..passes {
+        let given = lesson.given();
+        let ran = with_progress(given.ticks() as u64, |ticked| {
+            let bench = Bench {
+                firmware: &firmware,
+                configuration: &configuration,
+                protection,
+                plant: &plant,
+                reference: &given,
+                stop: stop.clone(),
+            };
+            bench.run(&[Mode::Both], ticked)
+        });
+        match ran {
+            Ok(finished) => lesson.take(&finished[0].run.samples),
+            Err(broken) => {
+                lesson.keep(outputs);
+                return Err((*broken.problem).into());
+            }
+        }
+        if lesson.has_ended() {
+            break;
+        }
+    }
+    let reference = lesson.given();
     let bench = Bench {
         firmware: &firmware,
         configuration: &configuration,
-        protection: arguments.plant.protection(configuration.tracking.period_s),
+        protection,
         plant: &plant,
         reference: &reference,
         stop,
@@ -121,6 +167,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         Ok(finished) => finished,
         Err(Broken { problem, runs }) => {
             keep(parts, &runs)?;
+            lesson.keep(outputs);
             return Err((*problem).into());
         }
     };
@@ -138,9 +185,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let limits = (configuration.tracking.command_min, configuration.tracking.command_max);
     named().for_each(|(name, run)| followed::tell(name, run, limits, &mut results));
     results["model"] = board_model::worth_json(Some(&model));
-    if let Some(file) = json_file {
-        outputs.stage(file, format!("{results:#}\n").as_bytes())?;
-    }
     let stroke_mm = model.stroke();
     if let Some(file) = &arguments.report {
         let (model, reference) = (arguments.model.display(), arguments.reference.display());
@@ -148,6 +192,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         let runs: Vec<_> = named().collect();
         let stroke = Stroke { mm: stroke_mm, whose: "stroke" };
         outputs.stage(file, tracked::to_html(&runs, stroke, &source).as_bytes())?;
+    }
+    if passes > 1 {
+        lesson.take(&finished[0].run.samples);
+        results["passes"] = lesson.passes_json();
+        lesson.stage(&mut outputs)?;
+    }
+    if let Some(file) = json_file {
+        outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }
     outputs.commit()?;
     if arguments.verbose {

@@ -1,19 +1,20 @@
 //! `mgpi track`: a board tracks a reference.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use model_core::{Mode, Surroundings};
+use model_core::{Hysteresis, Mode, Surroundings};
 
 use super::board_model;
 use super::capture::{bar, in_words};
+use super::learnt::{self, Learning};
 use super::port::PortArguments;
 use super::reading::Reading;
 use super::show::{Show, show_rows};
 use crate::Error;
 use crate::output::Outputs;
-use board_client::bus::play::{Drive, POINTS_PER_S, Piece, Tick, play};
+use board_client::bus::play::{Drive, POINTS_PER_S, Piece, Played, Tick, play};
 use board_client::bus::{Board, upload};
 use board_client::part::Part;
 use board_client::pil::lock_step::{Measurement, Run, Sample};
@@ -59,6 +60,8 @@ pub struct Arguments {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
+    learning: Learning,
+    #[command(flatten)]
     port: PortArguments,
 }
 
@@ -90,50 +93,79 @@ impl ModeName {
 /// The reference is not valid, the board does not track, an output cannot be written, or the user
 /// interrupts.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { port, reference: file, reading, model, mode, log, json, report, every, http, force } =
+    let Arguments { reference: file, reading, model, mode, log, json, report, force, learning, .. } =
         arguments;
-    let mut outputs = Outputs::claim(log.iter().chain(json).chain(report), &[file], *force)?;
+    let files = log.iter().chain(json).chain(report).chain(&learning.learn);
+    let inputs: Vec<&Path> = [file].into_iter().chain(&learning.correction).map(PathBuf::as_path).collect();
+    let mut outputs = Outputs::claim(files, &inputs, *force)?;
+    let passes = learning.passes()?;
     let reference = Reference::read(file, reading.choice(), POINTS_PER_S)?;
     let model = model.as_deref().map(board_model::read).transpose()?;
-    let mut board = port.open()?;
+    let mut board = arguments.port.open()?;
     let installed = upload::fetch(&mut board)?;
     board_model::say_installed(&installed, model.as_ref());
     let ahead_s = preview_s(&installed);
     let (mode, name) = mode.mode();
-    let points = reference.points(ahead_s).map(|mm| mm as f32).collect();
-    let piece = Piece { drive: Drive::Controller(mode), points, every: *every };
+    let (corner_hz, range_mm) = match (&learning.learn, &model, &arguments.model) {
+        (Some(_), Some(model), Some(file)) => {
+            (learnt::corner_hz(file, model, &installed.tracking, mode)?, model.model.output_range())
+        }
+        (Some(_), ..) => {
+            return Err(Error::Usage(
+                "--learn needs --model MODEL.toml: what may be learnt depends on it".to_owned(),
+            ));
+        }
+        (None, ..) => (0.0, (f64::NEG_INFINITY, f64::INFINITY)),
+    };
     let duration_s = reference.ticks() as f64 / POINTS_PER_S;
     let (lowest, highest) = reference.range();
-    let bar = bar(duration_s);
     let begin = |log: &PathBuf| Part::begin(log, results::COLUMNS, *force);
     let mut part = log.as_ref().map(begin).transpose()?;
-    let mut run = Run { samples: Vec::new(), overruns: 0 };
-    let mut show = http.map(Show::start).transpose()?;
+    let mut show = arguments.http.map(Show::start).transpose()?;
     let stop = Stop::on_signals();
-    let played = play(&mut board, &piece, &stop, &mut |board: &mut Board, heard: &[Tick]| {
-        let wanted: Vec<f64> = reference.values(heard.iter().map(|tick| tick.time_s)).collect();
-        let samples: Vec<Sample> = heard.iter().zip(&wanted).map(sample).collect();
-        if let Some(part) = &mut part {
-            part.add(&results::rows(&samples))?;
-        }
-        run.samples.extend(samples);
-        show_rows(show.as_mut(), board, &stop, heard.iter().zip(wanted.iter().copied().map(Some)))?;
-        if let (Some(last), Some(&wanted_mm)) = (heard.last(), wanted.last()) {
-            bar.set_position((1e3 * last.time_s) as u64);
-            bar.set_message(live(last, wanted_mm, lowest, highest));
-        }
-        Ok(())
-    });
-    bar.finish_and_clear();
-    let played = match played {
-        Ok(played) => played,
-        Err(error) => {
-            if let Some(kept) = part.and_then(Part::keep) {
-                eprintln!("what was tracked is kept in {}", kept.display());
+    let mut lesson = learning.lesson(reference.clone(), corner_hz, range_mm)?;
+    let (mut run, mut played) = (Run { samples: Vec::new(), overruns: 0 }, Played::default());
+    for pass in 1..=passes {
+        // Once the learning has ended, one pass more is made with what stays of it.
+        let is_last = pass == passes || lesson.has_ended();
+        let given = lesson.given();
+        let points = given.points(ahead_s).map(|mm| mm as f32).collect();
+        let piece = Piece { drive: Drive::Controller(mode), points, every: arguments.every };
+        let bar = bar(duration_s);
+        run.samples.clear();
+        let heard = play(&mut board, &piece, &stop, &mut |board: &mut Board, heard: &[Tick]| {
+            let wanted: Vec<f64> = reference.values(heard.iter().map(|tick| tick.time_s)).collect();
+            let samples: Vec<Sample> = heard.iter().zip(&wanted).map(sample).collect();
+            // The log is that of the last pass.
+            if let Some(part) = part.as_mut().filter(|_| is_last) {
+                part.add(&results::rows(&samples))?;
             }
-            return Err(error.into());
+            run.samples.extend(samples);
+            show_rows(show.as_mut(), board, &stop, heard.iter().zip(wanted.iter().copied().map(Some)))?;
+            if let (Some(last), Some(&wanted_mm)) = (heard.last(), wanted.last()) {
+                bar.set_position((1e3 * last.time_s) as u64);
+                bar.set_message(live(last, wanted_mm, lowest, highest));
+            }
+            Ok(())
+        });
+        bar.finish_and_clear();
+        played = match heard {
+            Ok(played) => played,
+            Err(error) => {
+                if let Some(kept) = part.and_then(Part::keep) {
+                    eprintln!("what was tracked is kept in {}", kept.display());
+                }
+                lesson.keep(outputs);
+                return Err(error.into());
+            }
+        };
+        if passes > 1 {
+            lesson.take(&run.samples);
         }
-    };
+        if is_last {
+            break;
+        }
+    }
     run.overruns = played.overruns;
     let grown = part.map(Part::finish).transpose()?;
     if let (Some(file), Some(grown)) = (log, &grown) {
@@ -144,6 +176,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let limits = (installed.tracking.command_min, installed.tracking.command_max);
     followed::tell(name, &run, limits, &mut results);
     results["model"] = board_model::worth_json(model.as_ref());
+    if passes > 1 {
+        results["passes"] = lesson.passes_json();
+        lesson.stage(&mut outputs)?;
+    }
     if let Some(file) = json {
         outputs.stage(file, format!("{results:#}\n").as_bytes())?;
     }

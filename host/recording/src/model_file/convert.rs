@@ -44,6 +44,8 @@ impl ModelFile {
             parameters,
             extensions: extensions::scaled(&self.extensions, &self.names(), scale),
             identification: self.identification.as_ref().map(|from| scale.identification(self, from)),
+            recorded: self.recorded.map(|recorded| recorded.scaled(scale)),
+            tuning: self.tuning.as_ref().map(|tuning| tuning.scaled(scale)),
         })
     }
 }

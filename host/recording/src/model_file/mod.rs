@@ -12,11 +12,13 @@
 //! | [`names`] | names and units of the parameters |
 //! | `section` | takes keys out of a TOML table, strictly |
 //! | `parameters` | the stages of each model, both directions |
+//! | [`control`] | what the recording shows of time and noise, and the feedback tuned from it |
 //! | `extensions` | what the muscle does beside hysteresis, both directions, and in other units |
 //! | `listed` | a board's model in its backup, both directions |
 //! | `convert` | a model in the units of a board |
 //! | `read`, `write` | the format in either direction |
 
+pub mod control;
 mod convert;
 mod extensions;
 pub mod listed;
@@ -41,6 +43,7 @@ use crate::model::{Density, HostExtendedModel, HostModel, HostParameters, simula
 use crate::unit::Channel;
 use crate::worth::{Limit, Worth};
 use crate::{Recording, Source, TOOL};
+use control::{Recorded, Tuning};
 use names::Names;
 use section::KeyError;
 
@@ -76,6 +79,10 @@ pub struct ModelFile {
     pub model: HostModel,
     /// Where the parameters come from; a model from a paper has none.
     pub identification: Option<Identification>,
+    /// What its recording shows of time and noise.
+    pub recorded: Option<Recorded>,
+    /// The feedback that was tuned for it.
+    pub tuning: Option<Tuning>,
 }
 
 /// What a model was identified from, and how well.

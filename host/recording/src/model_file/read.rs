@@ -2,6 +2,7 @@
 
 use model_core::{Invertible, Kind, ParameterError};
 
+use super::control::{Recorded, Tuning};
 use super::names::Names;
 use super::section::{KeyError, Section};
 use super::{
@@ -41,11 +42,13 @@ pub fn parse(text: &str) -> Result<ModelFile, Problem> {
         Some(section) => Some(identification(section, &names, &named(&parameters, &density))?),
         None => None,
     };
+    let recorded = Recorded::read(&mut top, &names)?;
+    let tuning = Tuning::read(&mut top, &names)?;
     top.finish()?;
     let model = HostModel::try_new(&parameters).map_err(|error| names.problem(&error))?;
     model.inverse().map_err(|error| names.problem(&error))?;
     HostExtendedModel::try_new(&parameters, &extensions).map_err(|error| names.problem(&error))?;
-    Ok(ModelFile { input, output, density, parameters, extensions, model, identification })
+    Ok(ModelFile { input, output, density, parameters, extensions, model, identification, recorded, tuning })
 }
 
 pub(super) fn kind(top: &mut Section) -> Result<Kind, KeyError> {

@@ -28,6 +28,12 @@ pub fn to_toml(file: &ModelFile) -> String {
     if let Some(identification) = &file.identification {
         top.insert("identification".into(), identified(file, identification));
     }
+    if let Some(recorded) = &file.recorded {
+        recorded.write(&names, &mut top);
+    }
+    if let Some(tuning) = &file.tuning {
+        tuning.write(&names, &mut top);
+    }
     top.to_string()
 }
 

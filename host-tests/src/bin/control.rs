@@ -1,0 +1,338 @@
+//! The benchmark of control: controllers, references and plants, as a table; and plants of the zoo
+//! from their recordings to tracking, without a knob turned.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use clap::{Parser, ValueEnum};
+use host_tests::PERIOD_S;
+use host_tests::control::controller::Controller;
+use host_tests::control::course::{Converter, Setting, run};
+use host_tests::control::known::{Desk, model};
+use host_tests::control::reference::Course;
+use host_tests::control::score::{Score, score};
+use host_tests::control::sensitivity::largest;
+use host_tests::control::subject::Subject;
+use host_tests::game::zoo;
+use indicatif::{ProgressBar, ProgressStyle};
+use model_core::{Hysteresis, Tracking};
+use rayon::prelude::*;
+use recording::model_file::ModelFile;
+use recording::model_file::control::Tuning;
+use rig::zoo::family::Part;
+use tuning::learning::Learner;
+use tuning::tune;
+
+/// Passes of the learning.
+const PASSES: usize = 6;
+
+/// Unit: byte.
+const STACK_BYTES: usize = 64 << 20;
+
+/// Holds controllers against each other, on the same plants and references.
+#[derive(Parser)]
+struct Cli {
+    /// In place of the table: this many plants of the zoo, each from its recording to tracking
+    #[arg(long, value_name = "N")]
+    zoo: Option<usize>,
+    /// The first seed of the zoo's plants
+    #[arg(long, default_value_t = 1)]
+    first_seed: u64,
+    /// Which families of the zoo
+    #[arg(long, default_value = "development")]
+    families: Families,
+    /// Also keep models in this folder, and take them from there
+    #[arg(long, value_name = "DIR")]
+    models: Option<PathBuf>,
+    /// Only plants that have this in their name
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
+    /// The table for these plants too: the rig with a delay, a mass, a viscous lag
+    #[arg(long)]
+    all: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Families {
+    Development,
+    Validation,
+    Sealed,
+}
+
+impl Families {
+    fn part(self) -> Part {
+        match self {
+            Self::Development => Part::Development,
+            Self::Validation => Part::Validation,
+            Self::Sealed => Part::Sealed,
+        }
+    }
+}
+
+fn main() -> Result<()> {
+    let cli = Cli::parse();
+    // A diagnosis keeps models of the largest size on the stack.
+    rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build_global()?;
+    match cli.zoo {
+        Some(plants) => of_zoo(&cli, plants),
+        None => table(&cli),
+    }
+}
+
+/// A plant with its model and the feedback that goes with it.
+struct Ready {
+    subject: Subject,
+    model: ModelFile,
+    tuning: Tuning,
+}
+
+impl Ready {
+    fn of(subject: Subject, desk: Desk, kept: Option<&Path>) -> Result<Self> {
+        let file = kept.map(|folder| folder.join(format!("{subject} {desk:?}.toml").replace(' ', "_")));
+        let found = file.as_ref().filter(|file| file.exists());
+        let model = match found {
+            Some(file) => ModelFile::read(file)?,
+            None => model(&subject.recording(), desk)?,
+        };
+        if let (Some(file), None) = (&file, found) {
+            std::fs::create_dir_all(file.parent().context("no folder")?)?;
+            std::fs::write(file, model.to_toml())?;
+        }
+        let tuning = tune(&model, PERIOD_S, None)?.tuning;
+        Ok(Self { subject, model, tuning })
+    }
+
+    /// What the model reaches. Unit: mm.
+    fn range_mm(&self) -> (f64, f64) {
+        self.model.model.output_range()
+    }
+
+    fn run(&self, controller: Controller, course: Course, correction_mm: &[f64]) -> Result<Scored> {
+        let parameters = controller.parameters(&self.model, &self.tuning)?;
+        let tracking = Tracking::try_new(&parameters)?;
+        let reference_mm = course.points(self.range_mm());
+        let setting = Setting {
+            tracking: &tracking,
+            mode: controller.mode(),
+            preview_s: f64::from(parameters.extensions.preview_s(parameters.period_s)),
+            reference_mm: &reference_mm,
+            correction_mm,
+            course,
+            blocked_n: self.subject.blocked_n(),
+            converter: Converter::Steps,
+        };
+        let ticks = run(&setting, &mut self.subject.plant(true), |_, mm| mm);
+        let tick = |s: f64| Course::from_tick() + (s / PERIOD_S).round() as usize;
+        let disturbed: Vec<usize> = match course {
+            Course::Held => vec![tick(2.0), tick(7.0)],
+            Course::Steps => (0..8).map(|step| tick(3.0 * f64::from(step))).collect(),
+            _ => Vec::new(),
+        };
+        let score = score(&ticks, Course::from_tick(), self.model.stroke(), &disturbed, course.highest_hz());
+        Ok(Scored {
+            score,
+            error_mm: ticks.iter().map(|tick| tick.reference_mm - tick.measured_mm).collect(),
+        })
+    }
+
+    /// The scores of the passes of a learning.
+    fn learn(&self, course: Course) -> Result<Vec<Score>> {
+        let ticks = course.points(self.range_mm()).len();
+        let mut learner = Learner::new(ticks, PERIOD_S, self.tuning.learning_hz);
+        let mut scores = Vec::new();
+        for _ in 0..PASSES {
+            let Scored { score, error_mm } = self.run(Controller::Tuned, course, learner.correction())?;
+            scores.push(score);
+            learner.learn(&error_mm);
+        }
+        Ok(scores)
+    }
+
+    fn line(&self) -> String {
+        let Tuning { kp, ki, kd, maximum_sensitivity, bandwidth_hz, learning_hz, .. } = &self.tuning;
+        let causes = self.model.causes().join("+");
+        format!(
+            "{}: model {:.2} % of stroke{}{causes}; kp {kp:.4} bar/mm, ki {ki:.4} bar/(mm s), kd {kd:.5} bar s/mm, \
+             largest sensitivity {maximum_sensitivity:.2}, bandwidth {:.2} to {:.2} Hz, learning to {learning_hz:.2} Hz, limited by {}",
+            self.subject,
+            self.model.worth().map_or(f64::NAN, |worth| worth.percent()),
+            if causes.is_empty() { "" } else { ", " },
+            bandwidth_hz.0,
+            bandwidth_hz.1,
+            self.tuning.limited_by
+        )
+    }
+}
+
+struct Scored {
+    score: Score,
+    error_mm: Vec<f64>,
+}
+
+fn table(cli: &Cli) -> Result<()> {
+    use rig::effect::Effect;
+    let rig = |effects: &[Effect], rich| Subject::Rig { effects: effects.to_vec(), rich, seed: 5 };
+    let mut plants = vec![(rig(&[], false), Desk::Identify), (rig(&[], true), Desk::Diagnose)];
+    if cli.all {
+        for effect in [Effect::TransportDelay, Effect::Inertia, Effect::ViscousLag, Effect::Creep] {
+            plants.push((rig(&[effect], true), Desk::Diagnose));
+        }
+    }
+    let courses = [
+        Course::Paper,
+        Course::Triangles(0.1),
+        Course::Cosines(0.2, 0.6),
+        Course::Cosines(0.5, 0.6),
+        Course::Cosines(2.0, 0.2),
+        Course::Multisine,
+        Course::Steps,
+        Course::Held,
+    ];
+    let ready: Vec<Result<Ready>> =
+        plants.into_iter().map(|(subject, desk)| Ready::of(subject, desk, cli.models.as_deref())).collect();
+    for ready in ready {
+        let ready = ready?;
+        println!("\n{}", ready.line());
+        println!("RMSE / largest error in % of stroke, settling into 1 % in s, effort in bar/s");
+        print!("{:<22}", "");
+        courses.iter().for_each(|course| print!(" {:>22}", course.name()));
+        println!();
+        let jobs: Vec<(Controller, Course)> = Controller::ALL
+            .into_iter()
+            .flat_map(|controller| courses.map(|course| (controller, course)))
+            .collect();
+        let scores: Vec<Result<Scored>> =
+            jobs.par_iter().map(|(controller, course)| ready.run(*controller, *course, &[])).collect();
+        for (row, controller) in scores.chunks(courses.len()).zip(Controller::ALL) {
+            print!("{:<22}", controller.name());
+            for scored in row {
+                match scored {
+                    Ok(scored) => print!(" {:>22}", cell(&scored.score)),
+                    Err(error) => print!(" {error:>22}"),
+                }
+            }
+            println!();
+        }
+        let learnt: Vec<Result<Vec<Score>>> =
+            courses[..6].par_iter().map(|course| ready.learn(*course)).collect();
+        for pass in 1..PASSES {
+            print!("{:<22}", format!("after pass {pass}"));
+            for scores in &learnt {
+                match scores {
+                    Ok(scores) => print!(" {:>22}", cell(&scores[pass])),
+                    Err(error) => print!(" {error:>22}"),
+                }
+            }
+            println!();
+        }
+    }
+    Ok(())
+}
+
+fn cell(score: &Score) -> String {
+    let settling = score.settling_s.map_or(String::new(), |s| format!(" {s:.2}"));
+    let swings = if score.is_stable { "" } else { " SWINGS" };
+    format!("{:.3}/{:.2}{settling} {:.0}{swings}", score.rmse, score.largest, score.effort_bar_per_s)
+}
+
+/// What becomes of a plant of the zoo.
+struct Outcome {
+    is_stable: bool,
+    promised: f64,
+    measured: f64,
+    /// With tuned and with the fixed gains, on each course. Percent of stroke.
+    rmse: Vec<(f64, f64)>,
+    /// What is left of the error of the first course after all passes, with the best of them.
+    left: f64,
+}
+
+/// The courses of the zoo.
+const COURSES: [Course; 4] = [Course::Paper, Course::Cosines(0.2, 0.6), Course::Multisine, Course::Steps];
+
+fn of_zoo(cli: &Cli, plants: usize) -> Result<()> {
+    let exhibits = zoo::games(cli.first_seed, plants, &[cli.families.part()]);
+    let subjects: Vec<Subject> = exhibits
+        .into_iter()
+        .map(|exhibit| Subject::Zoo(Box::new(exhibit)))
+        .filter(|subject| cli.only.as_ref().is_none_or(|text| subject.to_string().contains(text)))
+        .collect();
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} plants, {eta} left")?;
+    let bar = ProgressBar::new(subjects.len() as u64).with_style(style);
+    let outcomes: Vec<Option<Outcome>> = subjects
+        .par_iter()
+        .map(|subject| {
+            let said = match Ready::of(subject.clone(), Desk::Diagnose, cli.models.as_deref())
+                .and_then(|ready| Ok((outcome(&ready)?, ready)))
+            {
+                Ok((outcome, ready)) => {
+                    let ratios: Vec<String> =
+                        outcome.rmse.iter().map(|(ours, fixed)| format!("{ours:.3}/{fixed:.3}")).collect();
+                    let line = format!(
+                        "{}\n    {} sensitivity {:.2} of {:.2} promised; RMSE beside that of fixed gains, % of stroke: {}; \
+                         {:.2} of the first one after {PASSES} passes",
+                        ready.line(),
+                        if outcome.is_stable { "stable," } else { "UNSTABLE," },
+                        outcome.measured,
+                        outcome.promised,
+                        ratios.join(" "),
+                        outcome.left
+                    );
+                    (line, Some(outcome))
+                }
+                Err(error) => (format!("{subject}: REFUSED: {error:#}"), None),
+            };
+            bar.suspend(|| println!("{}", said.0));
+            bar.inc(1);
+            said.1
+        })
+        .collect();
+    bar.finish_and_clear();
+    let all = outcomes.len();
+    let done: Vec<&Outcome> = outcomes.iter().flatten().collect();
+    ensure!(!done.is_empty(), "no plant was tuned");
+    let count = |is: &dyn Fn(&Outcome) -> bool| done.iter().filter(|outcome| is(outcome)).count();
+    println!("{} of {all} tuned, {} refused", done.len(), all - done.len());
+    println!("stable: {} of {}", count(&|outcome| outcome.is_stable), done.len());
+    println!(
+        "largest sensitivity at most 1.2 times the promised one: {} of {}",
+        count(&|outcome| outcome.measured <= 1.2 * outcome.promised),
+        done.len()
+    );
+    let mut left: Vec<f64> = done.iter().map(|outcome| outcome.left).collect();
+    left.sort_by(f64::total_cmp);
+    println!(
+        "what {PASSES} passes of learning leave of the error, {}: median {:.3}, most {:.3}",
+        COURSES[0].name(),
+        left[left.len() / 2],
+        left[left.len() - 1]
+    );
+    for (k, course) in COURSES.iter().enumerate() {
+        let mut ratios: Vec<f64> = done.iter().map(|outcome| outcome.rmse[k].0 / outcome.rmse[k].1).collect();
+        ratios.sort_by(f64::total_cmp);
+        println!(
+            "RMSE over that of fixed gains, {}: median {:.3}, largest {:.3}; worse in {} of {}",
+            course.name(),
+            ratios[ratios.len() / 2],
+            ratios[ratios.len() - 1],
+            ratios.iter().filter(|ratio| **ratio > 1.0).count(),
+            ratios.len()
+        );
+    }
+    Ok(())
+}
+
+fn outcome(ready: &Ready) -> Result<Outcome> {
+    let (mut rmse, mut is_stable) = (Vec::new(), true);
+    for course in COURSES {
+        let ours = ready.run(Controller::Tuned, course, &[])?.score;
+        let fixed = ready.run(Controller::Fixed, course, &[])?.score;
+        is_stable &= ours.is_stable;
+        rmse.push((ours.rmse, fixed.rmse));
+    }
+    let parameters = Controller::Tuned.parameters(&ready.model, &ready.tuning)?;
+    let measured = largest(&ready.subject, &parameters, ready.range_mm());
+    let passes = ready.learn(COURSES[0])?;
+    let best = passes.iter().map(|pass| pass.rmse).fold(f64::INFINITY, f64::min);
+    let left = best / passes[0].rmse;
+    Ok(Outcome { is_stable, promised: ready.tuning.maximum_sensitivity, measured, rmse, left })
+}

@@ -1,0 +1,221 @@
+//! What a model file says for the control of its muscle: what the recording shows of time and noise
+//! (`[recorded]`), and the feedback that was tuned from it (`[tuning]`).
+//!
+//! Both tables may be missing: files of earlier versions, and models from a paper, have none.
+
+use model_core::ExtensionParameters;
+use model_core::extension::{TransportDelayParameters, ValveLagParameters};
+use toml::{Table, Value};
+
+use super::names::Names;
+use super::scale::Scale;
+use super::section::{KeyError, Section};
+
+const RECORDED: &str = "recorded";
+const TUNING: &str = "tuning";
+
+/// How much later than predicted something came, as a mean over its movements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Late {
+    /// Unit: s; negative where it came earlier.
+    pub mean_s: f64,
+    /// Its standard error. Unit: s.
+    pub error_s: f64,
+}
+
+/// What the recording of a model shows beside the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recorded {
+    /// Median time from row to row. Unit: s.
+    pub step_s: f64,
+    /// Standard deviation of the output's noise. Output unit.
+    pub noise: f64,
+    /// How many times steeper or flatter than the model nineteen of twenty stretches of it are.
+    pub steeper: f64,
+    /// The output behind what the model answers.
+    pub late: Late,
+    /// The pressure behind what the model's valve answers to the command, or behind the command
+    /// where the model has no lag; None where not both were recorded.
+    pub valve: Option<Late>,
+}
+
+/// The feedback that goes with a model, and what it promises.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tuning {
+    /// Proportional gain. Unit: input unit/output unit.
+    pub kp: f64,
+    /// Integral gain. Unit: input unit/(output unit s).
+    pub ki: f64,
+    /// Derivative gain. Unit: input unit s/output unit.
+    pub kd: f64,
+    /// Time constant of the derivative's filter. Unit: s.
+    pub derivative_filter_s: f64,
+    /// Time constant of the anti-windup. Unit: s.
+    pub tracking_time_s: f64,
+    /// Largest rate of change of the command that the valve can follow; None where the valve is not
+    /// known. Unit: input unit/s.
+    pub slew_per_s: Option<f64>,
+    /// Lag of the valve that the inverse leads, where the model has none. Unit: s.
+    pub lag_s: f64,
+    /// Dead time, beside that of the model, by which the reference is given ahead. Unit: s.
+    pub delay_s: f64,
+    /// Largest sensitivity over all slopes of the loop. Unit: 1.
+    pub maximum_sensitivity: f64,
+    /// The least gain margin over them. Unit: 1.
+    pub gain_margin: f64,
+    /// The least phase margin over them. Unit: degree.
+    pub phase_margin_deg: f64,
+    /// Up to where disturbances are lessened, at the least and at the most. Unit: Hz.
+    pub bandwidth_hz: (f64, f64),
+    /// Up to where repetitions may be learnt from. Unit: Hz.
+    pub learning_hz: f64,
+    /// What limits it, in a word.
+    pub limited_by: String,
+    /// Time from tick to tick that it was tuned for. Unit: s.
+    pub period_s: f64,
+}
+
+impl Recorded {
+    pub(super) fn scaled(&self, scale: Scale) -> Self {
+        Self { noise: self.noise * scale.output, ..*self }
+    }
+
+    pub(super) fn write(&self, names: &Names, top: &mut Table) {
+        let mut table = Table::new();
+        let mut put = |key: String, value: f64| table.insert(key, value.into());
+        put("step_s".into(), self.step_s);
+        put(format!("noise_{}", names.output.suffix()), self.noise);
+        put("steeper".into(), self.steeper);
+        for (name, late) in [("late", Some(self.late)), ("valve_late", self.valve)] {
+            if let Some(late) = late {
+                put(format!("{name}_s"), late.mean_s);
+                put(format!("{name}_error_s"), late.error_s);
+            }
+        }
+        top.insert(RECORDED.into(), Value::Table(table));
+    }
+
+    pub(super) fn read(top: &mut Section, names: &Names) -> Result<Option<Self>, KeyError> {
+        let Some(mut section) = top.optional_section(RECORDED)? else { return Ok(None) };
+        let late = |section: &mut Section, name: &str| -> Result<Late, KeyError> {
+            Ok(Late {
+                mean_s: section.number(&format!("{name}_s"))?,
+                error_s: not_negative(section, &format!("{name}_error_s"))?,
+            })
+        };
+        let recorded = Self {
+            step_s: positive(&mut section, "step_s")?,
+            noise: not_negative(&mut section, &format!("noise_{}", names.output.suffix()))?,
+            steeper: positive(&mut section, "steeper")?,
+            late: late(&mut section, "late")?,
+            valve: if section.has("valve_late_s") { Some(late(&mut section, "valve_late")?) } else { None },
+        };
+        section.finish()?;
+        Ok(Some(recorded))
+    }
+}
+
+/// A tuning is for another period where that differs by more than this share.
+const SAME_PERIOD: f64 = 0.01;
+
+impl Tuning {
+    /// Whether it is for a board of this period (s).
+    pub fn is_for(&self, period_s: f64) -> bool {
+        (self.period_s / period_s - 1.0).abs() < SAME_PERIOD
+    }
+
+    /// The extensions of a model as a controller of this tuning has them.
+    #[must_use]
+    pub fn extended(&self, extensions: &ExtensionParameters<f64>) -> ExtensionParameters<f64> {
+        let mut all = extensions.clone();
+        if self.lag_s > 0.0 && all.valve_lag.is_none() {
+            all.valve_lag = Some(ValveLagParameters::new(self.lag_s));
+        }
+        if self.delay_s > 0.0 {
+            let own_s = all.transport_delay.map_or(0.0, |delay| delay.delay_s);
+            all.transport_delay = Some(TransportDelayParameters { delay_s: own_s + self.delay_s });
+        }
+        all
+    }
+
+    pub(super) fn scaled(&self, scale: Scale) -> Self {
+        let per = scale.input / scale.output;
+        Self {
+            kp: self.kp * per,
+            ki: self.ki * per,
+            kd: self.kd * per,
+            slew_per_s: self.slew_per_s.map(|slew| slew * scale.input),
+            ..self.clone()
+        }
+    }
+
+    pub(super) fn write(&self, names: &Names, top: &mut Table) {
+        let (input, output) = (names.input.suffix(), names.output.suffix());
+        let numbers = [
+            (format!("kp_{input}_per_{output}"), self.kp),
+            (format!("ki_{input}_per_{output}_s"), self.ki),
+            (format!("kd_{input}_s_per_{output}"), self.kd),
+            ("derivative_filter_s".into(), self.derivative_filter_s),
+            ("tracking_time_s".into(), self.tracking_time_s),
+            ("lag_s".into(), self.lag_s),
+            ("delay_s".into(), self.delay_s),
+            ("maximum_sensitivity".into(), self.maximum_sensitivity),
+            ("gain_margin".into(), self.gain_margin),
+            ("phase_margin_deg".into(), self.phase_margin_deg),
+            ("bandwidth_least_hz".into(), self.bandwidth_hz.0),
+            ("bandwidth_most_hz".into(), self.bandwidth_hz.1),
+            ("learning_hz".into(), self.learning_hz),
+            ("period_s".into(), self.period_s),
+        ];
+        let mut table: Table = numbers.map(|(key, value)| (key, value.into())).into_iter().collect();
+        if let Some(slew) = self.slew_per_s {
+            table.insert(format!("slew_{input}_per_s"), slew.into());
+        }
+        table.insert("limited_by".into(), self.limited_by.as_str().into());
+        top.insert(TUNING.into(), Value::Table(table));
+    }
+
+    pub(super) fn read(top: &mut Section, names: &Names) -> Result<Option<Self>, KeyError> {
+        let Some(mut section) = top.optional_section(TUNING)? else { return Ok(None) };
+        let (input, output) = (names.input.suffix(), names.output.suffix());
+        let of = &mut section;
+        let tuning = Self {
+            kp: not_negative(of, &format!("kp_{input}_per_{output}"))?,
+            ki: not_negative(of, &format!("ki_{input}_per_{output}_s"))?,
+            kd: not_negative(of, &format!("kd_{input}_s_per_{output}"))?,
+            derivative_filter_s: not_negative(of, "derivative_filter_s")?,
+            tracking_time_s: positive(of, "tracking_time_s")?,
+            slew_per_s: {
+                let key = format!("slew_{input}_per_s");
+                if of.has(&key) { Some(positive(of, &key)?) } else { None }
+            },
+            lag_s: not_negative(of, "lag_s")?,
+            delay_s: not_negative(of, "delay_s")?,
+            maximum_sensitivity: positive(of, "maximum_sensitivity")?,
+            gain_margin: positive(of, "gain_margin")?,
+            phase_margin_deg: positive(of, "phase_margin_deg")?,
+            bandwidth_hz: (not_negative(of, "bandwidth_least_hz")?, not_negative(of, "bandwidth_most_hz")?),
+            learning_hz: not_negative(of, "learning_hz")?,
+            limited_by: of.text("limited_by")?,
+            period_s: positive(of, "period_s")?,
+        };
+        section.finish()?;
+        Ok(Some(tuning))
+    }
+}
+
+fn not_negative(section: &mut Section, key: &str) -> Result<f64, KeyError> {
+    let number = section.number(key)?;
+    if number < 0.0 {
+        return Err(section.error(key, &format!("{number} is below 0")));
+    }
+    Ok(number)
+}
+
+fn positive(section: &mut Section, key: &str) -> Result<f64, KeyError> {
+    let number = section.number(key)?;
+    if number <= 0.0 {
+        return Err(section.error(key, &format!("{number} is not above 0")));
+    }
+    Ok(number)
+}

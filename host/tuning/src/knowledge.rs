@@ -1,0 +1,130 @@
+//! What is known of a plant, and what has to be assumed.
+
+use recording::model_file::ModelFile;
+use recording::model_file::control::{Late, Recorded};
+
+use crate::response::{Dynamics, Unknown};
+
+/// Share by which a valve's lag, a natural frequency or a viscosity may differ from what was found: the bound
+/// that the game of hidden causes holds the diagnosis to (docs/game.md).
+pub const SHARE: f64 = 0.15;
+/// Lag of a valve that nobody has seen. Unit: s; the longest that the diagnosis takes for that of
+/// any proportional regulator.
+pub const UNSEEN_VALVE_S: f64 = 0.07;
+/// Dead time of a muscle whose recording is not known, and the most that is allowed for where one
+/// leaves more open. Unit: s; that of a line of 15 m at 340 m/s, the speed of sound.
+pub const UNSEEN_S: f64 = 0.045;
+/// Standard errors that a bound stands above a mean: 95 % of a normal error.
+const ERRORS: f64 = 2.0;
+
+/// What a tuning goes by.
+#[derive(Clone, Debug)]
+pub struct Knowledge {
+    /// The linear part.
+    pub dynamics: Dynamics,
+    /// What may be otherwise.
+    pub unknown: Unknown,
+    /// Lag of the valve that is known, and not in the model. Unit: s.
+    pub lag_s: f64,
+    /// Dead time that is known, and not in the model. Unit: s.
+    pub delay_s: f64,
+    /// Standard deviation of the contraction's noise. Output unit.
+    pub noise: f64,
+    /// What had to be assumed, a sentence each.
+    pub assumptions: Vec<String>,
+}
+
+/// The lateness that is sure to be there. Unit: s.
+fn known(late: &Late) -> f64 {
+    if late.mean_s > ERRORS * late.error_s { late.mean_s } else { 0.0 }
+}
+
+/// The most that there may be beside it. Unit: s.
+fn open(late: &Late) -> f64 {
+    // Nothing comes earlier than its cause.
+    (late.mean_s - known(late)).max(0.0) + ERRORS * late.error_s
+}
+
+impl Knowledge {
+    /// Of a model with its dynamics. `valve_lag_s`: that of the valve, where a user knows it.
+    pub fn of(file: &ModelFile, mut dynamics: Dynamics, valve_lag_s: Option<f64>) -> Self {
+        let mut assumptions = Vec::new();
+        let from_command = file.input.words().starts_with("command");
+        let has_lag = dynamics.led_lag_s > 0.0;
+        // An element of creep that makes no more late than a line's dead time may be one.
+        let crept_s: f64 = dynamics
+            .creep
+            .iter()
+            .map(|(share, time_s)| share * time_s)
+            .filter(|late_s| *late_s <= UNSEEN_S)
+            .sum();
+        // What the model does not name may be a misfit as well as a dead time: it is allowed for,
+        // and the reference is not given ahead by it.
+        let seen_s = match &file.recorded {
+            Some(Recorded { late, .. }) if late.mean_s - ERRORS * late.error_s > UNSEEN_S => {
+                assumptions.push(format!(
+                    "the muscle is {:.3} s later than its model, which does not say why (mgpi diagnose does): allowed for \
+                     as a dead time",
+                    late.mean_s
+                ));
+                late.mean_s + ERRORS * late.error_s
+            }
+            Some(Recorded { late, .. }) => {
+                let most_s = late.mean_s.max(0.0) + ERRORS * late.error_s;
+                if most_s > UNSEEN_S {
+                    assumptions.push(format!(
+                        "the recording leaves open how late the muscle is, as one at a single speed does: a dead time \
+                         of up to {UNSEEN_S} s is allowed for"
+                    ));
+                }
+                most_s.min(UNSEEN_S)
+            }
+            None => {
+                assumptions.push(format!(
+                    "the model file does not say what its recording shows of time and noise: a dead time of up to \
+                     {UNSEEN_S} s is allowed for, slopes as the model has them, and no noise (--recording REC.csv \
+                     finds them out)"
+                ));
+                UNSEEN_S
+            }
+        };
+        let (mut delay_s, mut lag_s, mut late_s) = (0.0, 0.0, crept_s + seen_s);
+        match file.recorded.as_ref().and_then(|recorded| recorded.valve) {
+            Some(valve) if has_lag => {
+                delay_s += known(&valve);
+                late_s += open(&valve).min(UNSEEN_VALVE_S);
+            }
+            Some(valve) => {
+                lag_s = known(&valve);
+                late_s += open(&valve).min(UNSEEN_VALVE_S);
+            }
+            None if from_command || has_lag => {}
+            None => match valve_lag_s {
+                Some(given_s) => lag_s = given_s,
+                None => {
+                    assumptions.push(format!(
+                        "no command beside the pressure: the valve is not known, and a lag of up to {UNSEEN_VALVE_S} s \
+                         is allowed for; one that is slower makes the loop swing (--valve-lag-s says what it is)"
+                    ));
+                    dynamics.unled_lag_s = UNSEEN_VALVE_S;
+                }
+            },
+        }
+        dynamics.led_lag_s += lag_s;
+        dynamics.delay_s += delay_s;
+        Self {
+            dynamics,
+            unknown: Unknown {
+                slope: file.recorded.map_or(1.0, |recorded| recorded.steeper.max(1.0)),
+                late_s,
+                lag: SHARE,
+                frequency: SHARE,
+                viscosity: SHARE,
+            },
+            lag_s,
+            delay_s,
+            noise: file.recorded.map_or(0.0, |recorded| recorded.noise),
+            assumptions,
+        }
+    }
+}

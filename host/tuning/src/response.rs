@@ -1,0 +1,293 @@
+//! The loop in the frequency domain: what the muscle makes of a small command, what the inverse
+//! model leads, and the feedback around both.
+//!
+//! At a place of the loop the muscle is a slope times a linear system: valve, dead time, creep,
+//! viscosity and mass. The feedback does not go through the inverse, so its loop is the slope times
+//! all of that. The feed-forward does: what the model has of the linear system is led, what it does
+//! not have stays.
+
+use std::f64::consts::{PI, SQRT_2};
+
+use model_core::ParameterError;
+use model_core::extension::profile::{Profile, ProfileParameters};
+use model_core::extension::{ExtensionParameters, Site};
+use num_complex::Complex;
+
+use crate::slopes::Slope;
+
+/// The PID, as the board has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Feedback {
+    /// Unit: input unit/output unit.
+    pub kp: f64,
+    /// Unit: input unit/(output unit s).
+    pub ki: f64,
+    /// Unit: input unit s/output unit.
+    pub kd: f64,
+    /// Time constant of the derivative's filter. Unit: s.
+    pub filter_s: f64,
+}
+
+impl Feedback {
+    /// From the error to the command. `omega`: rad/s, above 0.
+    pub fn response(&self, omega: f64) -> Complex<f64> {
+        let s = Complex::new(0.0, omega);
+        self.kp + self.ki / s + self.kd * s / (1.0 + self.filter_s * s)
+    }
+}
+
+/// The linear part of muscle and valve, and what the inverse leads of it.
+#[derive(Clone, Debug)]
+pub struct Dynamics {
+    /// Lag of the valve that the inverse leads. Unit: s.
+    pub led_lag_s: f64,
+    /// Lag of the valve that it does not know of. Unit: s.
+    pub unled_lag_s: f64,
+    /// Dead time ahead of which the reference is given. Unit: s.
+    pub delay_s: f64,
+    /// Dead time beside that. Unit: s.
+    pub unled_delay_s: f64,
+    /// Elements of creep: share, and time constant (s).
+    pub creep: Vec<(f64, f64)>,
+    viscosity: Option<(Profile<f64>, Site)>,
+    mass: Option<(Profile<f64>, Site)>,
+    /// From tick to tick. Unit: s.
+    pub period_s: f64,
+}
+
+/// One way in which the plant may be.
+#[derive(Clone, Copy, Debug)]
+pub struct Corner {
+    /// Where, and how steep.
+    pub contraction: f64,
+    /// The muscle's slope. Output unit/input unit.
+    pub slope: f64,
+    /// The muscle's slope over that of the inverse.
+    pub ratio: f64,
+    /// Dead time that nobody has seen. Unit: s.
+    pub late_s: f64,
+    /// The valve's lag over the known one.
+    pub lag: f64,
+    /// The valve's lag that nobody has seen, over the longest that is allowed for.
+    pub unseen_lag: f64,
+    /// The muscle's natural frequency over the known one.
+    pub frequency: f64,
+    /// Its viscosity over the known one.
+    pub viscosity: f64,
+}
+
+/// Time constant of the smoother that goes before a mass (`model_core::extension`). Unit: s.
+const SMOOTHED_S: f64 = 0.01;
+const SMOOTHED_PERIODS: f64 = 2.0;
+
+impl Dynamics {
+    /// Those of a model's extensions, at a period (s).
+    ///
+    /// # Errors
+    /// A profile that is none.
+    pub fn of(extensions: &ExtensionParameters<f64>, period_s: f64) -> Result<Self, ParameterError> {
+        let profile = |parameters: &Option<ProfileParameters<f64>>, site: Site, name: &'static str| {
+            let made = parameters.as_ref().map(|parameters| Profile::try_new(parameters, name, ""));
+            made.transpose().map(|profile| profile.map(|profile| (profile, site)))
+        };
+        let creep = extensions
+            .creep
+            .iter()
+            .flat_map(|creep| creep.fractions.iter().copied().zip(creep.time_constants_s.iter().copied()));
+        Ok(Self {
+            led_lag_s: extensions.valve_lag.map_or(0.0, |lag| lag.time_constant_s),
+            unled_lag_s: 0.0,
+            delay_s: extensions.transport_delay.map_or(0.0, |delay| delay.delay_s),
+            unled_delay_s: 0.0,
+            creep: creep.collect(),
+            viscosity: profile(&extensions.viscous_lag, extensions.sites.viscous_lag, "viscous_lag")?,
+            mass: profile(&extensions.inertia, extensions.sites.inertia, "inertia")?,
+            period_s,
+        })
+    }
+
+    /// Whether the contraction can swing.
+    pub fn has_mass(&self) -> bool {
+        self.mass.is_some()
+    }
+
+    fn smoothed_s(&self) -> f64 {
+        SMOOTHED_S.max(SMOOTHED_PERIODS * self.period_s)
+    }
+
+    /// How far ahead the reference is given. Unit: s.
+    fn preview_s(&self) -> f64 {
+        self.delay_s + if self.has_mass() { SQRT_2 * self.smoothed_s() } else { 0.0 }
+    }
+
+    /// Coefficients of s and s² that the balance of forces has at a slope. Unit: s, s².
+    fn motion(&self, contraction: f64, slope: f64) -> (f64, f64) {
+        let at = |effect: &Option<(Profile<f64>, Site)>| match effect {
+            Some((profile, Site::Pressure)) => slope * profile.value(contraction),
+            Some((profile, Site::Contraction)) => profile.value(contraction),
+            None => 0.0,
+        };
+        (at(&self.viscosity), at(&self.mass))
+    }
+
+    /// What creep leaves of a move.
+    fn crept(&self, s: Complex<f64>) -> Complex<f64> {
+        let late = self.creep.iter().map(|(share, time_s)| share * time_s * s / (1.0 + time_s * s));
+        1.0 - late.sum::<Complex<f64>>()
+    }
+
+    /// From a command to the contraction. Unit: output unit/input unit; `omega`: rad/s.
+    pub fn plant(&self, corner: &Corner, omega: f64) -> Complex<f64> {
+        let s = Complex::new(0.0, omega);
+        let (viscous, mass) = self.motion(corner.contraction, corner.slope);
+        let faster = corner.frequency;
+        let motion = 1.0 + viscous * corner.viscosity / faster * s + mass / (faster * faster) * s * s;
+        // A command is held until the next one.
+        let late_s = self.delay_s + self.unled_delay_s + corner.late_s + 0.5 * self.period_s;
+        let lags = (1.0 + s * self.led_lag_s * corner.lag) * (1.0 + s * self.unled_lag_s * corner.unseen_lag);
+        corner.slope * (-s * late_s).exp() * self.crept(s) / (lags * motion)
+    }
+
+    /// From the reference to the feed-forward, which is what the inverse leads, and what is
+    /// smoothed before it; relative to the reference when it is due. Unit: input unit/output
+    /// unit.
+    fn forward(&self, corner: &Corner, omega: f64) -> Complex<f64> {
+        let s = Complex::new(0.0, omega);
+        let slope = corner.slope / corner.ratio;
+        let (viscous, mass) = self.motion(corner.contraction, slope);
+        let smoothed_s = if self.has_mass() { self.smoothed_s() } else { 0.0 };
+        let smoother = 1.0 + SQRT_2 * smoothed_s * s + smoothed_s * smoothed_s * s * s;
+        let ahead = (s * self.preview_s()).exp();
+        ahead * (1.0 + s * self.led_lag_s) * (1.0 + viscous * s + mass * s * s)
+            / (smoother * slope * self.crept(s))
+    }
+
+    /// From the reference to the contraction, relative to the reference when it is due.
+    pub fn tracking(&self, corner: &Corner, feedback: &Feedback, omega: f64) -> Complex<f64> {
+        let plant = self.plant(corner, omega);
+        let open = plant * feedback.response(omega);
+        (plant * self.forward(corner, omega) + open) / (1.0 + open)
+    }
+}
+
+/// The plant at all frequencies in all ways in which it may be.
+#[derive(Clone, Debug)]
+pub struct Plants {
+    /// Unit: rad/s.
+    pub omegas: Vec<f64>,
+    /// A row for each corner, a value for each frequency. Unit: output unit/input unit.
+    pub responses: Vec<Vec<Complex<f64>>>,
+}
+
+/// How many frequencies are looked at: 28 in a decade, so that between two of them the open loop of
+/// a mass of damping ratio 0.1 turns by less than a quarter.
+const FREQUENCIES: usize = 144;
+/// The lowest of them. Unit: rad/s; a period of five minutes.
+const LOWEST: f64 = 0.02;
+
+/// The frequencies at which loops are looked at, up to half the rate of ticks. Unit: rad/s.
+pub fn frequencies(period_s: f64) -> Vec<f64> {
+    let highest = PI / period_s;
+    let ratio = (highest / LOWEST).powf(1.0 / (FREQUENCIES - 1) as f64);
+    (0..FREQUENCIES).map(|k| LOWEST * ratio.powi(k as i32)).collect()
+}
+
+impl Plants {
+    /// Of all corners.
+    pub fn of(dynamics: &Dynamics, corners: &[Corner]) -> Self {
+        let omegas = frequencies(dynamics.period_s);
+        let row = |corner: &Corner| omegas.iter().map(|&omega| dynamics.plant(corner, omega)).collect();
+        Self { responses: corners.iter().map(row).collect(), omegas }
+    }
+}
+
+/// What is not known of a plant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unknown {
+    /// How many times steeper or flatter than the model the muscle may be.
+    pub slope: f64,
+    /// Dead time that may be there. Unit: s.
+    pub late_s: f64,
+    /// By which share the valve's lag may be longer or shorter.
+    pub lag: f64,
+    /// By which share the natural frequency may be higher or lower.
+    pub frequency: f64,
+    /// By which share the viscosity may be less beside a mass, or more without one.
+    pub viscosity: f64,
+}
+
+impl Unknown {
+    /// All is known.
+    pub const NOTHING: Self = Self { slope: 1.0, late_s: 0.0, lag: 0.0, frequency: 0.0, viscosity: 0.0 };
+}
+
+/// All ways in which a plant with these slopes and dynamics may be.
+pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<Corner> {
+    let has_mass = dynamics.has_mass();
+    let both = |share: f64, is_needed: bool| {
+        if is_needed && share > 0.0 { vec![1.0 - share, 1.0 + share] } else { vec![1.0] }
+    };
+    // A valve that nobody has seen may be as quick as it likes.
+    let unseen_lags = if dynamics.unled_lag_s > 0.0 { vec![0.0, 1.0] } else { vec![1.0] };
+    let lates = if unknown.late_s > 0.0 { vec![0.0, unknown.late_s] } else { vec![0.0] };
+    let factor = unknown.slope;
+    // Beside a mass the loop swings more with less viscosity; without one it is later with more.
+    let viscosity = if has_mass { 1.0 - unknown.viscosity } else { 1.0 + unknown.viscosity };
+    let mut all = Vec::new();
+    for at in slopes {
+        let (driven, turned) = (at.driven, at.turned);
+        let mut ways = vec![(driven, 1.0), (turned, 1.0)];
+        if factor > 1.0 {
+            ways.extend([(driven * factor, factor), (turned / factor, 1.0 / factor)]);
+        }
+        for (slope, ratio) in ways {
+            for &late_s in &lates {
+                for lag in both(unknown.lag, dynamics.led_lag_s > 0.0) {
+                    for &unseen_lag in &unseen_lags {
+                        for frequency in both(unknown.frequency, has_mass) {
+                            all.push(Corner {
+                                contraction: at.contraction,
+                                slope,
+                                ratio,
+                                late_s,
+                                lag,
+                                unseen_lag,
+                                frequency,
+                                viscosity,
+                            });
+                        }
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use model_core::extension::{TransportDelayParameters, ValveLagParameters};
+
+    use super::*;
+
+    #[test]
+    fn a_muscle_that_is_as_its_model_says_follows_its_reference_without_feedback() {
+        let extensions = ExtensionParameters {
+            valve_lag: Some(ValveLagParameters::new(0.05)),
+            transport_delay: Some(TransportDelayParameters { delay_s: 0.02 }),
+            ..ExtensionParameters::default()
+        };
+        let dynamics = Dynamics::of(&extensions, 1e-3).expect("valid");
+        let slope = Slope { contraction: 50.0, turned: 10.0, driven: 30.0 };
+        for corner in corners(&[slope], &Unknown::NOTHING, &dynamics) {
+            let follows = dynamics.tracking(&corner, &Feedback::default(), 20.0);
+            // But for half a tick.
+            assert!((follows - 1.0).norm() < 20.0 * 0.6e-3, "{follows}");
+        }
+        let wide = Unknown { slope: 2.0, ..Unknown::NOTHING };
+        let steep = corners(&[slope], &wide, &dynamics)[2];
+        assert_eq!((steep.slope, steep.ratio), (60.0, 2.0));
+        let follows = dynamics.tracking(&steep, &Feedback::default(), 20.0);
+        assert!((follows.norm() - 2.0).abs() < 0.01, "{follows}");
+    }
+}

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`subject`] | the plants: the rig, and the zoo's |
 //! | [`known`] | what the desk makes of a plant's recording: a model, extended, with what it shows of time |
-//! | [`reference`] | what is to be tracked |
+//! | [`mod@reference`] | what is to be tracked |
 //! | [`course`] | one run of the control code with a plant, tick by tick |
 //! | [`controller`] | the controllers that are compared, from the paper's PID to learning |
 //! | [`score`] | error, settling and effort of a run |

@@ -97,7 +97,7 @@ mod tests;
 
 use thiserror::Error;
 
-use anatomy::examinable::{Examinable, Inseparable, ValveView, examinable, inseparable, shown_by_visits};
+use anatomy::examinable::{Examinable, Inseparable, ValveView, examinable, inseparable};
 use anatomy::excitation::Excitation;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
@@ -276,20 +276,16 @@ pub fn diagnose_and_extend(
         (None, true) => ValveView::InChain,
         (None, false) => ValveView::Unseen,
     };
-    let mut examinable = examinable(&excitation, view, columns.input_unit.symbol());
+    let examinable = examinable(&excitation, view, columns.input_unit.symbol());
     let can_show = |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
     let muscle = Cause::ALL
         .into_iter()
         .filter(|&cause| can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command));
     let muscle = muscle.collect();
-    let by_visits = shown_by_visits(&examinable, &excitation);
     progress(0.1, "baseline");
     let (input_noise, scored_rows) = (signals.input_noise, signals.scored());
     let searched = || {
-        let mut search = Search::new(&mut signals, muscle, excitation.longest_hold_s())?;
-        if search.pure.is_some_and(|pure| pure.shows_change()) {
-            search.examinable.extend(by_visits);
-        }
+        let search = Search::new(&mut signals, muscle, excitation.longest_hold_s())?;
         let found = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
         Some((search, found))
     };
@@ -297,13 +293,6 @@ pub fn diagnose_and_extend(
     let beside = || (examine(columns, input_noise), Plain::new(columns, &scored_rows));
     let ((valve, plain), searched) = rayon::join(beside, searched);
     let (search, (best, sizes)) = searched.ok_or(DiagnosisError::NoBaseline)?;
-    for judged in examinable.iter_mut().filter(|judged| !judged.examinable) {
-        if search.examinable.contains(&judged.cause) {
-            judged.examinable = true;
-            "the same states are visited again after at least 0.3 of the recording"
-                .clone_into(&mut judged.why);
-        }
-    }
     let extender = Extender::new(columns, &search, plain.map_err(DiagnosisError::NoModel)?);
     let Settled { set: best, alternatives, evidence } = settled(&search, (&best, &sizes), &extender);
     // No choice of the search, so its rivals are those of the width alone.

@@ -24,9 +24,6 @@ const TIMES: f64 = 8.0;
 const PAIRS: usize = 60;
 const MATCHED: f64 = 0.1;
 
-/// Visits so far apart, as a share of the record, show what changes with time.
-const FAR: f64 = 0.3;
-
 /// A loss of so small a share of the matched rows is by chance.
 const CHANCE: f64 = 0.05;
 
@@ -41,16 +38,9 @@ pub struct PureError {
     pub usual: f64,
     /// What all but two of a hundred differ by less than. Output unit.
     pub rare: f64,
-    /// Number of pairs of visits that are far apart in time.
-    pub far: usize,
 }
 
 impl PureError {
-    /// Whether enough states are visited again so much later that a change with time shows.
-    pub fn shows_change(&self) -> bool {
-        self.far >= PAIRS
-    }
-
     /// The error, root mean square: what is matched less than by `other`, beyond chance, counts with its whole residual. A
     /// set of causes that spreads the states has explained nothing by that. Output unit.
     pub fn beside(&self, other: &Self, residual: &[f64]) -> f64 {
@@ -71,7 +61,7 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
     let mut by_input: Vec<usize> = (0..states.len()).step_by(every).collect();
     by_input.sort_by(|&i, &j| states[i][0].total_cmp(&states[j][0]));
     let near = |i: usize, j: usize| INPUT_WEIGHT * (states[i][0] - states[j][0]).abs() < SAME;
-    let (mut differences, mut far) = (Vec::new(), 0);
+    let mut differences = Vec::new();
     for (place, &i) in by_input.iter().enumerate() {
         let (before, after) = by_input.split_at(place);
         let before = before.iter().rev().take_while(|&&j| near(i, j));
@@ -85,7 +75,6 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
         }
         if let Some(there) = residual.get(nearest.1) {
             differences.push((residual[i] - there).powi(2));
-            far += usize::from((time_s(nearest.1) - time_s(i)).abs() >= FAR * signals.duration_s());
         }
     }
     let matched = differences.len() as f64 / by_input.len() as f64;
@@ -97,13 +86,7 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
     // A few pairs of a coarse match do not count for more than ten times the middle ones.
     let most = 20.0 * differences[differences.len() / 2];
     let mean = differences.iter().map(|&d| d.min(most)).sum::<f64>() / differences.len() as f64;
-    Some(PureError {
-        square: mean / 2.0,
-        matched,
-        usual: at(USUAL).min(TIMES * at(0.5)),
-        rare: at(RARE),
-        far,
-    })
+    Some(PureError { square: mean / 2.0, matched, usual: at(USUAL).min(TIMES * at(0.5)), rare: at(RARE) })
 }
 
 /// The largest difference; anything above `enough` where it is that.

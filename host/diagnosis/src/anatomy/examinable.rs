@@ -64,18 +64,6 @@ fn by_name<S: serde::Serializer>(cause: &Cause, serializer: S) -> Result<S::Ok, 
     serializer.serialize_str(cause.name())
 }
 
-/// The causes that change with time or travel, and lack nothing but swings that are alike: they show where states are visited again all
-/// the same.
-pub fn shown_by_visits(examinable: &[Examinable], excitation: &Excitation) -> Vec<Cause> {
-    let is_shown = |cause: Cause| match cause {
-        Cause::Drift => true,
-        Cause::WarmUp => excitation.travel_strokes >= WARM_UP_STROKES,
-        _ => false,
-    };
-    let hidden = examinable.iter().filter(|judged| !judged.examinable).map(|judged| judged.cause);
-    hidden.filter(|&cause| is_shown(cause)).collect()
-}
-
 /// Judges every cause; `unit` is the input's symbol.
 pub fn examinable(excitation: &Excitation, valve: ValveView<'_>, unit: &str) -> Vec<Examinable> {
     let judge = |cause: Cause| {

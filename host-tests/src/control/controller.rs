@@ -1,6 +1,7 @@
 //! The controllers that are compared.
 
 use anyhow::{Context, Result};
+use board_client::pil::slew;
 use model_core::pid::PidParameters;
 use model_core::{Mode, TrackingParameters};
 use recording::model_file::ModelFile;
@@ -8,11 +9,6 @@ use recording::model_file::control::Tuning;
 use wire::BoardParameters;
 
 use crate::PERIOD_S;
-
-/// Largest rates of change of a command: by default, and the fastest that a board takes. Unit:
-/// bar/s.
-const USUAL_SLEW_BAR_PER_S: f32 = 50.0;
-const HIGHEST_SLEW_BAR_PER_S: f64 = 200.0;
 
 /// A way to control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,30 +65,20 @@ impl Controller {
             Self::PaperPid | Self::Paper | Self::Inverse => paper,
             Self::Fixed => PidParameters { ki: 0.1, ..paper },
             Self::RulePid => rule(model),
-            Self::Tuned => tuned(tuning),
+            Self::Tuned => tuning.pid(),
         };
         let is_tuned = self == Self::Tuned;
         let extensions = if is_tuned { tuning.extended(&model.extensions) } else { model.extensions.clone() };
-        let slew = tuning.slew_per_s.filter(|_| is_tuned);
+        let tuned_slew = tuning.slew_per_s.filter(|_| is_tuned);
         Ok(TrackingParameters {
             model: model.parameters.convert().context("the model does not fit the board")?,
             extensions: extensions.convert().context("the extensions do not fit the board")?,
             pid,
             command_min: low.max(0.0) as f32,
             command_max: high as f32,
-            slew_bar_per_s: slew.map_or(USUAL_SLEW_BAR_PER_S, |slew| slew.min(HIGHEST_SLEW_BAR_PER_S) as f32),
+            slew_bar_per_s: slew(tuned_slew),
             period_s: PERIOD_S as f32,
         })
-    }
-}
-
-fn tuned(tuning: &Tuning) -> PidParameters<f32> {
-    PidParameters {
-        kp: tuning.kp as f32,
-        ki: tuning.ki as f32,
-        kd: tuning.kd as f32,
-        derivative_filter_s: tuning.derivative_filter_s as f32,
-        tracking_time_s: tuning.tracking_time_s as f32,
     }
 }
 

@@ -6,11 +6,10 @@ use wire::BoardTracking;
 
 use super::reference::Course;
 use crate::PERIOD_S;
+use wire::registers::HIGHEST_BAR;
 
 /// A step of the command's converter: 10 bar in 12 bits. Unit: bar.
 const STEP_BAR: f64 = 10.0 / 4096.0;
-/// The highest command of a board. Unit: bar.
-const HIGHEST_BAR: f64 = 8.0;
 
 /// A tick in the log.
 #[derive(Clone, Copy, Debug)]

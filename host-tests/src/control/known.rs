@@ -14,7 +14,6 @@ use recording::model::HostModel;
 use recording::model_file::{Identification, ModelFile};
 use recording::simulation::Rows;
 use recording::table::Table;
-use tuning::lateness::{self, recorded};
 
 /// Starts of an identification: enough for the best of them within some percent.
 const STARTS: usize = 8;
@@ -31,7 +30,7 @@ pub enum Desk {
 /// The model of a recording.
 ///
 /// # Errors
-/// The recording is none, or no model can be made of it.
+/// The text is not a recording, or no model can be identified from it.
 pub fn model(csv: &[u8], desk: Desk) -> Result<ModelFile> {
     let file = Path::new("recording.csv");
     let choice = Choice::default();
@@ -75,12 +74,6 @@ pub fn model(csv: &[u8], desk: Desk) -> Result<ModelFile> {
         rows.answer(&model.extended()?).map_err(|(row, error)| anyhow::anyhow!("{row}: {error}"))?;
     model.identification =
         Some(Identification::of(&recording, &simulated, None, starts, termination, Vec::new()));
-    let seen = lateness::Recording {
-        rows,
-        scored: &measured.scored,
-        output: &measured.output,
-        command: measured.command.as_deref(),
-    };
-    model.recorded = Some(recorded(&model, &seen)?);
+    model.recorded = Some(columns.recorded(&model)?);
     Ok(model)
 }

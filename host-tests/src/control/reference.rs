@@ -7,7 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 use crate::PERIOD_S;
 
-/// How long a reference takes from rest to where it begins, and its settling there. Unit: s.
+/// How long a reference takes from rest to where it begins, and its settling there. Unit: s. A
+/// convention: what has not settled by then counts as error.
 const APPROACH_S: f64 = 3.0;
 
 /// What is to be tracked.

@@ -3,13 +3,14 @@
 use super::course::Tick;
 use crate::PERIOD_S;
 
-/// A contraction has settled when it stays within this share of the stroke.
+/// A contraction has settled, as the benchmark's load step asks, when it stays within this share of the stroke.
 const SETTLED: f64 = 0.01;
 /// Over so many ticks a mean is taken for it, so that no sensor's noise counts.
 const MEAN_TICKS: usize = 20;
 /// A run is unstable when the contraction swings about its reference for its last seconds by more
-/// than this share of the stroke, peak to peak, and this many times faster than the reference does,
-/// or than once in the seconds that are looked at.
+/// than this share of the stroke, peak to peak (five times the band of settling), and this many
+/// times faster than the reference does, or than once in the seconds that are looked at: halfway
+/// between following it and an own swing at twice its frequency. A convention, not measured.
 const SWING: f64 = 0.05;
 const FASTER: f64 = 1.5;
 /// Unit: tick.

@@ -16,7 +16,7 @@ use crate::PERIOD_S;
 
 /// Tones, multiples of one over [`WINDOW_S`]. Unit: Hz.
 const TONES_HZ: [f64; 14] = [0.3, 0.5, 0.8, 1.2, 1.7, 2.4, 3.3, 4.6, 6.4, 8.8, 12.1, 16.6, 22.9, 31.7];
-/// How long a branch is looked at. Unit: s.
+/// How long a branch is looked at: three periods of the slowest tone. Unit: s.
 const WINDOW_S: f64 = 10.0;
 /// Behind each turn. Unit: s.
 const SETTLE_S: f64 = 3.0;

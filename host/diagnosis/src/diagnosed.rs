@@ -8,9 +8,11 @@ use model_core::ParameterError;
 use thiserror::Error;
 
 use crate::extend::heldout::on_another;
-use crate::extend::{Extended, Extension, HeldOutGain, Operator, Written};
+use crate::extend::{Extended, Extension, HeldOutGain, Operator, Written, rows};
 use crate::{Columns, Diagnosis, DiagnosisError, diagnose_and_extend};
 use identification::HostModel;
+use recording::lateness::{self, NotSimulated};
+use recording::model_file::control::Recorded;
 use recording::model_file::{HeldOut, Identification, ModelFile};
 use recording::table::{DataError, Table};
 use recording::unit::Unit;
@@ -53,6 +55,23 @@ pub enum NotDiagnosed {
     /// No model of it runs through a recording.
     #[error("{}: the model does not run through the recording", .0.display())]
     NotSimulated(PathBuf),
+}
+
+impl Columns {
+    /// What the recording shows of time and noise beside a model, for the control of its muscle.
+    ///
+    /// # Errors
+    /// See [`NotSimulated`].
+    pub fn recorded(&self, model: &ModelFile) -> Result<Recorded, NotSimulated> {
+        let columns = self.as_measured();
+        let seen = lateness::Recording {
+            rows: rows(&columns),
+            scored: &columns.scored,
+            output: &columns.output,
+            command: columns.command.as_deref(),
+        };
+        lateness::recorded(model, &seen)
+    }
 }
 
 impl Examined {

@@ -36,7 +36,7 @@ const KEPT: [&str; 44] = [
 /// Why a model is not written.
 #[derive(Debug, Error, PartialEq)]
 pub enum NotExported {
-    /// The name is none of C.
+    /// The name is not an identifier of C.
     #[error("--name {0}: a name of C is needed: letters, digits and underscores, a letter first")]
     Name(String),
     /// The model is extended.
@@ -65,7 +65,7 @@ impl Sources {
 /// Writes a model in C under a name. `operator_only`: without what it is extended by.
 ///
 /// # Errors
-/// The name is none of C; the model is extended.
+/// The name is not an identifier of C; the model is extended.
 pub fn sources(model: &ModelFile, name: &str, operator_only: bool) -> Result<Sources, NotExported> {
     let is_name = name.starts_with(|first: char| first.is_ascii_alphabetic())
         && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
@@ -151,7 +151,7 @@ impl Text<'_> {
              typedef struct {{\n    double plays[{upper}_PLAYS];\n{two_envelopes}}} {name}_state;\n\n\
              /* A muscle at rest at the lowest input. */\nvoid {name}_rest({name}_state *state);\n\n\
              /* One sample: the output ({output}) for an input ({input}). Inputs outside the two above are extrapolated, by at\n \
-             * most their span. Not a number where the input is none; the state is then as it was. */\n\
+             * most their span. NaN for an input that is infinite or NaN; the state does not change then. */\n\
              double {name}_step({name}_state *state, double input);\n{inverse}\n\
              #ifdef __cplusplus\n}}\n#endif\n\n#endif\n"
         )
@@ -188,7 +188,7 @@ impl Text<'_> {
             }
             HostParameters::Agpi(agpi) => {
                 source += &self.two_envelopes((&agpi.rising, &agpi.falling), agpi.preconditioned);
-                source += &self.filled(ADDED_NOTHING);
+                source += &self.filled(STEP).replace("ANSWER", "state->output");
             }
             HostParameters::Egpi(egpi) => {
                 let agpi = &egpi.agpi;
@@ -197,6 +197,7 @@ impl Text<'_> {
                 let added = self.filled(ADDED).replace("FIRST", &format!("{first:?}"));
                 source +=
                     &added.replace("SECOND", &format!("{second:?}")).replace("THIRD", &format!("{third:?}"));
+                source += &self.filled(STEP).replace("ANSWER", "state->output + added(input)");
             }
         }
         source
@@ -401,7 +402,7 @@ static double driven(const name_state *state, double v)
     return u;
 }
 
-/* The v between two ends at which the plays come to u; the nearer end where there is none. */
+/* The input of the plays, between two ends, for which their sum is u; the nearer end if u is out of reach. */
 static double solved(const name_state *state, double u, double low, double high)
 {
     double u_low = driven(state, low);
@@ -487,7 +488,8 @@ const TWO_PRECONDITIONED: &str = "    drive(state, rising(NAME_INPUT_MAX), 1);
     state->output = drive(state, falling(NAME_INPUT_MIN), 0);
 ";
 
-const ADDED_NOTHING: &str = "\
+/// A step; ANSWER is its output.
+const STEP: &str = "\
 double name_step(name_state *state, double input)
 {
     if (!isfinite(input)) {
@@ -498,7 +500,7 @@ double name_step(name_state *state, double input)
         state->output = drive(state, rises ? rising(input) : falling(input), rises);
         state->input = input;
     }
-    return state->output;
+    return ANSWER;
 }
 ";
 
@@ -513,16 +515,4 @@ static double added(double input)
     return FIRST * (last + middle + 3.0 * t * left * left) + SECOND * (last + middle) + THIRD * last;
 }
 
-double name_step(name_state *state, double input)
-{
-    if (!isfinite(input)) {
-        return NAN;
-    }
-    if (input != state->input) {
-        const int rises = input > state->input;
-        state->output = drive(state, rises ? rising(input) : falling(input), rises);
-        state->input = input;
-    }
-    return state->output + added(input);
-}
 ";

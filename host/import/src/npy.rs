@@ -25,7 +25,7 @@ pub fn is_archive(bytes: &[u8]) -> bool {
 /// The variables of an archive.
 ///
 /// # Errors
-/// It is damaged, or an array is none of numbers.
+/// The archive is damaged, or an array does not hold numbers.
 pub fn archive(bytes: &[u8]) -> Result<Vec<Variable>, Problem> {
     let damaged = |error: &dyn std::fmt::Display| Problem::Damaged(error.to_string());
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;

@@ -23,7 +23,9 @@ impl Diagnosed {
     /// The model, extended by the named causes where that is better.
     #[getter]
     fn model(&self) -> PyResult<Model> {
-        self.found.model().map(|file| Model { file }).map_err(error::model)
+        let mut file = self.found.model().map_err(error::model)?;
+        file.recorded = self.found.examined.columns.recorded(&file).ok();
+        Ok(Model { file })
     }
 
     /// What it comes to, in a sentence.

@@ -7,16 +7,19 @@ use crate::error::{self, IdentificationError};
 use crate::model::Model;
 use crate::recording::{Recording, array};
 use crate::work::interruptible;
+use diagnosis::diagnosed::Examined;
 use identification::identified::{self, NotIdentified, Trial};
 use identification::json::to_json;
 use identification::{CONVERGED, Loss, Options, Weights};
 use model_core::Kind;
+use recording::model_file::ModelFile;
 use report::identified::Identified as Report;
 
 /// An identified model.
 #[pyclass(frozen, module = "mgpi._native")]
 pub struct Identified {
     found: identified::Identified,
+    model: ModelFile,
 }
 
 #[pymethods]
@@ -24,7 +27,7 @@ impl Identified {
     /// The model.
     #[getter]
     fn model(&self) -> Model {
-        Model { file: self.found.model.clone() }
+        Model { file: self.model.clone() }
     }
 
     /// Its answer to the recordings, one behind the other.
@@ -91,6 +94,15 @@ pub fn identify(
         threads,
         tolerance: CONVERGED,
     };
+    // Of several recordings each would show its own.
+    let columns = match &recordings[..] {
+        [one] => {
+            let channels = (&one.recording.drive.input.channel, &one.recording.output.channel);
+            let choice = one.choice.clone().like(channels.0, channels.1);
+            Some(Examined::of(&one.table, &choice).map_err(|error| error::data(&error))?.columns)
+        }
+        _ => None,
+    };
     let recordings: Vec<recording::Recording> = recordings.iter().map(|one| one.recording.clone()).collect();
     let validate = validate.map(|one| one.recording.clone());
     let trial = match &validate {
@@ -101,7 +113,12 @@ pub fn identify(
     let found = interruptible(py, progress.as_ref(), |tell| {
         identified::identified(&recordings, &options, trial, &|share| tell(share, "identifying"))
     })?;
-    found.map(|found| Identified { found }).map_err(|error| match error {
+    let with_recorded = |found: identified::Identified| {
+        let mut model = found.model.clone();
+        model.recorded = columns.and_then(|columns| columns.recorded(&model).ok());
+        Identified { found, model }
+    };
+    found.map(with_recorded).map_err(|error| match error {
         NotIdentified::Data(error) => error::data(&error),
         NotIdentified::Identification(found) => {
             let (recording, why) = *found;

@@ -13,11 +13,6 @@ def without_time(result):
     return {key: value for key, value in result.items() if key not in ("seconds", "recordings")}
 
 
-def model_of(file):
-    """A model file of the command without what only `mgpi tune` reads, which Python does not add: [recorded] at its end."""
-    return file.read_text().split("\n[recorded]\n")[0]
-
-
 def test_ten_recordings_have_the_models_that_the_command_finds(command, made, tmp_path):
     for file in made:
         out = [tmp_path / f"{file.stem}.{end}" for end in ("toml", "json", "csv")]
@@ -26,7 +21,7 @@ def test_ten_recordings_have_the_models_that_the_command_finds(command, made, tm
         recording = mgpi.Recording(file)
         ours = mgpi.Identifier(plays=6, dead_zones=6, starts=6, holdout=True).fit(recording)
         assert without_time(ours.result_) == without_time(theirs), file
-        assert ours.model_.to_toml() == model_of(out[0]), file
+        assert ours.model_.to_toml() == out[0].read_text(), file
         command("simulate", out[0], "--input", file, "-o", out[2])
         answer = pd.read_csv(out[2])[ours.model_.output_name].to_numpy()
         assert np.array_equal(ours.predict(recording), answer), file
@@ -39,7 +34,7 @@ def test_recordings_have_the_verdicts_of_the_command(command, made, tmp_path):
         theirs = command("diagnose", file, "-o", out[0], "--json", out[1], json_file=out[1])
         ours = mgpi.diagnose(mgpi.Recording(file))
         assert without_time(ours.result) == without_time(theirs), file
-        assert ours.model.to_toml() == model_of(out[0]), file
+        assert ours.model.to_toml() == out[0].read_text(), file
 
 
 def test_arrays_and_data_frames_are_the_file(recordings):

@@ -5,7 +5,8 @@
 //! A [`table::Table`] is a file as it stands; a [`Recording`] is what is used of it: times, an
 //! input, an output, each with its unit, and which rows count. What was mended on the way is said
 //! in notes. A [`model_file::ModelFile`] is a model with its units and figures. Whatever goes wrong
-//! is an error that names file, line and column.
+//! is an error that names file, line and column. [`lateness`] is what a recording shows of time and
+//! noise beside its model.
 //!
 //! # Limits
 //! A recording is held in memory, 8 bytes a value.
@@ -16,6 +17,7 @@ pub mod figures;
 pub mod history;
 pub mod input;
 mod joined;
+pub mod lateness;
 pub mod left_out;
 pub mod model;
 pub mod model_file;

@@ -5,7 +5,6 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`slopes`] | how steeply the model answers, everywhere on its loop, driven on and just turned round |
-//! | [`lateness`] | what a recording shows of time and noise beside its model |
 //! | `knowledge` | what is known of a plant, and what has to be assumed |
 //! | [`response`] | the loop in the frequency domain, for every way in which the plant may be |
 //! | [`margins`] | gain margin, phase margin, largest sensitivity |
@@ -24,7 +23,6 @@
 //! known, or there is none, and the reason is told. Nothing is random.
 
 mod knowledge;
-pub mod lateness;
 pub mod learning;
 pub mod margins;
 pub mod response;

@@ -29,7 +29,7 @@ pub use names::{
     BusListens, Command, Exception, StreamOrder, StreamState, UploadOrder, UploadResult, mode, mode_number,
     state, state_number,
 };
-pub use table::{GROUPS, Group, Id, TABLE};
+pub use table::{GROUPS, Group, HIGHEST_BAR, Id, TABLE};
 pub use value::{Kind, Value};
 pub use windows::{
     CAPTURE_HEAD, CAPTURE_SAMPLES, MESSAGE_REGISTERS, QUEUE_POINTS, SAMPLE_REGISTERS, STREAM_POINTS,

@@ -8,7 +8,7 @@ use super::{Access, Kind, Register};
 use crate::{FAULTS, TRACE};
 
 /// The highest command, pressure of the strongest muscles that the board is made for. Unit: bar.
-const HIGHEST_BAR: f64 = 8.0;
+pub const HIGHEST_BAR: f64 = 8.0;
 
 /// The highest rate of the bus: a sixteenth of the internal oscillator's 16 MHz, by which a board
 /// goes on whose crystal has failed; the port samples each bit sixteen times. Unit: bit/s.

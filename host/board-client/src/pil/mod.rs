@@ -140,19 +140,9 @@ fn default_pid() -> PidParameters<f32> {
     PidParameters { ki: INTEGRAL_GAIN, ..PidParameters::paper() }
 }
 
-/// Those of a tuning.
-fn tuned_pid(tuning: &Tuning) -> PidParameters<f32> {
-    PidParameters {
-        kp: tuning.kp as f32,
-        ki: tuning.ki as f32,
-        kd: tuning.kd as f32,
-        derivative_filter_s: tuning.derivative_filter_s as f32,
-        tracking_time_s: tuning.tracking_time_s as f32,
-    }
-}
-
-/// A rate of change (bar/s) as far as a board takes it.
-fn slew(bar_per_s: f64) -> f32 {
+/// The command's largest rate of change (bar/s): a tuned one as far as a board takes it, or the default.
+pub fn slew(tuned_bar_per_s: Option<f64>) -> f32 {
+    let Some(bar_per_s) = tuned_bar_per_s else { return SLEW_BAR_PER_S };
     match Id::CommandSlew.register().access {
         Access::Write(min, max) => bar_per_s.clamp(min, max) as f32,
         _ => bar_per_s as f32,
@@ -190,8 +180,8 @@ pub fn configuration(file: &Path, model: &ModelFile, rate_hz: f64) -> Result<Con
             command_max: model.input().1,
             model,
             extensions,
-            pid: tuning.map_or_else(default_pid, tuned_pid),
-            slew_bar_per_s: tuning.and_then(|tuning| tuning.slew_per_s).map_or(SLEW_BAR_PER_S, slew),
+            pid: tuning.map_or_else(default_pid, Tuning::pid),
+            slew_bar_per_s: slew(tuning.and_then(|tuning| tuning.slew_per_s)),
             period_s: (1.0 / rate_hz) as f32,
         },
     })

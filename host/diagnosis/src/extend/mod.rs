@@ -283,7 +283,7 @@ fn seen_from(columns: &Columns, valve_is_named: bool) -> Cow<'_, Columns> {
 }
 
 /// What drives a model of a recording.
-fn rows(columns: &Columns) -> Rows<'_> {
+pub(super) fn rows(columns: &Columns) -> Rows<'_> {
     Rows {
         time_s: &columns.time_s,
         input: &columns.input,

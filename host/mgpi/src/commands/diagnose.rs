@@ -72,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     })?;
     if let Some(model_file) = model_file {
         let mut file = found.model()?;
-        file.recorded = recorded::of_columns(&file, &found.examined.columns.as_measured());
+        file.recorded = recorded::of_columns(&file, &found.examined.columns);
         outputs.stage(model_file, file.to_toml().as_bytes())?;
     }
     if let Some(report) = report {

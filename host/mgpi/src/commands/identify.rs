@@ -184,7 +184,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     {
         let choice = arguments.columns.choice_of(recording);
         let columns = Examined::of(&choice.table(file)?, &choice)?.columns;
-        written_model.recorded = recorded::of_columns(&written_model, &columns.as_measured());
+        written_model.recorded = recorded::of_columns(&written_model, &columns);
     }
     outputs.stage(model_file, written_model.to_toml().as_bytes())?;
     if let Some(file) = report {

@@ -63,7 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     if let Some(recording) = recording {
         let choice = reading.choice().like(&model.input, &model.output);
         let columns = diagnose::read(recording, &choice)?.columns;
-        model.recorded = recorded::of_columns(&model, &columns.as_measured());
+        model.recorded = recorded::of_columns(&model, &columns);
     }
     let found = tune(&model, rate_hz.recip(), *valve_lag_s)
         .map_err(|source| Error::Tuning { file: file.clone(), source })?;

@@ -5,6 +5,7 @@
 
 use model_core::ExtensionParameters;
 use model_core::extension::{TransportDelayParameters, ValveLagParameters};
+use model_core::pid::PidParameters;
 use toml::{Table, Value};
 
 use super::names::Names;
@@ -119,6 +120,17 @@ impl Recorded {
 const SAME_PERIOD: f64 = 0.01;
 
 impl Tuning {
+    /// The gains as the board takes them.
+    pub fn pid(&self) -> PidParameters<f32> {
+        PidParameters {
+            kp: self.kp as f32,
+            ki: self.ki as f32,
+            kd: self.kd as f32,
+            derivative_filter_s: self.derivative_filter_s as f32,
+            tracking_time_s: self.tracking_time_s as f32,
+        }
+    }
+
     /// Whether it is for a board of this period (s).
     pub fn is_for(&self, period_s: f64) -> bool {
         (self.period_s / period_s - 1.0).abs() < SAME_PERIOD

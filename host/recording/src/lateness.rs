@@ -9,12 +9,12 @@
 //! then the lateness of the muscle is open, and the standard error says so. It is that of the jackknife over blocks of time, since neighbouring
 //! windows are off alike.
 
+use crate::model_file::ModelFile;
+use crate::model_file::control::{Late, Recorded};
+use crate::noise;
+use crate::numbers::range;
+use crate::simulation::Rows;
 use model_core::ParameterError;
-use recording::model_file::ModelFile;
-use recording::model_file::control::{Late, Recorded};
-use recording::noise;
-use recording::numbers::range;
-use recording::simulation::Rows;
 use thiserror::Error;
 
 /// Blocks of the jackknife.

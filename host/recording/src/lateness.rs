@@ -6,8 +6,8 @@
 //! Beside it stand what a wrong model of the hysteresis leaves, which changes with the direction
 //! and with the place: a polynomial of the place for either direction. Under an input of one speed
 //! the direction and a delay look alike, but for what the model gets wrong from branch to branch:
-//! then the lateness of the muscle is open, and the standard error says so. It is that of the jackknife over blocks of time, since neighbouring
-//! windows are off alike.
+//! then the lateness of the muscle is open, and the standard error says so. It is that of the
+//! jackknife over blocks of time, since neighbouring windows are off alike.
 
 use crate::model_file::ModelFile;
 use crate::model_file::control::{Late, Recorded};

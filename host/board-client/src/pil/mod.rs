@@ -140,7 +140,8 @@ fn default_pid() -> PidParameters<f32> {
     PidParameters { ki: INTEGRAL_GAIN, ..PidParameters::paper() }
 }
 
-/// The command's largest rate of change (bar/s): a tuned one as far as a board takes it, or the default.
+/// The command's largest rate of change (bar/s): a tuned one as far as a board takes it, or the
+/// default.
 pub fn slew(tuned_bar_per_s: Option<f64>) -> f32 {
     let Some(bar_per_s) = tuned_bar_per_s else { return SLEW_BAR_PER_S };
     match Id::CommandSlew.register().access {

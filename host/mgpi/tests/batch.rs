@@ -61,8 +61,8 @@ fn a_run_that_was_killed_goes_on_and_comes_to_the_same() {
     let begin = Instant::now();
     let count =
         || std::fs::read_to_string(bench.path("results.csv.part")).unwrap_or_default().lines().count();
-    // The header and the refused file come at once, the first diagnosis a little later.
-    while count() < 3 && begin.elapsed() < Duration::from_secs(120) {
+    // What made it, the header and the refused file come at once, a first diagnosis later.
+    while count() < 4 && begin.elapsed() < Duration::from_secs(120) {
         std::thread::sleep(Duration::from_millis(5));
     }
     child.kill().expect("it runs");
@@ -71,10 +71,14 @@ fn a_run_that_was_killed_goes_on_and_comes_to_the_same() {
     // As it would be cut in the middle of a line; and something that shows whether a line is kept.
     let kept = bench.read("results.csv.part").replace("pressure_bar", "kept_bar") + "archive/two.csv,abc";
     bench.write("results.csv.part", &kept);
+    bench.write("other.csv.part", &kept);
     let said = bench.succeeds("batch archive -o results.csv");
     assert!(said.contains("1 kept") || said.contains("2 kept"), "{said}");
     let results = bench.read("results.csv");
     assert!(results.contains("kept_bar"), "a file was done again: {results}");
     assert_eq!(results.replace("kept_bar", "pressure_bar"), bench.read("whole.csv"));
     assert!(!bench.path("results.csv.part").exists());
+    // With other options a file may have another answer.
+    let said = bench.succeeds("batch archive --input pressure_bar -o other.csv");
+    assert!(said.contains("0 kept"), "{said}");
 }

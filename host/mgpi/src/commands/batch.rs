@@ -1,8 +1,9 @@
 //! `mgpi batch`: an archive of recordings diagnosed, a line each.
 //!
 //! What is done is kept line by line beside the output, in `OUTPUT.part`. A run that was ended goes
-//! on from there: a file that is in it with the same SHA-256 is not done again. The output itself
-//! comes into being at the end, in the order of the files' names, whatever order they were done in.
+//! on from there: a file that is in it with the same SHA-256 is not done again, if its first line
+//! names the same program and the same options. The output itself comes into being at the end, in
+//! the order of the files' names, whatever order they were done in.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
@@ -21,8 +22,8 @@ use crate::Error;
 use crate::output::{OutputError, Outputs};
 use diagnosis::diagnosed::{Diagnosed, Examined};
 use diagnosis::{Named, cause::Cause};
-use recording::Choice;
 use recording::table::Table;
+use recording::{Choice, TOOL};
 
 /// Endings of files that are taken for recordings.
 const ENDINGS: [&str; 3] = ["csv", "tsv", "txt"];
@@ -86,9 +87,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         let endings = ENDINGS.join(", ");
         return Err(Error::Usage(format!("{}: no file in it ends in {endings}", folder.display())));
     }
-    let kept = if *force { BTreeMap::new() } else { lines_of(&part) };
+    let made_by = format!("# {TOOL}, {columns:?}");
+    let kept = if *force { BTreeMap::new() } else { lines_of(&part, &made_by) };
     let choice = columns.choice();
     let mut file = File::create(&part).map_err(unwritable)?;
+    writeln!(file, "{made_by}").map_err(unwritable)?;
     file.write_all(
         text(std::iter::once(&HEADER.map(str::to_owned).to_vec()).chain(kept.values())).as_bytes(),
     )
@@ -167,11 +170,15 @@ fn find(folder: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
     Ok(())
 }
 
-/// The whole lines that an earlier run has left, by file and SHA-256.
-fn lines_of(part: &Path) -> BTreeMap<(String, String), Line> {
+/// The whole lines that an earlier run has left, by file and SHA-256; none where that was made by
+/// another program or with other options.
+fn lines_of(part: &Path, made_by: &str) -> BTreeMap<(String, String), Line> {
     let content = fs::read_to_string(part).unwrap_or_default();
     // What stands behind the last end of a line was being written.
     let whole = content.rsplit_once('\n').map_or("", |(whole, _)| whole);
+    let Some(whole) = whole.strip_prefix(made_by).and_then(|rest| rest.strip_prefix('\n')) else {
+        return BTreeMap::new();
+    };
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(whole.as_bytes());
     if reader.headers().map_or(true, |found| found.iter().ne(HEADER)) {
         return BTreeMap::new();

@@ -114,6 +114,7 @@ pub(crate) struct FewPlays<T> {
 
 /// What it remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Outputs<T> {
     outputs: [T; FEW_PLAYS],
     /// The last input.

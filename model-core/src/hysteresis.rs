@@ -24,6 +24,11 @@ use crate::real::Real;
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
+)]
 #[repr(C)] // As for `InverseCascade`.
 pub struct HysteresisState<T, const N: usize> {
     /// That of the plays.
@@ -34,6 +39,7 @@ pub struct HysteresisState<T, const N: usize> {
 
 /// A sample on one of two branches.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Sample<T> {
     /// Input, given to a model or answered by an inverse. Input unit.
     pub(crate) x: T,

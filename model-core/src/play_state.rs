@@ -19,6 +19,11 @@ use crate::turning_points::TurningPoints;
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
+)]
 #[repr(C)] // As for `InverseCascade`.
 pub struct PlayState<T, const N: usize> {
     /// Where there are no turning points. Beside these it is left as it is.

@@ -4,6 +4,7 @@ use crate::real::Real;
 
 /// A point that the input has turned at, or where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Turn<T> {
     /// Input.
     pub(crate) v: T,
@@ -100,5 +101,24 @@ impl<T: Real, const N: usize> TurnStack<T, N> {
 impl<T: PartialEq, const N: usize> PartialEq for TurnStack<T, N> {
     fn eq(&self, other: &Self) -> bool {
         self.iter().eq(other.iter())
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<T: serde::Serialize, const N: usize> serde::Serialize for TurnStack<T, N> {
+    /// Those in use.
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter())
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'a, T: Real + serde::Deserialize<'a>, const N: usize> serde::Deserialize<'a> for TurnStack<T, N> {
+    fn deserialize<D: serde::Deserializer<'a>>(deserializer: D) -> Result<Self, D::Error> {
+        let turns = heapless::Vec::<Turn<T>, N>::deserialize(deserializer)?;
+        let mut stack = Self::new();
+        // There are as many places.
+        turns.into_iter().all(|turn| stack.push(turn));
+        Ok(stack)
     }
 }

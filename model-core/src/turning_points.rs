@@ -22,6 +22,11 @@ use crate::turn_stack::{Turn, TurnStack};
 
 /// The turning points of a bank of at most `N` plays.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub(crate) struct TurningPoints<T, const N: usize> {
     /// By falling input: each within the ones before.
     pub(crate) highs: TurnStack<T, N>,

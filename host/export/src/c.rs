@@ -25,20 +25,14 @@ use recording::model::{DEAD_ZONES, HostParameters};
 use recording::model_file::ModelFile;
 use thiserror::Error;
 
-/// Words that C and its libraries keep for themselves, so far as they look like names of models.
-const KEPT: [&str; 44] = [
-    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum",
-    "extern", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return",
-    "short", "signed", "sizeof", "static", "struct", "switch", "typedef", "union", "unsigned", "void",
-    "volatile", "while", "bool", "true", "false", "main", "abs", "exp", "tanh", "log", "floor", "errno",
-];
+use crate::name::{self, NoName};
 
 /// Why a model is not written.
 #[derive(Debug, Error, PartialEq)]
 pub enum NotExported {
     /// The name is not an identifier of C.
-    #[error("--name {0}: a name of C is needed: letters, digits and underscores, a letter first")]
-    Name(String),
+    #[error(transparent)]
+    Name(#[from] NoName),
     /// The model is extended.
     #[error(
         "the model is extended by {0}, which C sources do not have; --operator-only writes its hysteresis alone"
@@ -67,12 +61,7 @@ impl Sources {
 /// # Errors
 /// The name is not an identifier of C; the model is extended.
 pub fn sources(model: &ModelFile, name: &str, operator_only: bool) -> Result<Sources, NotExported> {
-    let is_name = name.starts_with(|first: char| first.is_ascii_alphabetic())
-        && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
-        && !KEPT.contains(&name);
-    if !is_name {
-        return Err(NotExported::Name(name.to_owned()));
-    }
+    name::check(name)?;
     if model.acting() != ExtensionParameters::default() && !operator_only {
         return Err(NotExported::Extended(model.causes().join(", ")));
     }

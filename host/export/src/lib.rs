@@ -1,3 +1,5 @@
-//! Identified models as source code for other people's programs: [`c`].
+//! Identified models for other people's programs: source code of C ([`c`]), units of FMI ([`fmu`]).
 
 pub mod c;
+pub mod fmu;
+pub mod name;

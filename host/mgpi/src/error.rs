@@ -16,6 +16,7 @@ use board_client::pil::PilError;
 use diagnosis::DiagnosisError;
 use diagnosis::plan::PlanError;
 use export::c::NotExported;
+use export::fmu::NoUnit;
 use identification::IdentificationError;
 use import::ImportError;
 use recording::model_file::ModelFileError;
@@ -46,6 +47,9 @@ pub enum Error {
     /// A model cannot be written in another language.
     #[error(transparent)]
     NotExported(#[from] NotExported),
+    /// A model cannot be written as a unit for co-simulation.
+    #[error(transparent)]
+    NoUnit(#[from] NoUnit),
     /// A log does not grow.
     #[error(transparent)]
     Part(#[from] PartError),

@@ -6,71 +6,7 @@ use common::{Bench, PAPER};
 use recording::model_file::ModelFile;
 
 /// Every extension.
-const EXTENSIONS: &str = r#"
-[extensions.valve_deadband]
-band_bar = 0.05
-form = "backlash"
-
-[extensions.supply_saturation]
-supply_bar = 5.5
-
-[extensions.valve_lag]
-time_constant_s = 0.05
-lead_limit_bar = 1.5
-
-[extensions.transport_delay]
-delay_s = 0.015
-
-[extensions.load]
-reference_n = 20.0
-knots_mm = [10.0, 60.0, 110.0]
-offset_bar_per_n = [0.01, 0.02, 0.04]
-
-[extensions.temperature]
-reference_c = 25.0
-knots_mm = [0.0]
-offset_bar_per_k = [-0.01]
-
-[extensions.warm_up]
-travel_mm = 300.0
-knots_mm = [10.0, 110.0]
-offset_bar = [0.3, 0.1]
-
-[extensions.viscous_lag]
-knots_mm = [10.0, 60.0, 110.0]
-viscosity_bar_s_per_mm = [0.002, 0.003, 0.006]
-
-[extensions.inertia]
-knots_mm = [60.0]
-inertia_bar_s2_per_mm = [3e-5]
-
-[extensions.rate_dependent_width]
-radius_bar = 0.1
-exponent = 0.5
-filter_s = 0.01
-knots_mm = [10.0, 60.0, 110.0]
-width_bar = [0.05, 0.1, 0.2]
-
-[extensions.rate_dependent_thresholds]
-exponent = 0.6
-filter_s = 0.01
-knots_mm = [10.0, 60.0, 110.0]
-gain = [0.02, 0.03, 0.04]
-
-[extensions.creep]
-time_constants_s = [0.1, 1.0, 10.0]
-fractions = [0.02, 0.03, 0.03]
-
-[extensions.drift]
-rate_mm_per_s = 0.05
-compensated = false
-
-[extensions.periodic_disturbance]
-amplitude_mm = 0.5
-frequency_hz = 3.0
-phase_rad = 1.0
-compensated = true
-"#;
+const EXTENSIONS: &str = include_str!("common/every_extension.toml");
 
 /// What acts on the other side of the hysteresis than usual.
 const ELSEWHERE: &str = r#"

@@ -52,6 +52,12 @@ pub fn simulate(model: &ModelFile, table: &Table, drive: &Drive) -> Result<Vec<f
 /// s.
 pub const SAME_STEP_S: f64 = 1e-9;
 
+/// The step of time after another one: that one, where they are the same, for what a model makes of
+/// a step it makes once. All: s.
+pub fn same_step(last_s: f64, dt_s: f64) -> f64 {
+    if (dt_s - last_s).abs() > SAME_STEP_S { dt_s } else { last_s }
+}
+
 /// What drives an extended model, a value a row.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows<'a> {
@@ -80,10 +86,7 @@ impl Rows<'_> {
             let surroundings =
                 Surroundings { load: at(self.load, row), temperature: at(self.temperature, row) };
             let dt_s = if row == 0 { 0.0 } else { self.time_s[row] - self.time_s[row - 1] };
-            // What a model makes of a step of time it makes once.
-            if (dt_s - step_s).abs() > SAME_STEP_S {
-                step_s = dt_s;
-            }
+            step_s = same_step(step_s, dt_s);
             let sample = Sample { input: self.input[row], surroundings, dt_s: step_s };
             model.step(&mut state, &sample).map(|output| output.contraction).map_err(|error| (row, error))
         };

@@ -38,6 +38,7 @@ pub(super) struct Balance<T> {
 
 /// What a step of time makes of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BalanceStep<T> {
     stencil: Stencil<T>,
     width: Option<SlidingStep<T>>,
@@ -45,6 +46,7 @@ pub(super) struct BalanceStep<T> {
 
 /// What they remember.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BalanceMemory<T> {
     velocity: Derivative<T>,
     acceleration: Derivative<T>,

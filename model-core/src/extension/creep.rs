@@ -57,6 +57,7 @@ pub(super) struct Creep<T> {
 
 /// What a step of time makes of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct ElementStep<T> {
     fraction: T,
     /// The part of the distance that is lost.
@@ -67,6 +68,11 @@ struct ElementStep<T> {
 
 /// What a step of time makes of creep.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub(super) struct CreepStep<T> {
     elements: Vec<ElementStep<T>, CREEP_ELEMENTS>,
     /// The part of the next move that comes late.
@@ -77,6 +83,7 @@ pub(super) struct CreepStep<T> {
 
 /// The distances dₖ. Output unit.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CreepMemory<T> {
     distances: [Sum<T>; CREEP_ELEMENTS],
 }

@@ -19,6 +19,7 @@ const LAMBDA: f64 = 0.5;
 
 /// What a step of time makes of the formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Stencil<T> {
     /// 1/dt. Unit: 1/s.
     pub(super) per_second: T,
@@ -71,6 +72,7 @@ impl<T: Real> Affine<T> {
 
 /// What is remembered of a signal to differentiate it; at first, that it rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Derivative<T> {
     slope: T,
     rate: T,

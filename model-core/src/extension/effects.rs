@@ -26,6 +26,11 @@ pub(super) struct Effects<T> {
 
 /// What a step of time makes of them.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub(super) struct EffectsStep<T> {
     pub(super) valve: ValveStep<T>,
     pub(super) creep: Option<CreepStep<T>>,
@@ -36,6 +41,11 @@ pub(super) struct EffectsStep<T> {
 
 /// What they remember, and where the operator stands.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub(super) struct EffectsMemory<T> {
     pub(super) valve: ValveMemory<T>,
     pub(super) creep: CreepMemory<T>,

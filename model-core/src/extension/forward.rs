@@ -90,6 +90,11 @@ pub struct ExtendedModel<T, const N: usize, const M: usize> {
 
 /// What an extended model remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub struct ExtendedState<T, const N: usize> {
     operator: HysteresisState<T, N>,
     /// Where steps are tried.

@@ -66,6 +66,11 @@ struct Compensation<T> {
 
 /// What the inverse of an extended model remembers.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub struct ExtendedInverseState<T, const N: usize> {
     /// That of the operator's inverse; where thresholds depend on the rate that of the operator
     /// itself.
@@ -75,6 +80,11 @@ pub struct ExtendedInverseState<T, const N: usize> {
 }
 
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
+)]
 struct CompensationState<T> {
     effects: EffectsMemory<T>,
     has_begun: bool,

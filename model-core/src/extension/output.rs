@@ -36,6 +36,11 @@ pub(super) struct OutputEffects<T> {
 
 /// What a step of time makes of them.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub(super) struct OutputStep<T> {
     balance: Option<BalanceStep<T>>,
     creep: Option<CreepStep<T>>,
@@ -45,6 +50,11 @@ pub(super) struct OutputStep<T> {
 
 /// What they remember.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub(super) struct OutputMemory<T> {
     balance: BalanceMemory<T>,
     /// y₁. Output unit.

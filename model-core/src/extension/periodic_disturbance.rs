@@ -45,6 +45,7 @@ pub(super) struct PeriodicDisturbance<T> {
 
 /// A pointer of length 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pointer<T> {
     sine: T,
     cosine: T,
@@ -52,6 +53,7 @@ pub(super) struct Pointer<T> {
 
 /// A turn of a pointer: its sine, and by how much its cosine is less than 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Turn<T> {
     sine: T,
     lack: T,

@@ -58,6 +58,7 @@ pub(super) struct RateDependentWidth<T> {
 
 /// What is remembered of the operator's input.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct WidthMemory<T> {
     /// Output of the play of radius r. Input unit.
     play: T,

@@ -22,6 +22,7 @@ pub(super) struct Sliding<T> {
 
 /// What a step of time makes of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SlidingStep<T> {
     /// That it goes of its way.
     share: T,

@@ -5,6 +5,7 @@ use crate::real::Real;
 
 /// A sum and what rounding has kept from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Sum<T> {
     value: T,
     rest: T,

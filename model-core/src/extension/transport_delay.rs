@@ -41,6 +41,11 @@ impl<T: Real> TransportDelayParameters<T> {
 /// What was put in, with its time; the oldest is at or before the present less the delay, once
 /// there is one.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub(super) struct DelayLine<T> {
     samples: Deque<(T, T), DELAY_SAMPLES>,
     now: Sum<T>,

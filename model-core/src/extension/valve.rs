@@ -25,6 +25,7 @@ pub(super) struct Valve<T> {
 
 /// What a step of time makes of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum ValveStep<T> {
     /// At the first sample the valve has long had its command.
     First,
@@ -34,6 +35,7 @@ pub(super) enum ValveStep<T> {
 
 /// What the valve remembers. Input unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ValveMemory<T> {
     set_point: T,
     pressure: T,

@@ -47,6 +47,7 @@ pub(super) struct ValveLag<T> {
 
 /// What a step of time makes of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ValveLagStep<T> {
     share: T,
     per_share: T,

@@ -15,12 +15,13 @@ const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
 const PYTHON_VARIABLES: [(&str, setup::Python); 2] =
     [("MGPI_BUS_PYTHON", setup::BUS_PYTHON), ("MGPI_CHIP_PYTHON", setup::CHIP_PYTHON)];
 
-/// Builds `mgpi`, as the tests have it: optimised, and built once for all.
+/// Builds `mgpi` and the library of units of FMI, as the tests have them: optimised, and built once
+/// for all.
 ///
 /// # Errors
 /// When cargo fails.
 pub fn build() -> Result<()> {
-    run::step("mgpi", || run::succeed(&mut run::cargo(&["build", "--package", "mgpi", "--bins"])))
+    run::step("mgpi", || run::succeed(&mut run::cargo(&["build", "--package", "mgpi", "--package", "fmu"])))
 }
 
 /// The command `mgpi` in the workspace, with the firmware that was just built.

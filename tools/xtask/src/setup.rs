@@ -67,6 +67,14 @@ const CHIP_MODEL: Need = Need {
     by_hand: PYTHON_BY_HAND,
 };
 
+/// What the tests of models in C need, to run them on the board's processor too.
+const BOARD_C: Need = Need {
+    name: "a C compiler for the board (arm-none-eabi-gcc)",
+    is_met: || run::output("arm-none-eabi-gcc", &["--version"]).is_some(),
+    cures: &[Cure::Packages(&["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"])],
+    by_hand: "GCC and newlib for bare ARM: the packages gcc-arm-none-eabi and libnewlib-arm-none-eabi (Debian, Ubuntu)",
+};
+
 /// What the Python package needs: what builds its wheel, and what its tests hold it against.
 const PYTHON_PACKAGE: Need = Need {
     name: "a Python with maturin",
@@ -201,7 +209,7 @@ pub fn ensure_python_package() -> Result<()> {
 /// skipped.
 pub fn offer_test_tools() {
     let of_bus = BUS_CLIENTS.iter().map(|need| ("bus", need));
-    for (tests, need) in of_bus.chain([("chip", &CHIP_MODEL)]) {
+    for (tests, need) in of_bus.chain([("chip", &CHIP_MODEL), ("C sources", &BOARD_C)]) {
         if let Err(missing) = need.meet() {
             println!("setup: the tests of the {tests} are skipped without\n{missing}");
         }

@@ -1,12 +1,13 @@
 //! Sets of parameters to keep.
 
 use board_models::paper_parameters;
-use firmware::store::Parameters;
+use firmware::store::{Parameters, Sealed};
 use model_core::cascade::CascadeParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters};
 use model_core::play::PlayParameters;
 use model_core::{ModelParameters, TrackingParameters};
+use wire::{Calibration, Line};
 
 /// The set with a number in it, by which sets can be told apart.
 pub fn numbered(number: u32, mut set: Parameters) -> Parameters {
@@ -20,6 +21,18 @@ pub fn numbered(number: u32, mut set: Parameters) -> Parameters {
 /// The paper's model is not valid.
 pub fn paper_set() -> Parameters {
     Parameters { tracking: Some(paper_parameters().expect("valid")), ..Parameters::FACTORY }
+}
+
+/// A calibration of working sensors, none of them the standard one.
+pub fn calibration() -> Calibration {
+    let line = |zero_code, codes_per_unit| Line { zero_code, codes_per_unit };
+    Calibration {
+        pressure: line(401.5, 330.25),
+        contraction: line(200.0, 25.5),
+        supply: line(420.0, 320.75),
+        command: line(3.5, 400.5),
+        day: 20_783,
+    }
 }
 
 /// The longest set: every list of the model full, no number short.
@@ -42,5 +55,6 @@ pub fn full_set() -> Parameters {
         preconditioned: true,
     });
     let tracking = TrackingParameters { model, ..paper_parameters().expect("valid") };
-    Parameters { tracking: Some(tracking), ..Parameters::FACTORY }
+    let calibration = Some(Sealed::new(Calibration { day: 100_000, ..calibration() }));
+    Parameters { tracking: Some(tracking), calibration, ..Parameters::FACTORY }
 }

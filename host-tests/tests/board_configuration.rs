@@ -176,6 +176,68 @@ fn a_backup_restores_a_board_that_was_changed_in_everything() {
     assert!(bench.refuses("backup -o board.toml").contains("exists already; --force overwrites it"));
 }
 
+/// What stands under a heading of a backup.
+fn section<'a>(backup: &'a str, heading: &str) -> &'a str {
+    let start = backup.find(heading).expect(heading) + heading.len();
+    backup[start..].split("\n[").next().expect("a section").trim()
+}
+
+#[test]
+fn a_backup_restores_how_a_board_is_reached_and_what_its_sensors_have_shown() {
+    let bench = Bench::new();
+    bench.succeeds("bus --set-number 17 --set-baud 19200 --set-parity even --set-turnaround-us 2500");
+    bench.succeeds("calibrate pressure --low 0 --high 4 --readings 0.1,4.3");
+    protect(&bench, 0.3);
+    bench.succeeds("backup -o board.toml");
+    let kept = bench.read("board.toml");
+    let bus = "bus_number = 17\nbus_parity = 1\nbus_rate_bit_per_s = 19200\nbus_turnaround_us = 2500";
+    assert_eq!(section(&kept, "[bus]"), bus, "{kept}");
+    let day = number(&bench, Id::CalibrationDay);
+    assert!(section(&kept, "[calibration]").contains(&format!("calibration_day = {day}")), "{kept}");
+
+    // To another board, which is told of it before, and keeps of its own what it is told to.
+    let other = Bench::new();
+    other.write("board.toml", &kept);
+    let dry = other.succeeds("restore board.toml --dry-run");
+    for words in
+        ["bus.bus_number                       1 -> 17", "calibration.calibration_day", "is of another board"]
+    {
+        assert!(dry.contains(words), "{words} is missing in\n{dry}");
+    }
+    protect(&other, 0.6);
+    other.succeeds("restore board.toml --keep-bus --keep-calibration");
+    assert_eq!((number(&other, Id::BusNumber), number(&other, Id::CalibrationDay)), (1.0, 0.0));
+    let said = other.succeeds("restore board.toml");
+    assert!(said.contains("taken at the board's next start, or by mgpi bus --take"), "{said}");
+    other.succeeds("backup -o again.toml");
+    let again = other.read("again.toml");
+    for heading in ["[bus]", "[calibration]", "[protection]"] {
+        assert_eq!(section(&again, heading), section(&kept, heading), "bit for bit");
+    }
+}
+
+#[test]
+fn a_backup_of_the_format_before_leaves_the_bus_and_the_calibration_as_they_are() {
+    let bench = Bench::new();
+    protect(&bench, 0.3);
+    bench.succeeds("backup -o new.toml");
+    let without = |text: &str, heading: &str| {
+        let start = text.find(heading).expect(heading);
+        let end = text[start + 1..].find("\n[").map_or(text.len(), |length| start + length + 2);
+        format!("{}{}", &text[..start], &text[end..])
+    };
+    let old = without(&without(&bench.read("new.toml"), "[bus]"), "[calibration]");
+    bench.write("old.toml", &old.replacen("format = 2", "format = 1", 1));
+    protect(&bench, 0.6);
+    bench.succeeds("bus --set-number 17");
+    bench.succeeds("calibrate pressure --low 0 --high 4 --readings 0.1,4.3");
+    let day = number(&bench, Id::CalibrationDay);
+    let said = bench.succeeds("restore old.toml --force");
+    assert!(said.contains("protection.vented_bar") && !said.contains("bus."), "{said}");
+    assert!((number(&bench, Id::VentedBar) - 0.3).abs() < 1e-6);
+    assert_eq!((number(&bench, Id::BusNumber), number(&bench, Id::CalibrationDay)), (17.0, day));
+}
+
 #[test]
 fn a_file_that_is_no_sound_backup_is_refused_with_its_line() {
     let bench = Bench::new();
@@ -198,7 +260,7 @@ fn a_file_that_is_no_sound_backup_is_refused_with_its_line() {
         line("sha256"),
         "sha256: the lines below have another one",
     );
-    starts(&changed("format = 1", "format = 2"), line("format"), "format: 2 is of another version");
+    starts(&changed("format = 2", "format = 3"), line("format"), "format: 3 is of another version");
     bench.write("bad.toml", &kept[..kept.len() / 2]);
     assert!(bench.refuses("restore bad.toml").contains("bad.toml, line "));
     // What was changed by hand is taken by force, if it is whole.
@@ -211,6 +273,14 @@ fn a_file_that_is_no_sound_backup_is_refused_with_its_line() {
     starts(&message, line("[controller]") + 1, "[controller] gain: unknown key");
     let message = by_force("messages = ", "messages = 9");
     starts(&message, line("messages"), "[board] messages: 9");
+    let message = by_force("bus_number = 1", "bus_number = 248");
+    starts(&message, line("bus_number"), "[bus] bus_number: 248 is out of range, must be 1 to 247");
+    let message = by_force("calibration_day = 0", "calibration_day = 0.5");
+    starts(&message, line("calibration_day"), "[calibration] calibration_day: 0.5 is no whole number");
+    let message =
+        by_force("calibrated_pressure_codes_per_bar = 327.6", "calibrated_pressure_codes_per_bar = 500");
+    assert!(message.contains("pressure: 1.5262516 times the standard sensor's gain"), "{message}");
+    assert!((number(&bench, Id::CalibratedPressureGain) - 327.6).abs() < 1e-3);
     let message = by_force("q = 0.2959", "q = -0.2959");
     assert!(message.contains("no configuration that a board takes: q is -0.29589"), "{message}");
     let message = by_force("vented_bar = 0.3", "vented_bar = inf");

@@ -1,4 +1,4 @@
-//! Stored sets of this version and of the one before, as boards have written them:
+//! Stored sets of this version and of those before, as boards have written them:
 //! `golden/store_layout_*.bin`.
 //!
 //! A failure here says that a stored set would be read otherwise than it was written. Once a layout
@@ -7,8 +7,9 @@
 
 use std::path::{Path, PathBuf};
 
-use firmware::store::{LAYOUT, LoadError, ParameterStore, Parameters};
+use firmware::store::{LAYOUT, LoadError, ParameterStore, Parameters, Sealed};
 use host_tests::flash::MockFlash;
+use host_tests::store::calibration;
 use host_tests::store::paper_set;
 use wire::{BusParameters, OnModelFault, Parity, Protection, State};
 
@@ -34,7 +35,7 @@ fn stored() -> Parameters {
     let protection =
         Protection { bus_silent_ticks: 250, on_model_fault: OnModelFault::Vent, ..Protection::STANDARD };
     let bus = BusParameters { unit: 17, baud: 19_200, parity: Parity::Even, turnaround_us: 2_500 };
-    Parameters { protection, bus, ..paper_set() }
+    Parameters { protection, bus, calibration: Some(Sealed::new(calibration())), ..paper_set() }
 }
 
 /// What is written of a flash.
@@ -57,14 +58,23 @@ fn the_present_layout_is_written_and_read_as_ever() {
 }
 
 #[test]
-fn the_previous_layout_is_read_and_the_board_reached_as_a_new_one() {
-    let expected = Parameters { bus: BusParameters::STANDARD, ..stored() };
-    assert_eq!(store(&golden(LAYOUT - 1)).load(), Ok(expected));
+fn the_layout_whose_calibration_is_not_sealed_is_read_as_the_same_set() {
+    assert_eq!(store(&golden(3)).load(), Ok(stored()));
 }
 
 #[test]
-fn saving_what_was_loaded_brings_the_previous_layout_up_to_date() {
-    let mut migrated = store(&golden(LAYOUT - 1));
+fn the_layout_without_bus_and_calibration_is_read_and_the_board_reached_as_a_new_one() {
+    let expected = Parameters { bus: BusParameters::STANDARD, calibration: None, ..stored() };
+    assert_eq!(store(&golden(2)).load(), Ok(expected));
+}
+
+#[test]
+fn saving_what_was_loaded_brings_an_older_layout_up_to_date() {
+    (2..LAYOUT).for_each(assert_is_brought_up_to_date);
+}
+
+fn assert_is_brought_up_to_date(layout: u16) {
+    let mut migrated = store(&golden(layout));
     let set = migrated.load().expect("readable");
     let before = migrated.into_flash();
     let mut migrated = ParameterStore::new(before.clone());

@@ -16,7 +16,7 @@ use super::session::Session;
 use crate::node::{Node, carry_out};
 use crate::order::Order;
 use crate::scaling::{Scalings, VENT};
-use crate::store::Parameters;
+use crate::store::{Parameters, Sealed};
 
 /// Whom a request is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -387,15 +387,16 @@ fn calibration(
             }
         }
     }
+    let sealed = checksum.and_then(|checksum| Sealed::under(calibration, checksum));
     let done = if count != fields::CALIBRATION.len() + 1 {
         Err(Refusal::parameter(format_args!("a calibration is written as a whole, in one write")))
-    } else if checksum != Some(calibration.checksum()) {
+    } else if sealed.is_none() {
         Err(Refusal::parameter(format_args!("the checksum is not that of the calibration")))
     } else {
         Scalings::calibrated(&calibration)
             .and_then(|scalings| node.control(|control| control.calibrate(&scalings)))
     };
     done.map_err(|refusal| session.refuse(refusal))?;
-    let parameters = Parameters { calibration: Some(calibration), ..node.parameters().clone() };
+    let parameters = Parameters { calibration: sealed, ..node.parameters().clone() };
     node.keep(parameters).map_err(|_| session.refuse(Refusal::NotStored))
 }

@@ -1,7 +1,7 @@
 //! The orders of the host, carried out between ticks.
 
 use model_core::Mode;
-use wire::{Protection, Refusal, Response};
+use wire::{Fault, Protection, Refusal, Response};
 
 use super::{Control, Running, TickClock};
 use crate::board::DacCode;
@@ -11,6 +11,7 @@ use crate::order::{Installation, Order};
 use crate::output;
 use crate::scaling::Scalings;
 use crate::state_machine::{Event, Next, next};
+use crate::store::Sealed;
 
 impl Control {
     /// Carries an order out, or says why not.
@@ -60,6 +61,18 @@ impl Control {
         self.scalings = *scalings;
         self.scale();
         Ok(())
+    }
+
+    /// Takes a calibration that was kept. One that is damaged, or that no working sensor has, is a
+    /// fault: the scalings stay those of the standard sensors.
+    pub fn recall(&mut self, kept: &Sealed) {
+        let done = kept
+            .open()
+            .and_then(|calibration| Scalings::calibrated(calibration).ok())
+            .and_then(|scalings| self.calibrate(&scalings).ok());
+        if done.is_none() {
+            self.report(Fault::CalibrationCorrupt);
+        }
     }
 
     /// Turns the protection's limits into those of a tick.

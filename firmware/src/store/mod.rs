@@ -21,8 +21,9 @@
 //! * [`ParameterStore::save`] writes in vented states only and refuses in all others, since
 //!   programming and erasing stop the processor: 16 µs a word, up to 0.5 s for a sector of 16 KB. A
 //!   watchdog's period has to be longer.
-//! * [`ParameterStore::load`] reads the present and the previous layout. Saving what was loaded
+//! * [`ParameterStore::load`] reads the present layout and those before it. Saving what was loaded
 //!   brings an older layout up to date.
+//! * A calibration has a checksum of its own ([`Sealed`]), which is looked at where it is used.
 //! * Nothing panics or allocates, whatever stands in the flash; reading and writing take time
 //!   bounded by its size.
 //!
@@ -36,6 +37,7 @@ mod blocking;
 mod parameters;
 mod previous;
 mod record;
+mod sealed;
 mod sectors;
 
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
@@ -43,6 +45,7 @@ use wire::{Fault, State};
 
 pub use parameters::Parameters;
 pub use record::{LAYOUT, RECORD_BYTES};
+pub use sealed::Sealed;
 
 use record::Record;
 use sectors::{Failure, Sector, Sectors};

@@ -1,7 +1,9 @@
 //! What a board keeps.
 
 use serde::{Deserialize, Serialize};
-use wire::{BoardParameters, BusParameters, Calibration, Configuration, Protection, Request, VERSION};
+use wire::{BoardParameters, BusParameters, Configuration, Protection, Request, VERSION};
+
+use super::sealed::Sealed;
 
 /// A set of parameters, saved and loaded as a whole. Raw: validated each time that it is taken.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,7 +15,7 @@ pub struct Parameters {
     /// How the board is reached on its bus.
     pub bus: BusParameters,
     /// What the sensors have shown; none before that. A new model leaves it.
-    pub calibration: Option<Calibration>,
+    pub calibration: Option<Sealed>,
 }
 
 impl Parameters {

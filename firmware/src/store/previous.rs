@@ -1,26 +1,46 @@
-//! Layout 2, the one before the present: without the bus's parameters and a calibration.
+//! The layouts before the present one.
 //!
-//! What it reads was written by boards that are not at hand any more. A test holds it to stored
-//! bytes: should a part of it change, this becomes a frozen copy of what the part was.
+//! What they read was written by boards that are not at hand any more. A test holds each to stored
+//! bytes: should a part of one change, this becomes a frozen copy of what the part was.
 
 use serde::Deserialize;
-use wire::{BoardParameters, Protection};
+use wire::{BoardParameters, BusParameters, Calibration, Protection};
 
 use super::parameters::Parameters;
+use super::sealed::Sealed;
 
-/// Number of the layout.
-pub const LAYOUT: u16 = 2;
+/// Number of the layout without the bus's parameters and a calibration.
+pub const WITHOUT_BUS: u16 = 2;
+/// Number of the layout whose calibration has no checksum of its own.
+pub const UNSEALED: u16 = 3;
 
 /// A set in layout 2.
 #[derive(Deserialize)]
-pub struct Previous {
+pub struct WithoutBus {
     protection: Protection,
     tracking: Option<BoardParameters>,
 }
 
-impl From<Previous> for Parameters {
+/// A set in layout 3.
+#[derive(Deserialize)]
+pub struct Unsealed {
+    protection: Protection,
+    tracking: Option<BoardParameters>,
+    bus: BusParameters,
+    calibration: Option<Calibration>,
+}
+
+impl From<WithoutBus> for Parameters {
     /// The same parameters, reached as a new board is.
-    fn from(Previous { protection, tracking }: Previous) -> Self {
+    fn from(WithoutBus { protection, tracking }: WithoutBus) -> Self {
         Self { protection, tracking, ..Self::FACTORY }
+    }
+}
+
+impl From<Unsealed> for Parameters {
+    /// The same parameters. The record's checksum has just been right, so that the calibration is
+    /// as it was written.
+    fn from(Unsealed { protection, tracking, bus, calibration }: Unsealed) -> Self {
+        Self { protection, tracking, bus, calibration: calibration.map(Sealed::new) }
     }
 }

@@ -3,23 +3,23 @@
 //! # Layouts
 //! | layout | set |
 //! |---|---|
-//! | 2 | [`super::previous`] |
-//! | 3 | [`Parameters`] |
+//! | 2, 3 | [`super::previous`] |
+//! | 4 | [`Parameters`] |
 //!
 //! A change of [`Parameters`], or of anything in it, is a new layout: [`LAYOUT`] is raised, and the
-//! struct as it was takes the place of the previous one.
+//! struct as it was joins those before it.
 
 use serde::de::DeserializeOwned;
 
 use super::LoadError;
 use super::parameters::Parameters;
-use super::previous::{self, Previous};
+use super::previous::{self, Unsealed, WithoutBus};
 
 /// Number of the layout that is written.
-pub const LAYOUT: u16 = 3;
+pub const LAYOUT: u16 = 4;
 
 /// The longest record: model and gains fit in a frame of the bus, the limits of the plant in 96
-/// bytes, the bus's parameters in 12, a calibration in 38. Unit: byte, a multiple of the flash's
+/// bytes, the bus's parameters in 12, a calibration in 43. Unit: byte, a multiple of the flash's
 /// word.
 pub const RECORD_BYTES: usize = (wire::FRAME_BYTES + 160).next_multiple_of(32);
 
@@ -59,7 +59,8 @@ pub fn decode(bytes: &[u8]) -> Option<Record> {
     let (sequence, layout, set) = head(bytes)?;
     let parameters = match layout {
         LAYOUT => whole(set),
-        previous::LAYOUT => whole::<Previous>(set).map(Parameters::from),
+        previous::UNSEALED => whole::<Unsealed>(set).map(Parameters::from),
+        previous::WITHOUT_BUS => whole::<WithoutBus>(set).map(Parameters::from),
         other => Err(LoadError::Layout(other)),
     };
     Some(Record { sequence, layout, parameters })

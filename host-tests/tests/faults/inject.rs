@@ -150,6 +150,7 @@ impl Injection {
             Fault::Temperature => wrong.temperature_code = Some(TEMPERATURE.code(95.0)),
             Fault::ConfigurationCorrupt
             | Fault::ConfigurationVersion
+            | Fault::CalibrationCorrupt
             | Fault::ImageDamaged
             | Fault::MemoryDamaged
                 if is_first =>
@@ -166,6 +167,7 @@ impl Injection {
             Fault::Model
             | Fault::ConfigurationCorrupt
             | Fault::ConfigurationVersion
+            | Fault::CalibrationCorrupt
             | Fault::ImageDamaged
             | Fault::MemoryDamaged
             | Fault::StackOverflow

@@ -49,6 +49,7 @@ pub enum Fault {
     ImageDamaged = 36,
     MemoryDamaged = 37,
     DumpHeld = 38,
+    CalibrationCorrupt = 39,
 }
 
 /// Number of faults.
@@ -56,7 +57,7 @@ pub const FAULTS: usize = Fault::ALL.len();
 
 impl Fault {
     /// All of them, in the order of their numbers, which begin at 1.
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 39] = [
         Self::Acquisition,
         Self::PressureSensor,
         Self::ContractionSensor,
@@ -95,6 +96,7 @@ impl Fault {
         Self::ImageDamaged,
         Self::MemoryDamaged,
         Self::DumpHeld,
+        Self::CalibrationCorrupt,
     ];
 
     /// The stable number.
@@ -123,6 +125,6 @@ mod tests {
             assert_eq!(usize::from(fault.code()), place + 1);
             assert_eq!(Fault::of_code(fault.code()), Some(fault));
         }
-        assert_eq!([Fault::of_code(0), Fault::of_code(39)], [None; 2]);
+        assert_eq!([Fault::of_code(0), Fault::of_code(Fault::ALL.len() as u8 + 1)], [None; 2]);
     }
 }

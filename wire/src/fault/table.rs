@@ -389,6 +389,16 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
          the second contact PB15 has to be bridged to ground",
         "the second path does not open: close the supply by hand, then measure the coil's voltage",
     ),
+    vent(
+        Fault::CalibrationCorrupt,
+        "stored calibration corrupt",
+        "the calibration that the board has kept does not fit its own checksum, or has a line that no working sensor has; model \
+         and limits are whole. Until it is calibrated again the scalings are those of the standard sensors",
+        0,
+        "flash or RAM that loses bits, or something else has written there",
+        "acknowledge, then calibrate again, or restore a backup (`mgpi calibrate`, `mgpi restore`): what is measured may be a \
+         quarter off until then",
+    ),
 ];
 
 // All resets that the text of the loop tells.

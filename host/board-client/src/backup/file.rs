@@ -1,19 +1,23 @@
-//! The file of a backup, format 1; what differs between two, key by key.
+//! The file of a backup, format 2; what differs between two, key by key.
 //!
 //! ```toml
 //! # what it is
-//! format = 1
+//! format = 2
 //! # what the next line is
 //! sha256 = "…"
 //!
 //! [board]          # where it comes from
 //! [protection]     # registers of the group "Protection"
+//! [bus]            # registers of the group "Bus" that are kept
+//! [calibration]    # registers of the group "Calibration"; both only of a board that keeps them
 //! [controller]     # registers of the group "Controller"; this and the model only of a board with one
 //! [model]          # as in a model file, in bar and mm
 //! ```
 //!
 //! The checksum is over all lines below its own, each ended by a line feed, so that any program can
 //! check it. Numbers are in their shortest form that reads back as the same bits.
+//!
+//! Format 1 had no bus and no calibration: what a board has of both stays.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -33,8 +37,10 @@ use recording::input;
 use recording::model_file::listed;
 use recording::model_file::section::{KeyError, Section};
 
-/// The format that this version writes and reads.
-const FORMAT: usize = 1;
+/// The format that this version writes.
+const FORMAT: usize = 2;
+/// The oldest that it reads.
+const OLDEST_FORMAT: usize = 1;
 /// The oldest messages whose configurations and limits are those of today.
 const OLDEST: u16 = 6;
 const SHA256: &str = "sha256";
@@ -127,8 +133,10 @@ impl BackupFile {
         })?;
         let mut top = Section::top(table);
         let format = top.count("format").map_err(|error| at(&error))?;
-        if format != FORMAT {
-            let trouble = format!("{format} is of another version; this program reads format {FORMAT}");
+        if !(OLDEST_FORMAT..=FORMAT).contains(&format) {
+            let trouble = format!(
+                "{format} is of another version; this program reads formats {OLDEST_FORMAT} to {FORMAT}"
+            );
             return Err(at(&top.error("format", &trouble)));
         }
         let said = top.text(SHA256).map_err(|error| at(&error))?;
@@ -146,9 +154,20 @@ impl BackupFile {
 }
 
 impl Backup {
-    /// What changes where `before` becomes this, a line each; none where both are the same.
+    /// What changes where `before` becomes this, a line each; none where both are the same. What
+    /// this does not have stays.
     pub fn differences(&self, before: &Self) -> Vec<String> {
-        between("", &of_backup(before), &of_backup(self))
+        between("", &of_backup(before), &of_backup(&self.over(before)))
+    }
+
+    /// What a board has that had `before`, once this is restored.
+    #[must_use]
+    pub fn over(&self, before: &Self) -> Self {
+        Self {
+            bus: self.bus.or(before.bus),
+            calibration: self.calibration.or(before.calibration),
+            ..self.clone()
+        }
     }
 }
 
@@ -166,13 +185,15 @@ fn content(mut top: Section) -> Result<BackupFile, Problem> {
         None => None,
         Some(controller) => Some(configuration(controller, top.section("model")?)?),
     };
+    let bus = top.optional_section("bus")?.map(section::to_bus).transpose()?;
+    let calibration = top.optional_section("calibration")?.map(section::to_calibration).transpose()?;
     top.finish()?;
     let invalid = |refusal| Problem::Invalid(in_words(refusal));
     if let Some(configuration) = &configuration {
         BoardTracking::try_new(&configuration.tracking).map_err(|error| invalid(error.into()))?;
     }
     let protection = protection.checked().map_err(invalid)?;
-    Ok(BackupFile { origin, backup: Backup { configuration, protection } })
+    Ok(BackupFile { origin, backup: Backup { configuration, protection, bus, calibration } })
 }
 
 fn configuration(controller: Section, model: Section) -> Result<Configuration, Problem> {
@@ -209,6 +230,12 @@ fn in_words(refusal: Refusal) -> String {
 fn of_backup(backup: &Backup) -> Table {
     let mut top = Table::new();
     top.insert("protection".into(), Value::Table(section::of_protection(&backup.protection)));
+    if let Some(bus) = &backup.bus {
+        top.insert("bus".into(), Value::Table(section::of_bus(bus)));
+    }
+    if let Some(calibration) = &backup.calibration {
+        top.insert("calibration".into(), Value::Table(section::of_calibration(calibration)));
+    }
     if let Some(Configuration { tracking, .. }) = &backup.configuration {
         top.insert("controller".into(), Value::Table(section::of_controller(tracking)));
         // The host has room for more operators than a board.

@@ -1,5 +1,5 @@
-//! The whole configuration of a board: model with extensions, gains, limits, protection; read, kept
-//! in a file, restored.
+//! The whole configuration of a board: model with extensions, gains, limits, protection, how it is
+//! reached on its bus, what its sensors have shown; read, kept in a file, restored.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -16,7 +16,7 @@ mod file;
 mod section;
 mod transfer;
 
-use wire::{Configuration, Protection};
+use wire::{BusParameters, Calibration, Configuration, Protection};
 
 use crate::bus::board::Identity;
 
@@ -30,6 +30,11 @@ pub struct Backup {
     pub configuration: Option<Configuration>,
     /// Limits of the plant.
     pub protection: Protection,
+    /// Number, rate, parity and turn-around; none of a board whose firmware keeps none, or in a
+    /// file that is older than they.
+    pub bus: Option<BusParameters>,
+    /// Lines of the sensors and the regulator; none as above.
+    pub calibration: Option<Calibration>,
 }
 
 /// The board that a backup is of; nothing of it is restored.

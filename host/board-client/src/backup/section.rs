@@ -1,9 +1,9 @@
 //! Registers of a board as tables of a backup: each by its name, which has its unit.
 
 use toml::{Table, Value as Toml};
-use wire::registers::fields::{self, CONTROLLER};
-use wire::registers::{Id, Kind, Register, TABLE, Value};
-use wire::{BoardParameters, Protection};
+use wire::registers::fields::{self, BUS, CALIBRATION, CONTROLLER};
+use wire::registers::{Access, Id, Kind, Register, TABLE, Value};
+use wire::{BoardParameters, BusParameters, Calibration, Line, Protection};
 
 use recording::model_file::section::{KeyError, Section};
 
@@ -42,6 +42,66 @@ pub fn of_controller(parameters: &BoardParameters) -> Table {
         }
     }
     table
+}
+
+/// How the board is reached as a table.
+pub fn of_bus(bus: &BusParameters) -> Table {
+    let mut bus = *bus;
+    table(&BUS, |id| fields::of_bus(&mut bus, id).map(|field| field.get()))
+}
+
+/// What the sensors have shown as a table.
+pub fn of_calibration(calibration: &Calibration) -> Table {
+    let mut calibration = *calibration;
+    table(&CALIBRATION, |id| fields::of_calibration(&mut calibration, id).map(|field| field.get()))
+}
+
+/// Registers by their names.
+fn table(registers: &[Id], mut value: impl FnMut(Id) -> Option<Value>) -> Table {
+    let entry = |id: &Id| Some((id.register().name.to_owned(), toml(value(*id)?)));
+    registers.iter().filter_map(entry).collect()
+}
+
+/// How the board is reached, of a table.
+///
+/// # Errors
+/// A key that is missing, unknown or of another kind, or a number that its register does not take.
+pub fn to_bus(mut section: Section) -> Result<BusParameters, KeyError> {
+    let mut bus = BusParameters::STANDARD;
+    for id in BUS {
+        let value = value_within(&mut section, id.register())?;
+        fields::of_bus(&mut bus, id).into_iter().for_each(|field| field.set(value));
+    }
+    section.finish()?;
+    Ok(bus)
+}
+
+/// What the sensors have shown, of a table.
+///
+/// # Errors
+/// As for [`to_bus`].
+pub fn to_calibration(mut section: Section) -> Result<Calibration, KeyError> {
+    let line = Line { zero_code: 0.0, codes_per_unit: 1.0 };
+    let mut calibration =
+        Calibration { pressure: line, contraction: line, supply: line, command: line, day: 0 };
+    for id in CALIBRATION {
+        let value = value_within(&mut section, id.register())?;
+        fields::of_calibration(&mut calibration, id).into_iter().for_each(|field| field.set(value));
+    }
+    section.finish()?;
+    Ok(calibration)
+}
+
+/// A value that its register takes.
+fn value_within(section: &mut Section, register: &Register) -> Result<Value, KeyError> {
+    let value = value(section, register)?;
+    match register.access {
+        Access::Write(min, max) if !register.takes(value) => Err(section.error(
+            register.name,
+            &format!("{} is out of range, must be {min} to {max} {}", value.number(), register.unit),
+        )),
+        _ => Ok(value),
+    }
 }
 
 /// The limits of the plant of a table.

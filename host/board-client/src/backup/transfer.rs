@@ -2,15 +2,17 @@
 //!
 //! # To a board
 //! The configuration is staged first: it stands in the board's buffer, read back, and does nothing.
-//! Then the limits of the plant are written, at once, and the configuration is committed. A board
-//! that does not take it gets its former limits back.
+//! Then calibration, limits of the plant and how the board is reached are written, at once each, and
+//! the configuration is committed. A board that does not take one of them gets back what it had
+//! before. How it is reached is taken at its next start: until then it answers as it did.
 
 use wire::Protection;
 use wire::registers::{Access, Id, Register, fields};
 
 use super::Backup;
 use super::section::{protection_registers, protection_value};
-use crate::bus::{Board, BoardError, upload};
+use crate::bus::reached::{self, Reached};
+use crate::bus::{Board, BoardError, calibration, upload};
 
 /// What a board has.
 ///
@@ -30,7 +32,8 @@ pub fn read(board: &mut Board) -> Result<Backup, BoardError> {
             field.set(value);
         }
     }
-    Ok(Backup { configuration, protection })
+    let bus = Reached::read(board)?.map(|reached| reached.kept);
+    Ok(Backup { configuration, protection, bus, calibration: calibration::read_if_kept(board)? })
 }
 
 /// Brings a backup to a board that has `current`, and compares. `moved` is told how many bytes of
@@ -53,15 +56,28 @@ pub fn restore(
         Some(configuration) => Some(upload::stage(board, configuration, moved)?),
         None => None,
     };
-    let done = protect(board, &current.protection, &backup.protection)
+    let wanted = backup.over(current);
+    let done = set(board, current, &wanted)
         .and_then(|()| staged.map_or(Ok(()), |bytes| upload::commit(board, &bytes)));
     if let Err(problem) = done {
-        return Err(match protect(board, &backup.protection, &current.protection) {
+        return Err(match set(board, &wanted, current) {
             Ok(()) => problem,
             Err(_) => BoardError::HalfRestored(Box::new(problem)),
         });
     }
-    if read(board)? == *backup { Ok(()) } else { Err(BoardError::NotInstalled) }
+    if read(board)? == wanted { Ok(()) } else { Err(BoardError::NotInstalled) }
+}
+
+/// Writes what differs of calibration, limits and how the board is reached.
+fn set(board: &mut Board, from: &Backup, to: &Backup) -> Result<(), BoardError> {
+    if let Some(lines) = to.calibration.filter(|_| to.calibration != from.calibration) {
+        calibration::write(board, &lines)?;
+    }
+    protect(board, &from.protection, &to.protection)?;
+    if let Some(bus) = to.bus.filter(|_| to.bus != from.bus) {
+        reached::keep(board, &bus)?;
+    }
+    Ok(())
 }
 
 /// Whether limits differ at a register.

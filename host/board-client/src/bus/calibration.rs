@@ -87,6 +87,17 @@ pub struct Point {
     pub written_code: f64,
 }
 
+/// What the board has; `None` of one whose firmware is older than these registers.
+///
+/// # Errors
+/// No answer.
+pub fn read_if_kept(board: &mut Board) -> Result<Option<Calibration>, BusError> {
+    match read(board) {
+        Err(error) if error.exception().is_some() => Ok(None),
+        calibration => calibration.map(Some),
+    }
+}
+
 /// What the board has.
 ///
 /// # Errors
@@ -108,8 +119,15 @@ pub fn read(board: &mut Board) -> Result<Calibration, BusError> {
 ///
 /// # Errors
 /// It refuses, or has others afterwards.
+pub fn write_today(board: &mut Board, calibration: &Calibration) -> Result<(), BoardError> {
+    write(board, &Calibration { day: today(), ..*calibration })
+}
+
+/// Lets the board take a calibration as it is, and keep it; it is read back.
+///
+/// # Errors
+/// It refuses, or has others afterwards.
 pub fn write(board: &mut Board, calibration: &Calibration) -> Result<(), BoardError> {
-    let calibration = Calibration { day: today(), ..*calibration };
     let words: Vec<u16> = fields::CALIBRATION
         .into_iter()
         .chain([Id::CalibrationChecksum])
@@ -122,7 +140,7 @@ pub fn write(board: &mut Board, calibration: &Calibration) -> Result<(), BoardEr
         }
         done => done?,
     }
-    if read(board)? == calibration { Ok(()) } else { Err(BoardError::CalibrationReadBack) }
+    if read(board)? == *calibration { Ok(()) } else { Err(BoardError::CalibrationReadBack) }
 }
 
 /// Days since 1970-01-01, by the host's clock.

@@ -63,7 +63,9 @@ pub enum BoardError {
         "the backup is of a board without a model; one that has a model keeps it: nothing has been changed"
     )]
     NoModelToRestore,
-    #[error("{0}; the limits of the plant (protection) may already be those of the backup: restore it again")]
+    #[error(
+        "{0}; calibration and limits of the plant (protection) may already be those of the backup: restore it again"
+    )]
     HalfRestored(Box<Self>),
     #[error("the board holds no configuration that this program can read: deploy a model first")]
     NoConfiguration,

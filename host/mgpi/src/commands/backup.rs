@@ -9,8 +9,8 @@ use crate::Error;
 use crate::output::Outputs;
 use board_client::backup::{BackupFile, Origin, read};
 
-/// Keeps a board's whole configuration in a file: model, gains, limits, protection. `mgpi restore`
-/// brings it back.
+/// Keeps a board's whole configuration in a file: model, gains, limits, protection, number and rate
+/// on the bus, calibration. `mgpi restore` brings it back.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Where the configuration goes
@@ -45,6 +45,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     outputs.stage(output, text.as_bytes())?;
     outputs.commit()?;
     let model = if file.backup.configuration.is_some() { "model, controller" } else { "no model" };
-    say!("{}: {model} and protection of board number {}", output.display(), port.number());
+    let kept = match (&file.backup.bus, &file.backup.calibration) {
+        (Some(_), Some(_)) => "protection, bus and calibration",
+        (Some(_), None) => "protection and bus",
+        (None, _) => "protection",
+    };
+    say!("{}: {model}, {kept} of board number {}", output.display(), port.number());
     Ok(())
 }

@@ -11,7 +11,7 @@ use wire::{Line, State};
 use super::deploy::demand_rest;
 use super::port::PortArguments;
 use crate::Error;
-use board_client::bus::calibration::{Part, Point, drive, point, read, write};
+use board_client::bus::calibration::{Part, Point, drive, point, read, write_today};
 use board_client::bus::{Board, BoardError};
 
 /// While somebody reads a gauge, a sign of life each.
@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         say!("nothing has been changed (--dry-run)");
         return Ok(());
     }
-    write(&mut board, &calibration)?;
+    write_today(&mut board, &calibration)?;
     say!("written and read back; the board keeps it without power");
     Ok(())
 }

@@ -7,10 +7,14 @@ use clap::Args;
 use super::deploy::{demand_rest, ready, with_progress};
 use super::port::PortArguments;
 use crate::Error;
-use board_client::backup::{BackupFile, Origin, read, restore};
+use board_client::backup::{Backup, BackupFile, Origin, read, restore};
 
 /// Brings the configuration that `mgpi backup` has kept to a board, and verifies it. The board
 /// takes all of it, or keeps what it has; what differs is listed first.
+///
+/// Number, rate and parity are taken at the board's next start, or by `mgpi bus --take`. A board
+/// that takes the place of another gets all of it; one that stays beside the other needs its own
+/// number, and one with other sensors its own calibration.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// What `mgpi backup` has written
@@ -19,6 +23,12 @@ pub struct Arguments {
     /// List what differs, and change nothing
     #[arg(long)]
     dry_run: bool,
+    /// Leave number, rate and parity as the board has them
+    #[arg(long)]
+    keep_bus: bool,
+    /// Leave the calibration as the board has it
+    #[arg(long)]
+    keep_calibration: bool,
     /// Also take a file that was changed by hand, whose checksum does not fit
     #[arg(long)]
     force: bool,
@@ -31,8 +41,13 @@ pub struct Arguments {
 /// # Errors
 /// The file is not what it should be, or the board does not take it.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { file, port, dry_run, force } = arguments;
+    let Arguments { file, port, dry_run, keep_bus, keep_calibration, force } = arguments;
     let BackupFile { origin, backup } = BackupFile::read(file, *force)?;
+    let backup = Backup {
+        bus: backup.bus.filter(|_| !keep_bus),
+        calibration: backup.calibration.filter(|_| !keep_calibration),
+        ..backup
+    };
     let mut board = port.open()?;
     demand_rest(&mut board)?;
     let here = Origin { number: port.number(), identity: board.identity().clone() };
@@ -56,5 +71,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         ready(&mut board)?;
     }
     say!("{} is restored, read back and verified", file.display());
+    if backup.bus.is_some() && backup.bus != current.bus {
+        say!("number, rate and parity are taken at the board's next start, or by mgpi bus --take");
+    }
     Ok(())
 }

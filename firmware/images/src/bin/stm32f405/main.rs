@@ -87,7 +87,6 @@ mod app {
     use firmware::identity::Identity;
     use firmware::node::{Node, apply};
     use firmware::noise::Noise;
-    use firmware::scaling::Scalings;
     use firmware::store::{ParameterStore, Parameters, SaveError};
     use firmware::watchdog::{Task, Watchdog};
     use firmware::{Capture, Control, led};
@@ -154,11 +153,7 @@ mod app {
                 Parameters::FACTORY
             });
             if let Some(calibration) = &parameters.calibration {
-                let done =
-                    Scalings::calibrated(calibration).and_then(|scalings| control.calibrate(&scalings));
-                if done.is_err() {
-                    control.report(Fault::ConfigurationCorrupt);
-                }
+                control.recall(calibration);
             }
             let mut kept = Self { store, parameters, identity, is_taken: false, sending };
             // What is not brought up to date is brought up to date by the next save, whose host is

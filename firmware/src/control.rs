@@ -64,8 +64,14 @@ pub struct Control {
     limits: output::Limits,
     pub(crate) output: Output,
     pub(crate) ticks: u32,
-    /// Since the host was heard.
+    /// Since the host's last sign of life.
     silent_ticks: u32,
+    /// How long a start is still taken.
+    pub(crate) armed_ticks: u16,
+    /// The last number that the host has told; none before the first.
+    pub(crate) heartbeat: Option<u16>,
+    /// It has come again since the host's last sign of life.
+    is_heartbeat_repeated: bool,
     /// Of this tick.
     pub(crate) reference_mm: f32,
     /// Of the ticks to come.
@@ -157,6 +163,9 @@ impl Control {
             limited_ticks: 0,
             self_test_ticks: 0,
             silent_ticks: 0,
+            armed_ticks: 0,
+            heartbeat: None,
+            is_heartbeat_repeated: false,
             reference_mm: 0.0,
             next_reference_mm: 0.0,
             service_code: VENT,
@@ -224,6 +233,7 @@ impl Control {
             outcome = TickOutcome { code: self.output.vent(), ..VENTED };
             board.drive(outcome.code);
         }
+        self.armed_ticks = self.armed_ticks.saturating_sub(1);
         outcome.is_tracking = self.running.is_some();
         outcome.is_at_fault = self.faults.latched().is_some();
         outcome.is_overrun = core::mem::take(&mut self.overrun);
@@ -261,7 +271,11 @@ impl Control {
         let has_both = self.running.as_ref().is_some_and(|running| running.mode == Mode::Both);
         self.monitors.judge(if has_both { feedback_bar } else { 0.0 })?;
         self.silent_ticks = self.silent_ticks.saturating_add(1);
-        if self.silent_ticks > self.protection.bus_silent_ticks { Err(Fault::BusSilent) } else { Ok(()) }
+        match (self.silent_ticks > self.protection.bus_silent_ticks, self.is_heartbeat_repeated) {
+            (false, _) => Ok(()),
+            (true, false) => Err(Fault::BusSilent),
+            (true, true) => Err(Fault::HeartbeatStands),
+        }
     }
 
     /// Does what the next tick can do without its samples.
@@ -325,9 +339,26 @@ impl Control {
         !matches!(self.state, State::Off | State::SelfTest | State::Fault)
     }
 
+    /// Takes the host's heartbeat. The number before says nothing of it: whatever stands between
+    /// host and board may repeat that.
+    pub fn beat(&mut self, number: u16) {
+        if self.heartbeat.replace(number) == Some(number) {
+            self.is_heartbeat_repeated = true;
+        } else {
+            self.live();
+        }
+    }
+
     /// Takes a sign of life of the host.
-    pub fn hear(&mut self) {
+    pub(crate) fn live(&mut self) {
         self.silent_ticks = 0;
+        self.is_heartbeat_repeated = false;
+    }
+
+    /// Whether there is a muscle behind the valve: ticks have a clock of their own. Else it is a
+    /// simulation.
+    pub fn has_muscle(&self) -> bool {
+        self.clock.is_some()
     }
 
     /// Takes the noise of the converter, of pressure and contraction (code).
@@ -355,12 +386,19 @@ impl Control {
 
     /// Goes to the next state, and ends what it has no place for.
     fn enter(&mut self, event: Event) -> Result<(), Refusal> {
+        let was_driven = self.state.is_driven();
         self.state = match next(self.state, event) {
             Next::To(state) => state,
             Next::Home if self.installed.is_some() => State::SelfTest,
             Next::Home => State::Off,
             Next::Refused => return Err(Refusal::WrongState(self.state)),
         };
+        // Whatever else is ordered, or goes wrong, between the two steps of a start ends it.
+        self.armed_ticks = 0;
+        if !was_driven {
+            // Silence counts from the start on.
+            self.live();
+        }
         if !self.state.is_driven() {
             self.running = None;
             self.service_code = VENT;

@@ -22,6 +22,7 @@
 pub mod board;
 pub mod bus;
 pub mod capture;
+pub mod ceilings;
 pub mod control;
 pub mod faults;
 pub mod identity;

@@ -50,6 +50,8 @@ impl LockStepBoard {
         };
         if let Some(reference_mm) = request.reference_mm {
             control.apply(Order::Reference(reference_mm));
+            // Without the host that has made it there were no tick to be silent in.
+            control.live();
         }
     }
 

@@ -2,6 +2,7 @@
 
 use wire::{Refusal, Request, Response};
 
+use crate::ceilings;
 use crate::control::Control;
 use crate::identity::Identity;
 use crate::order::prepare;
@@ -41,7 +42,11 @@ pub fn carry_out(node: &mut impl Node, request: &Request) -> Response {
 /// Carries a request out without keeping what it changes.
 #[inline(never)]
 pub fn apply(node: &mut impl Node, request: &Request) -> Response {
-    prepare(request).map_or_else(Response::Refused, |order| node.control(|control| control.apply(order)))
+    let scalings = node.control(|control| control.has_muscle().then_some(*control.scalings()));
+    scalings
+        .map_or(Ok(()), |scalings| ceilings::check(request, &scalings))
+        .and_then(|()| prepare(request))
+        .map_or_else(Response::Refused, |order| node.control(|control| control.apply(order)))
 }
 
 #[inline(never)]

@@ -45,6 +45,10 @@ pub enum Order {
     FaultRecord,
     /// Record the loop, or read from the recording.
     Capture(CaptureOrder),
+    /// Be ready to start.
+    Arm,
+    /// The host lives, if this is another number than the one before.
+    Heartbeat(u16),
 }
 
 /// Checks a request and makes an order of it.
@@ -69,6 +73,8 @@ pub fn prepare(request: &Request) -> Result<Order, Refusal> {
         Request::Telemetry => Order::Telemetry,
         Request::FaultRecord => Order::FaultRecord,
         Request::Capture(order) => Order::Capture(order),
+        Request::Arm => Order::Arm,
+        Request::Heartbeat(number) => Order::Heartbeat(number),
     })
 }
 

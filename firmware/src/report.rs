@@ -23,6 +23,10 @@ pub struct Outputs {
     pub pressure_noise_bar: f32,
     /// The same. Unit: mm.
     pub contraction_noise_mm: f32,
+    /// The last one that was told.
+    pub heartbeat: u16,
+    /// How long a start is still taken. Unit: tick.
+    pub armed_ticks: u16,
     /// At the valve's output, read back; 0 where it is not. Unit: V.
     pub output_v: f32,
     /// Supply of the converters, measured against the processor's reference; 0 on a board without
@@ -60,6 +64,8 @@ impl Control {
             contraction_noise_mm: of_contraction / self.scalings.contraction.codes_per_unit,
             output_v: output.map_or(0.0, |read| f32::from(read.0) / HIGHEST_CODE * converters_supply_v),
             converters_supply_v,
+            heartbeat: self.heartbeat.unwrap_or(0),
+            armed_ticks: self.armed_ticks,
             reference_mm: self.reference_mm,
             next_reference_mm: self.next_reference_mm,
             command_bar: self.scalings.command.value(self.output.code().0),

@@ -1,7 +1,8 @@
 //! The states of the board and how they follow each other: one table, [`next`].
 //!
 //! The valve is driven in `Tracking`, `Holding` and `Service` only, and none of them is entered but
-//! from a tested board by an order of the host. Every state leads to `Fault` by a fault that vents,
+//! from a tested board by an order of the host, which has armed it before ([`crate::Control`] counts
+//! for how long). Every state leads to `Fault` by a fault that vents,
 //! and `Fault` leads on only by an acknowledgement, through the self-test.
 
 use wire::State;
@@ -27,11 +28,13 @@ pub enum Event {
     Acknowledge,
     /// A fault that vents.
     Trip,
+    /// The host is about to open the valve.
+    Arm,
 }
 
 impl Event {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Install,
         Self::Tested,
         Self::Start,
@@ -41,6 +44,7 @@ impl Event {
         Self::Service,
         Self::Acknowledge,
         Self::Trip,
+        Self::Arm,
     ];
 }
 
@@ -64,7 +68,7 @@ pub const fn next(state: State, event: Event) -> Next {
         (_, E::Trip) => To(S::Fault),
 
         (S::Off, E::Install) => To(S::SelfTest),
-        (S::Off, E::Stop | E::Acknowledge) => To(S::Off),
+        (S::Off, E::Stop | E::Acknowledge | E::Arm) => To(S::Off),
         (S::Off, E::Service) => To(S::Service),
         (S::Off, _) => Refused,
 
@@ -75,7 +79,7 @@ pub const fn next(state: State, event: Event) -> Next {
 
         (S::Ready, E::Install) => To(S::SelfTest),
         (S::Ready, E::Start) => To(S::Tracking),
-        (S::Ready, E::Stop | E::Acknowledge) => To(S::Ready),
+        (S::Ready, E::Stop | E::Acknowledge | E::Arm) => To(S::Ready),
         (S::Ready, E::Service) => To(S::Service),
         (S::Ready, _) => Refused,
 

@@ -193,6 +193,7 @@ def other_functions(board):
     answer = client.read_device_information(read_code=4, object_id=1, device_id=UNIT)
     check(list(answer.information) == [1], f"and an object alone: {answer}")
     # To all boards, which answer nothing: none starts.
+    board.demand("command", 6)
     client.write_register(TABLE["command"]["address"], 1, device_id=0, no_response_expected=True)
     time.sleep(PAUSE_S)
     check(board.get("state") == 2, "no broadcast starts")
@@ -201,6 +202,8 @@ def other_functions(board):
 def tracks(board):
     board.demand("setpoint_mm", 0.0)
     board.demand("mode", 0)
+    check(board.set("command", 1) == BUSY, "no start without its first step")
+    board.demand("command", 6)
     board.demand("command", 1)
     check(board.get("state") == 3, "the board tracks")
     board.demand("setpoint_mm", 40.0)

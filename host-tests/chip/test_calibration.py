@@ -40,6 +40,7 @@ class Calibration(ChipCase):
         chip.run(0.1)
         self.assert_vented(chip)
         master.set("setpoint_bar", 2.0)
+        master.set("heartbeat", 1)
         chip.run(0.4)
         self.assertAlmostEqual(chip.dac["DOR1"], 12 + 2 * 400, delta=1)
 

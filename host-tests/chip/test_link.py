@@ -18,7 +18,7 @@ class LinkAndBus(ChipCase):
         """A board that tracks by the paper's model with every extension, whose tick takes longer than a byte of the link."""
         chip, master = self.started()
         link = Link(chip)
-        for name in ("protect", "extended", "start"):
+        for name in ("protect", "extended", "arm", "start"):
             self.assertEqual(link.ask(name), link.response("accepted"), name)
         chip.run(0.2)
         return chip, master, link

@@ -47,6 +47,8 @@ pub struct Wrong {
     pub silent: Option<Task>,
     /// Whether the host has gone.
     pub no_host: bool,
+    /// Whether what sends for the host goes on, and its program stands.
+    pub is_host_stuck: bool,
     /// Whether the emergency stop is pressed.
     pub is_stopped: bool,
     /// Whether the voltage is low.
@@ -67,6 +69,7 @@ pub struct Bench {
     pub wrong: Wrong,
     /// What the host asks for. Unit: mm.
     pub reference_mm: f64,
+    heartbeat: u16,
     inputs: Inputs,
     check_ins: CheckIns,
     watchdog: Watchdog,
@@ -107,6 +110,7 @@ impl Bench {
             control: Some(control(Box::leak(Box::default()), Box::leak(Box::default()), Reset::PowerOn)),
             wrong: Wrong::default(),
             reference_mm: 0.0,
+            heartbeat: 0,
             inputs: Inputs::default(),
             check_ins: CheckIns::new(),
             watchdog: Watchdog::default(),
@@ -140,7 +144,16 @@ impl Bench {
         for _ in 0..protection.self_test_ticks {
             self.tick();
         }
-        self.demand(&Request::Start(mode));
+        self.open(&Request::Start(mode));
+    }
+
+    /// Opens the valve by a request, in two steps.
+    ///
+    /// # Panics
+    /// One of them is refused.
+    pub fn open(&mut self, request: &Request) {
+        self.demand(&Request::Arm);
+        self.demand(request);
     }
 
     /// A tick as the image has it: plant, samples, watchdog, control, clock.
@@ -148,7 +161,9 @@ impl Bench {
         self.plant();
         self.inputs.samples = self.sample();
         if !self.wrong.no_host {
+            self.heartbeat = self.heartbeat.wrapping_add(u16::from(!self.wrong.is_host_stuck));
             self.request(&Request::Reference(self.reference_mm as f32));
+            self.request(&Request::Heartbeat(self.heartbeat));
         }
         for task in [Task::Link, Task::Supervisor] {
             if self.wrong.silent != Some(task) {

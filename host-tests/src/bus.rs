@@ -8,7 +8,7 @@ use firmware::store::{Parameters, SaveError};
 use firmware::{BlackBox, Capture, Control, LockStepBoard};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use wire::registers::{Exception, Id, UNIT, Value};
+use wire::registers::{Command, Exception, Id, UNIT, Value};
 use wire::{BusParameters, Configuration, Protection, Request, Response, TickReply, TickRequest, VERSION};
 
 /// Ticks of silence before a frame.
@@ -87,7 +87,11 @@ impl BusBoard {
     }
 
     fn with(black_box: &'static mut BlackBox, capture: &'static mut Capture) -> Self {
-        let control = Control::simulated(black_box, capture);
+        Self::of(Control::simulated(black_box, capture))
+    }
+
+    /// The board with this control.
+    pub fn of(control: Control) -> Self {
         let parameters = Parameters { protection: Protection::SIMULATED, ..Parameters::FACTORY };
         let node = HostNode { control, parameters, line: None };
         Self { node, board: LockStepBoard::new(), bus: Bus::new(Timing::Ticks(SILENCE_TICKS)) }
@@ -222,6 +226,16 @@ impl BusBoard {
             [0x90, exception] => Err(*exception),
             [16, echo @ ..] if echo == head => Ok(()),
             other => panic!("no answer to a write: {other:02x?}"),
+        }
+    }
+
+    /// Opens the valve by a command, in two steps.
+    ///
+    /// # Panics
+    /// One of them is refused.
+    pub fn open(&mut self, command: Command) {
+        for command in [Command::Arm, command] {
+            self.set(Id::Command, command.number().into()).expect("taken");
         }
     }
 

@@ -197,7 +197,9 @@ impl Rig {
             assert_eq!(self.request(&request), Response::Accepted);
         }
         (0..protection.self_test_ticks).for_each(|_| self.tick());
-        assert_eq!(self.request(&Request::Start(Mode::FeedforwardOnly)), Response::Accepted);
+        for request in [Request::Arm, Request::Start(Mode::FeedforwardOnly)] {
+            assert_eq!(self.request(&request), Response::Accepted);
+        }
     }
 
     fn fail(&mut self, failure: Failure) {
@@ -317,6 +319,7 @@ pub fn run(seed: u64) -> End {
         }
         let mm = mean_mm + swing_mm * (std::f64::consts::TAU * f64::from(tick) / period_ticks).sin();
         rig.request(&Request::Reference(mm as f32));
+        rig.request(&Request::Heartbeat(tick as u16));
         if tick == fails_at + stops_after {
             rig.request(&Request::Stop);
         }

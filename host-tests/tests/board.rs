@@ -144,13 +144,13 @@ fn after_a_start_the_command_rises_no_faster_than_the_soft_start_and_slews_no_fa
 #[test]
 fn service_drives_a_code_and_vents_when_it_is_left_or_the_host_falls_silent() {
     let mut bench = Bench::new(1);
-    bench.demand(&Request::Service(410));
+    bench.open(&Request::Service(410));
     (0..200).for_each(|_| bench.tick());
     assert_eq!((bench.state(), bench.output()), (State::Service, DacCode(410)));
     bench.demand(&Request::Stop);
     bench.tick();
     assert_eq!((bench.state(), bench.output()), (State::Off, VENT));
-    bench.demand(&Request::Service(410));
+    bench.open(&Request::Service(410));
     bench.wrong.no_host = true;
     (0..501).for_each(|_| bench.tick());
     assert_eq!((bench.control().fault(), bench.output()), (Some(Fault::BusSilent), VENT));
@@ -183,7 +183,7 @@ fn a_board_whose_model_fails_its_test_tracks_by_feedback_alone_if_the_protection
         (State::Ready, 1)
     );
     assert_ne!(bench.request(&Request::Start(Mode::FeedforwardOnly)), Response::Accepted);
-    bench.demand(&Request::Start(Mode::Both));
+    bench.open(&Request::Start(Mode::Both));
     bench.reference_mm = 40.0;
     (0..100).for_each(|_| bench.tick());
     // The feed-forward alone would ask for 1.8 bar: what is out is the gain times the error, and

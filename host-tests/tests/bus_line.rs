@@ -119,7 +119,7 @@ fn a_board_whose_master_speaks_never_leaves_its_own_line() {
 #[test]
 fn nothing_of_the_line_changes_while_the_valve_is_driven() {
     let mut board = BusBoard::new();
-    board.set(Id::Command, Command::Service.number().into()).expect("service");
+    board.open(Command::Service);
     let before = board.parameters().bus;
     for (id, value) in [(Id::BusNumber, 5.0), (Id::BusRate, 9_600.0), (Id::BusTake, 1.0)] {
         assert_eq!(board.set(id, value), refused(Exception::DeviceBusy), "{id:?}");

@@ -64,7 +64,7 @@ fn an_upload_that_breaks_off_at_any_block_leaves_the_old_model_running_and_a_rep
         let mut board = BusBoard::configured();
         let old = board.parameters().clone();
         for broken_off in 0..=blocks.len() {
-            board.set(Id::Command, Command::Start.number().into()).expect("ready");
+            board.open(Command::Start);
             for block in &blocks[..broken_off] {
                 write_block(&mut board, block).expect("taken");
                 board.tick();
@@ -125,7 +125,7 @@ fn a_commit_of_what_is_no_configuration_says_why_and_changes_nothing() {
 fn a_commit_while_tracking_is_busy() {
     let mut board = BusBoard::configured();
     let (old, bytes) = (board.parameters().clone(), encoded(VERSION, &extended_parameters().expect("valid")));
-    board.set(Id::Command, Command::Start.number().into()).expect("ready");
+    board.open(Command::Start);
     assert_eq!(upload(&mut board, &bytes), refused(Exception::DeviceBusy));
     assert_eq!(board.number(Id::UploadResult), u32::from(UploadResult::WrongState.number()));
     assert_eq!((board.number(Id::State), board.parameters()), (3, &old));
@@ -155,7 +155,7 @@ fn stream_order(board: &mut BusBoard, order: StreamOrder) -> Result<(), u8> {
 /// A board that tracks and has an interval of so many ticks.
 fn streaming(interval: u16) -> BusBoard {
     let mut board = BusBoard::configured();
-    board.set(Id::Command, Command::Start.number().into()).expect("ready");
+    board.open(Command::Start);
     board.set(Id::StreamInterval, interval.into()).expect("idle");
     board
 }
@@ -257,7 +257,7 @@ fn the_set_points_are_the_streams_while_it_plays_and_a_stop_clears_it() {
 #[test]
 fn in_the_service_state_the_stream_is_the_command_within_what_is_compiled_in() {
     let mut board = BusBoard::configured();
-    board.set(Id::Command, Command::Service.number().into()).expect("ready");
+    board.open(Command::Service);
     board.set(Id::StreamInterval, 50.0).expect("idle");
     assert_eq!(push(&mut board, 0, &[0.0, 8.1]), refused(Exception::IllegalValue));
     push(&mut board, 0, &[0.0, 3.0, 3.0]).expect("room");

@@ -81,7 +81,9 @@ fn frames() -> Result<String, Failed> {
     let mut text = String::new();
     for (name, request) in [
         ("identify", Request::Identify),
-        ("protect", Request::Protect(Protection::SIMULATED)),
+        ("protect", Request::Protect(Protection::WIDEST)),
+        ("beyond", Request::Protect(Protection::SIMULATED)),
+        ("arm", Request::Arm),
         ("extended", Request::Configure(extended)),
         ("start", Request::Start(Mode::Both)),
     ] {

@@ -10,13 +10,13 @@ use wire::{Configuration, Fault, Protection, Refusal, Request, Response, State};
 /// A row a state, a column an event in the order of [`Event::ALL`]: the first letters of the state
 /// that follows, `home`, or `-` for refused.
 const EXPECTED: [(State, &str); 7] = [
-    (State::Off, "Self - - - - Off Serv Off Faul"),
-    (State::SelfTest, "Self Read - - - Self - Self Faul"),
-    (State::Ready, "Self - Trac - - Read Serv Read Faul"),
-    (State::Tracking, "- - - Trac Hold Read - - Faul"),
-    (State::Holding, "- - - Trac Hold Read - - Faul"),
-    (State::Fault, "Faul - - - - Faul - home Faul"),
-    (State::Service, "- - - - - home Serv - Faul"),
+    (State::Off, "Self - - - - Off Serv Off Faul Off"),
+    (State::SelfTest, "Self Read - - - Self - Self Faul -"),
+    (State::Ready, "Self - Trac - - Read Serv Read Faul Read"),
+    (State::Tracking, "- - - Trac Hold Read - - Faul -"),
+    (State::Holding, "- - - Trac Hold Read - - Faul -"),
+    (State::Fault, "Faul - - - - Faul - home Faul -"),
+    (State::Service, "- - - - - home Serv - Faul -"),
 ];
 
 fn abbreviated(next: Next) -> String {
@@ -43,13 +43,13 @@ fn bench_in(state: State, is_configured: bool) -> Option<Bench> {
     }
     match (state, is_configured) {
         (State::Off, false) | (State::SelfTest | State::Ready, true) => {}
-        (State::Tracking, true) => bench.demand(&Request::Start(Mode::Both)),
+        (State::Tracking, true) => bench.open(&Request::Start(Mode::Both)),
         (State::Holding, true) => {
-            bench.demand(&Request::Start(Mode::Both));
+            bench.open(&Request::Start(Mode::Both));
             bench.demand(&Request::SetMode(Mode::Hold));
         }
         (State::Fault, _) => bench.control().report(Fault::BrownOut),
-        (State::Service, _) => bench.demand(&Request::Service(100)),
+        (State::Service, _) => bench.open(&Request::Service(100)),
         _ => return None,
     }
     assert_eq!(bench.state(), state);
@@ -66,6 +66,7 @@ fn cause(bench: &mut Bench, event: Event) -> bool {
         Event::Stop => Request::Stop,
         Event::Service => Request::Service(200),
         Event::Acknowledge => Request::Acknowledge,
+        Event::Arm => Request::Arm,
         Event::Trip => {
             bench.control().report(Fault::Panic);
             return false;
@@ -77,6 +78,10 @@ fn cause(bench: &mut Bench, event: Event) -> bool {
             return bench.state() == before;
         }
     };
+    if matches!(event, Event::Start | Event::Service) {
+        // The first of the two steps; refused where the second is.
+        bench.request(&Request::Arm);
+    }
     let state = bench.state();
     match bench.request(&request) {
         Response::Accepted => false,
@@ -141,7 +146,7 @@ fn a_refused_configuration_leaves_the_old_one_and_the_state() {
     let mut wrong = configuration_of_paper();
     wrong.tracking.period_s = 0.002;
     assert!(matches!(bench.request(&Request::Configure(wrong)), Response::Refused(Refusal::Parameter(_))));
-    bench.demand(&Request::Start(Mode::Both));
+    bench.open(&Request::Start(Mode::Both));
     let limits = Protection { slew_bar_per_s: f32::NAN, ..Protection::STANDARD };
     assert!(matches!(bench.request(&Request::Protect(limits)), Response::Refused(Refusal::Parameter(_))));
     let in_motion = bench.request(&Request::Protect(Protection::STANDARD));

@@ -29,7 +29,8 @@ pub enum Request {
     Identify,
     /// Take this model, these gains and limits. Refused while tracking.
     Configure(Configuration),
-    /// Start tracking from rest in the given mode. Refused without a configuration or with a fault.
+    /// Start tracking from rest in the given mode. Refused without a configuration, with a fault, or
+    /// where nothing has armed the board.
     Start(Mode),
     /// Change the mode while tracking, without a bump.
     SetMode(Mode),
@@ -54,6 +55,12 @@ pub enum Request {
     FaultRecord,
     /// Record the loop, or read what was recorded. Answer to a reading: [`Response::Captured`].
     Capture(CaptureOrder),
+    /// Be ready to start: a start, or the first [`Request::Service`], is taken within the next
+    /// [`crate::registers::ARMED_TICKS`], and not without.
+    Arm,
+    /// The host lives. A number that it has sent before says nothing: only another one is a sign of
+    /// life.
+    Heartbeat(u16),
 }
 
 /// From the board to the host.
@@ -189,6 +196,8 @@ pub enum Refusal {
     NotHere,
     /// It is carried out, but lost when power is: the flash has not kept it.
     NotStored,
+    /// The valve is opened in two steps, and the first has not been taken, or too long ago.
+    NotArmed,
 }
 
 impl Refusal {

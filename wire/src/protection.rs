@@ -108,6 +108,28 @@ impl Protection {
         on_model_fault: OnModelFault::FeedbackOnly,
     };
 
+    /// The widest limits that a board with a muscle takes, by bus and by link: the ends of the ranges
+    /// of its registers. For tests without a muscle.
+    pub const WIDEST: Self = Self {
+        self_test_ticks: 0,
+        vented_bar: 1.0,
+        overpressure_hard_bar: 8.5,
+        overpressure_soft_bar: 8.0,
+        supply_min_bar: 0.0,
+        pressure_jump_bar: 10.0,
+        contraction_jump_mm: 200.0,
+        stuck_command_bar: 10.0,
+        implausible_share: 10.0,
+        following_band_bar: 10.0,
+        following_limit_bar_s: 100.0,
+        authority_bar: 10.0,
+        bus_silent_ticks: 60_000,
+        soft_start_bar_per_s: 200.0,
+        slew_bar_per_s: 200.0,
+        temperature_max_c: 105.0,
+        on_model_fault: OnModelFault::FeedbackOnly,
+    };
+
     /// These limits, if all can be compared with: none is NaN or negative, and what has to be above
     /// 0 is.
     ///
@@ -158,6 +180,22 @@ impl Protection {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::registers::fields::{PROTECTION, excess_of_protection, of_protection};
+    use crate::registers::{Access, Id};
+
+    #[test]
+    fn the_widest_limits_are_the_ends_of_their_registers_and_a_simulations_lie_beyond() {
+        assert_eq!(excess_of_protection(&Protection::WIDEST), None);
+        assert_eq!(excess_of_protection(&Protection::STANDARD), None);
+        assert!(excess_of_protection(&Protection::SIMULATED).is_some());
+        let mut widest = Protection::WIDEST;
+        for id in PROTECTION {
+            let Access::Write(min, max) = id.register().access else { panic!("{id:?} is written") };
+            let end = if matches!(id, Id::SelfTestTicks | Id::SupplyMin) { min } else { max };
+            let held = of_protection(&mut widest, id).map(|field| field.get().number());
+            assert_eq!(held, Some(f64::from(end as f32)), "{id:?}");
+        }
+    }
 
     #[test]
     fn a_longer_tick_may_see_larger_changes_and_no_other_limit_moves() {

@@ -12,9 +12,10 @@
 //! # Contract
 //! * What is no whole frame, or one for somebody else, is met with silence; address 0 is carried
 //!   out and not answered, but nothing that opens a valve: who drives several boards asks each, and
-//!   hears that it does.
+//!   hears that it does. A stop, and a heartbeat, are for all that hear it.
 //! * A request is carried out as a whole, or refused as a whole with an exception.
-//! * Every frame for this board counts as a sign of life of the host.
+//! * A sign of life is what a host cannot repeat whose program stands: another number of the
+//!   heartbeat, or points of the stream that the board had not yet.
 //! * Parameters of the line change between two frames only, behind the answer to whoever has asked
 //!   for it.
 //!

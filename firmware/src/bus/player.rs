@@ -84,6 +84,11 @@ impl Player {
         (self.pushed, self.consumed, self.underrun_ticks, self.start_tick) = (0, 0, 0, None);
     }
 
+    /// Number of the next point to be pushed.
+    pub const fn pushed(&self) -> u32 {
+        self.pushed
+    }
+
     /// Whether the set points are the player's.
     pub fn is_playing(&self) -> bool {
         matches!(self.state, StreamState::Playing | StreamState::Underrun)

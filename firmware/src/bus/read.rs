@@ -126,6 +126,8 @@ fn value(session: &Session, view: &View, id: Id, index: u16) -> Value {
             Id::Command => Value::U16(session.command.number()),
             Id::Mode => Value::U16(mode_number(session.mode)),
             Id::SetpointMm => Value::F32(outputs.next_reference_mm),
+            Id::Heartbeat => Value::U16(outputs.heartbeat),
+            Id::Armed => Value::U16(outputs.armed_ticks),
             _ => Value::F32(outputs.service_bar),
         },
         View::Status(telemetry, outputs) => status(session, telemetry, outputs, id),

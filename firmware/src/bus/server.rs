@@ -35,7 +35,6 @@ pub fn answer(
         return;
     }
     session.frames = session.frames.wrapping_add(1);
-    node.control(|control| control.hear());
     let is_answered = if frame.processing_required {
         let done = process(session, &mut frame, audience, node).map_err(error_kind);
         if frame.readonly { frame.process_external_read(done) } else { frame.process_external_write(done) }
@@ -89,7 +88,6 @@ fn answer_ourselves(
         return;
     }
     session.frames = session.frames.wrapping_add(1);
-    node.control(|control| control.hear());
     // There is room for these and for whatever follows.
     let _ = response.extend_from_slice(&[own, function]);
     if let Err(exception) = functions::carry_out(session, function, data, audience, node, response) {

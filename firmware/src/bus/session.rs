@@ -67,6 +67,11 @@ impl Session {
                 self.message = text(format_args!("in use until power-off: the flash has not kept it"));
                 Exception::DeviceFailure
             }
+            Refusal::NotArmed => {
+                self.message =
+                    text(format_args!("a valve is opened in two steps: command 6 first, then this"));
+                Exception::DeviceBusy
+            }
             Refusal::Unreadable | Refusal::NotHere => Exception::DeviceFailure,
         }
     }

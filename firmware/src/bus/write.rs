@@ -10,9 +10,10 @@ use wire::registers::{
     Access, Command, Exception, Id, MOST_WRITTEN, Register, STREAM_POINTS, StreamOrder, UploadOrder,
     UploadResult, Value, fields, mode,
 };
-use wire::{BoardParameters, CaptureOrder, Configuration, Refusal, Request, Response, State, VERSION, text};
+use wire::{BoardParameters, CaptureOrder, Configuration, Refusal, Request, Response, State, VERSION};
 
 use super::session::Session;
+use crate::ceilings;
 use crate::node::{Node, carry_out};
 use crate::order::Order;
 use crate::scaling::{Scalings, VENT};
@@ -118,16 +119,18 @@ fn control(
     node: &mut impl Node,
 ) -> Result<(), Exception> {
     let (mut command, mut wanted, mut mm, mut bar) = (Command::None, None, None, None);
+    let mut heartbeat = None;
     for Assignment { id, value, .. } in values {
         match (id, value) {
             (Id::Command, Value::U16(number)) => command = Command::of_number(number).unwrap_or(command),
             (Id::Mode, Value::U16(number)) => wanted = mode(number),
             (Id::SetpointMm, Value::F32(value)) => mm = Some(value),
             (Id::SetpointBar, Value::F32(value)) => bar = Some(value),
+            (Id::Heartbeat, Value::U16(number)) => heartbeat = Some(number),
             _ => {}
         }
     }
-    if audience == Audience::All && matches!(command, Command::Start | Command::Service) {
+    if audience == Audience::All && matches!(command, Command::Arm | Command::Start | Command::Service) {
         // Nobody would hear which valves have opened.
         return Err(Exception::DeviceBusy);
     }
@@ -151,6 +154,7 @@ fn control(
             Command::Hold => Some(Order::SetMode(Mode::Hold)),
             Command::Acknowledge => Some(Order::Acknowledge),
             Command::Service => Some(Order::Service(VENT.0)),
+            Command::Arm => Some(Order::Arm),
         };
         // A start begins with the reference that comes with it.
         let before_mm = control.next_reference_mm;
@@ -163,6 +167,9 @@ fn control(
             }
             (Ok(()), None) => {}
             (Err(_), _) => control.next_reference_mm = before_mm,
+        }
+        if done.is_ok() {
+            heartbeat.into_iter().for_each(|number| control.beat(number));
         }
         done
     });
@@ -204,14 +211,8 @@ fn install(
     let done = if state.is_driven() {
         // Before the long work is done for nothing.
         Err(Refusal::WrongState(state))
-    } else if let Some((id, value)) = fields::excess(&mut tracking) {
-        let (register, value) = (id.register(), value.number());
-        Err(Refusal::Parameter(match register.access {
-            Access::Write(min, max) => {
-                text(format_args!("{} is {value}, must be {min} to {max}", register.name))
-            }
-            Access::Read => text(format_args!("{} is {value}", register.name)),
-        }))
+    } else if let Err(refusal) = ceilings::refused(fields::excess(&mut tracking)) {
+        Err(refusal)
     } else {
         accepted(carry_out(node, &Request::Configure(Configuration { version: VERSION, tracking })))
     };
@@ -262,7 +263,13 @@ fn stream(values: impl Iterator<Item = Assignment>, node: &mut impl Node) -> Res
         } else if state == State::Service && !points.iter().all(takes) {
             Err(Exception::IllegalValue)
         } else if let Some(number) = number {
-            control.player.push(number, &points)
+            let before = control.player.pushed();
+            let done = control.player.push(number, &points);
+            if control.player.pushed() != before {
+                // Points that it had not yet: a program that stands has none.
+                control.live();
+            }
+            done
         } else {
             control.player.order(order, interval)
         }

@@ -1,6 +1,7 @@
 //! The orders of the host, carried out between ticks.
 
 use model_core::Mode;
+use wire::registers::ARMED_TICKS;
 use wire::{Fault, Protection, Refusal, Response};
 
 use super::{Control, Running, TickClock};
@@ -18,7 +19,6 @@ impl Control {
     // Not inlined: what it needs of the stack is then not needed while an order is prepared.
     #[inline(never)]
     pub fn apply(&mut self, order: Order) -> Response {
-        self.hear();
         let done = match order {
             Order::Identify => return Response::Hello(self.hello()),
             Order::Telemetry => return Response::Telemetry(self.telemetry()),
@@ -36,7 +36,12 @@ impl Control {
             Order::SetMode(mode) => self.set_mode(mode),
             Order::Stop => self.advance(Event::Stop),
             Order::Acknowledge => self.acknowledge(),
-            Order::Service(code) => self.advance(Event::Service).map(|()| self.service_code = DacCode(code)),
+            Order::Service(code) => self.service(code),
+            Order::Arm => self.advance(Event::Arm).map(|()| self.armed_ticks = ARMED_TICKS),
+            Order::Heartbeat(number) => {
+                self.beat(number);
+                Ok(())
+            }
         };
         done.map_or_else(Response::Refused, |()| Response::Accepted)
     }
@@ -103,12 +108,26 @@ impl Control {
     fn start(&mut self, mode: Mode) -> Result<(), Refusal> {
         let event = if mode == Mode::Hold { Event::Hold } else { Event::Start };
         self.demand(event)?;
+        self.demand_armed()?;
         let mode = self.permitted(mode)?;
         let running = self.installed.as_ref().map(|installed| self.running(installed, mode)).transpose()?;
         self.advance(event)?;
         self.monitors.start_anew();
         self.running = running;
         Ok(())
+    }
+
+    fn service(&mut self, code: u16) -> Result<(), Refusal> {
+        self.demand(Event::Service)?;
+        if !self.state.is_driven() {
+            self.demand_armed()?;
+        }
+        self.advance(Event::Service).map(|()| self.service_code = DacCode(code))
+    }
+
+    /// The valve is opened in two steps.
+    fn demand_armed(&self) -> Result<(), Refusal> {
+        if self.armed_ticks > 0 { Ok(()) } else { Err(Refusal::NotArmed) }
     }
 
     /// The controller at rest, its first tick prepared.

@@ -8,7 +8,7 @@ REGISTERS = pathlib.Path(__file__).parents[3] / "docs" / "registers.csv"
 FORMATS = {"u16": ">H", "i16": ">h", "u32": ">I", "i32": ">i", "f32": ">f"}
 UNIT = 1
 BYTE_S = 10 / 115_200
-START, STOP, ACKNOWLEDGE, SERVICE = 1, 2, 4, 5
+START, STOP, ACKNOWLEDGE, SERVICE, ARM = 1, 2, 4, 5, 6
 
 with open(REGISTERS, newline="", encoding="utf-8") as file:
     TABLE = {row["name"]: row for row in csv.DictReader(file)}
@@ -102,5 +102,6 @@ class Master:
 
     def drive(self, bar):
         """Service: a pressure at the valve, without a controller."""
+        self.set("command", ARM)
         self.set("command", SERVICE)
         self.set("setpoint_bar", bar)

@@ -146,6 +146,7 @@ impl Injection {
             Fault::Deadline => wrong.is_late = true,
             Fault::TaskSilent => wrong.silent = Some(Task::Link),
             Fault::BusSilent => wrong.no_host = true,
+            Fault::HeartbeatStands => wrong.is_host_stuck = true,
             Fault::BrownOut => wrong.low_voltage = true,
             Fault::Temperature => wrong.temperature_code = Some(TEMPERATURE.code(95.0)),
             Fault::ConfigurationCorrupt

@@ -71,7 +71,7 @@ fn track(desk: &Desk, reference_mm: f32) {
     let mut board = open(desk);
     let mode: Vec<u16> = std::iter::once(0).chain(Value::F32(reference_mm).words()).collect();
     board.write(Id::Mode, &mode).expect("written");
-    board.order(Order::Start, &[State::Tracking]).expect("started");
+    board.drive(Order::Start, State::Tracking).expect("started");
 }
 
 #[test]

@@ -21,6 +21,7 @@ pub struct Bench {
     /// What was written to the valve last. Unit: DAC code.
     pub output: u16,
     pub measured: Measurement,
+    heartbeat: u16,
 }
 
 impl Bench {
@@ -51,7 +52,7 @@ impl Bench {
         let measured =
             Measurement { pressure_bar: 0.0, contraction_mm: 0.0, surroundings: Surroundings::default() };
         let image = Production::start(&super::production(), store, bus, &[])?;
-        Ok(Self { image, muscle: muscle(seed), output: 0, measured })
+        Ok(Self { image, muscle: muscle(seed), output: 0, measured, heartbeat: 0 })
     }
 
     /// Another muscle, at rest.
@@ -102,6 +103,18 @@ impl Bench {
             Response::Accepted => Ok(()),
             other => Err(format!("{request:?}: {other:?}").into()),
         }
+    }
+
+    /// Opens the valve by a request, in two steps.
+    pub fn open(&mut self, request: &Request) -> Result<(), Failed> {
+        self.demand(&Request::Arm)?;
+        self.demand(request)
+    }
+
+    /// Shows that the host lives.
+    pub fn beat(&mut self) -> Result<(), Failed> {
+        self.heartbeat = self.heartbeat.wrapping_add(1);
+        self.demand(&Request::Heartbeat(self.heartbeat))
     }
 
     /// The same for one that changes what the board keeps, which the emulated flash does not.

@@ -17,6 +17,8 @@ const SEED: u64 = 3;
 /// 2 s of approach and a swing of 6 s.
 const TICKS: usize = 8000;
 const APPROACH: usize = 2000;
+/// From heartbeat to heartbeat, of which the board wants one in 500.
+const BEAT_TICKS: usize = 200;
 
 fn reference_mm(tick: usize) -> f64 {
     let rise = |turns: f64| (1.0 - (std::f64::consts::TAU * turns).cos()) / 2.0;
@@ -38,10 +40,10 @@ pub fn as_the_emulated_image() -> Result<(), Failed> {
     let (mut acknowledged, mut of_production) = (Vec::new(), Vec::new());
     let mut bench = Bench::new(SEED)?;
     bench.make_ready(Some(&configuration))?;
-    bench.demand(&Request::Start(Mode::Both))?;
+    bench.open(&Request::Start(Mode::Both))?;
     // The muscle of the other run begins here.
     bench.replace_muscle(SEED);
-    let (mut sent, mut current, mut answered) = (0.0, 0.0, true);
+    let (mut sent, mut current, mut answered, mut beats) = (0.0, 0.0, true, 0);
     for tick in 0..TICKS {
         if let Some(response) = bench.image.response()? {
             if response != Response::Accepted {
@@ -50,8 +52,15 @@ pub fn as_the_emulated_image() -> Result<(), Failed> {
             (current, answered) = (sent, true);
         }
         if answered {
-            (sent, answered) = (reference_mm(tick), false);
-            bench.image.send(&Request::Reference(sent as f32))?;
+            answered = false;
+            // Each request has to be answered before the next: in between, that the host lives.
+            if tick >= beats * BEAT_TICKS {
+                bench.image.send(&Request::Heartbeat(beats as u16))?;
+                beats += 1;
+            } else {
+                sent = reference_mm(tick);
+                bench.image.send(&Request::Reference(sent as f32))?;
+            }
         }
         bench.tick(Some)?;
         acknowledged.push(current);

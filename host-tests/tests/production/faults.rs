@@ -52,10 +52,11 @@ fn ready() -> Result<Bench, Failed> {
 /// Tracks towards 40 mm until the valve is open.
 pub fn track(bench: &mut Bench) -> Result<(), Failed> {
     bench.demand(&Request::Reference(40.0))?;
-    bench.demand(&Request::Start(Mode::Both))?;
+    bench.open(&Request::Start(Mode::Both))?;
     for _ in 0..300 {
         bench.tick(Some)?;
     }
+    bench.beat()?;
     if bench.output > 200 { Ok(()) } else { Err(format!("the valve is at {}", bench.output).into()) }
 }
 

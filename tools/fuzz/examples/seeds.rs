@@ -66,9 +66,9 @@ fn conversations() -> [(&'static str, Vec<Request>); 4] {
     let modes = [Mode::FeedbackOnly, Mode::FeedforwardOnly, Mode::Hold].map(Request::SetMode);
     let fault = [tick(f32::NAN, 900), tick(0.0, 0), Request::FaultRecord, Request::Acknowledge];
     let service =
-        [Request::Protect(Protection::STANDARD), Request::Service(100), tick(0.0, 300), Request::Stop];
+        [Request::Protect(Protection::STANDARD), Request::Arm, Request::Service(100), tick(0.0, 300), Request::Stop];
     let capture = [CaptureOrder::Start(1), CaptureOrder::Stop, CaptureOrder::Read(0)].map(Request::Capture);
-    let start = [Request::Start(Mode::Both)];
+    let start = [Request::Arm, Request::Start(Mode::Both), Request::Heartbeat(1)];
     [
         ("paper", [&[paper][..], &swing[..1], &start, &swing, &modes, &fault].concat()),
         ("piecewise", [&[piecewise][..], &swing[..1], &start, &capture[..1], &swing, &capture[1..]].concat()),
@@ -103,13 +103,16 @@ fn on_the_bus(configuration: Configuration) -> Vec<u8> {
         set(Id::UploadChecksum, checksum(bytes).into()),
         set(Id::UploadOrder, 1.0),
         set(Id::Kp, 0.1),
+        set(Id::Command, 6.0),
         set(Id::Command, 1.0),
+        set(Id::Heartbeat, 1.0),
         set(Id::CaptureEvery, 1.0),
         write(Id::PushNumber, &[number(Id::PushNumber, 0.0), points].concat()),
         set(Id::StreamOrder, 1.0),
         read(Id::State, 38),
         read(Id::CaptureFirst, 125),
         set(Id::Command, 2.0),
+        set(Id::Command, 6.0),
         set(Id::Command, 5.0),
         set(Id::SetpointBar, 3.0),
         // Nothing but bytes.

@@ -34,8 +34,12 @@ All registers are holding registers, at the addresses that go over the wire, cou
 - A request is carried out as a whole, or refused as a whole with an exception, and then nothing has changed.
 - Limits are compiled into the firmware: nothing that is written exceeds them. What is not finite is refused.
 - A damaged frame, or one for another address, is met with silence. Address 0 is carried out by all and answered by none; but
-  nothing that opens a valve (a start, the service state), which each board is asked for by its number.
-- Every request is a sign of life. Without one for `bus_silent_ticks` a valve that is driven is vented, with fault 21.
+  nothing that opens a valve (arming, a start, the service state), which each board is asked for by its number. A stop, and a
+  heartbeat, may be for all.
+- A valve is opened in two steps: command 6, then 1 or 5 within 2,000 ticks.
+- While the valve is driven, another number has to come to `heartbeat`, or new points to the stream, at least every
+  `bus_silent_ticks`. Else it is vented, with fault 21, or with fault 40 where the same number has come again. Readings, set points and
+  orders are no sign of life: what sends them may go on while the program behind it stands.
 - A write that is stored (groups Controller and Protection, a commit) may take half a second, in which the board hears
   nothing: give it a time-out of 2 s.
 - A frame ends with its last byte; one of an unknown function after 3.5 characters of silence. In the emulator 20 ms stand for

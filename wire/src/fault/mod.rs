@@ -50,6 +50,7 @@ pub enum Fault {
     MemoryDamaged = 37,
     DumpHeld = 38,
     CalibrationCorrupt = 39,
+    HeartbeatStands = 40,
 }
 
 /// Number of faults.
@@ -57,7 +58,7 @@ pub const FAULTS: usize = Fault::ALL.len();
 
 impl Fault {
     /// All of them, in the order of their numbers, which begin at 1.
-    pub const ALL: [Self; 39] = [
+    pub const ALL: [Self; 40] = [
         Self::Acquisition,
         Self::PressureSensor,
         Self::ContractionSensor,
@@ -97,6 +98,7 @@ impl Fault {
         Self::MemoryDamaged,
         Self::DumpHeld,
         Self::CalibrationCorrupt,
+        Self::HeartbeatStands,
     ];
 
     /// The stable number.

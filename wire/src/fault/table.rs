@@ -226,10 +226,11 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
     vent(
         Fault::BusSilent,
         "bus silent",
-        "no intact request for 500 ticks while the valve is driven",
+        "no sign of life for 500 ticks while the valve is driven: no other number in `heartbeat`, and no new point of the stream. \
+         Other requests are none",
         501,
-        "the host's program has ended or hangs, the cable is out, the wrong bit rate",
-        "send references, or anything else, at least twice a second",
+        "the host's program has ended or hangs, it writes no heartbeat, the cable is out, the wrong bit rate",
+        "write another number to `heartbeat` (`Request::Heartbeat` on the link) some five times a second",
     ),
     vent(
         Fault::ConfigurationCorrupt,
@@ -398,6 +399,15 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         "flash or RAM that loses bits, or something else has written there",
         "acknowledge, then calibrate again, or restore a backup (`mgpi calibrate`, `mgpi restore`): what is measured may be a \
          quarter off until then",
+    ),
+    vent(
+        Fault::HeartbeatStands,
+        "heartbeat stands still",
+        "as for a silent bus, but the same heartbeat has come again in these 500 ticks",
+        501,
+        "what sends for the host goes on, and the host's program behind it stands: a PLC in stop, a gateway that repeats its last \
+         image, a thread that hangs",
+        "see to the program; the number has to be counted by what computes the set points, not by what sends them",
     ),
 ];
 

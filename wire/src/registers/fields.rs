@@ -87,6 +87,37 @@ pub fn excess(tracking: &mut BoardParameters) -> Option<(Id, Value)> {
         .find(|(id, value)| !id.register().takes(*value))
 }
 
+/// The registers of the group "Protection".
+pub const PROTECTION: [Id; 17] = [
+    Id::SelfTestTicks,
+    Id::VentedBar,
+    Id::OverpressureHard,
+    Id::OverpressureSoft,
+    Id::SupplyMin,
+    Id::PressureJump,
+    Id::ContractionJump,
+    Id::StuckCommand,
+    Id::ImplausibleShare,
+    Id::FollowingBand,
+    Id::FollowingLimit,
+    Id::Authority,
+    Id::BusSilent,
+    Id::SoftStart,
+    Id::Slew,
+    Id::TemperatureMax,
+    Id::OnModelFault,
+];
+
+/// The first register of [`PROTECTION`] whose limit exceeds what is compiled into the board, and what
+/// it holds.
+pub fn excess_of_protection(protection: &Protection) -> Option<(Id, Value)> {
+    let mut protection = *protection;
+    PROTECTION
+        .into_iter()
+        .filter_map(|id| Some((id, of_protection(&mut protection, id)?.get())))
+        .find(|(id, value)| !id.register().takes(*value))
+}
+
 /// The field of a register of the group "Protection".
 pub fn of_protection(protection: &mut Protection, id: Id) -> Option<Field<'_>> {
     Some(match id {

@@ -43,6 +43,9 @@ pub const VERSION: u16 = 1;
 pub const UNIT: u8 = 1;
 /// A new board's rate; 8 data bits, no parity, one stop bit. Unit: bit/s.
 pub const BAUD: u32 = 115_200;
+/// How long a board that was armed takes a start: a PLC that does something once a second has time
+/// for both steps. Unit: tick.
+pub const ARMED_TICKS: u16 = 2_000;
 /// The longest frame, address and CRC included. Unit: byte.
 pub const FRAME_BYTES: usize = 256;
 /// The most registers that are read at once.

@@ -64,6 +64,8 @@ numbered! {
         /// Enter the service state, valve vented: `setpoint_bar` and the stream then drive it
         /// without a controller.
         Service = 5,
+        /// The first of the two steps by which a valve is opened: start or service have to follow.
+        Arm = 6,
     }
 }
 

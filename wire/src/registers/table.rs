@@ -39,7 +39,9 @@ pub const GROUPS: [Group; 11] = [
         doc: "Orders and set points. Written together they are taken in this order: mode, set points, command; they may be \
               written all the time with command 0. A command that the state does not take is refused with exception 6, as \
               is `setpoint_bar` outside the service state, and a set point while the stream plays; set points that are \
-              written together with command 2, to stop, are not taken.",
+              written together with command 2, to stop, are not taken. A valve is opened in two steps: command 6, then 1 or 5 \
+              within 2000 ticks; each by a request of its own, to this board alone. While it is driven the host has to write another \
+              number to `heartbeat` at least every `bus_silent_ticks`: the same again is no sign of life.",
     },
     Group {
         address: 0x0200,
@@ -170,10 +172,12 @@ table! {
     0x001D SourceCommit "source_commit" U16 [10] "" READ, "Of the sources that the firmware was built from: the git commit, 20 bytes; 0 where that was not known";
     0x0027 SourceModified "source_modified" U16 [1] "" READ, "1 where the sources differed from that commit";
 
-    0x0100 Command "command" U16 [1] "" write(0.0, 5.0), "0 nothing, 1 start, or go on from holding, 2 stop and vent, 3 hold, 4 acknowledge, 5 service; reads as the last one taken";
+    0x0100 Command "command" U16 [1] "" write(0.0, 6.0), "0 nothing, 1 start, or go on from holding, 2 stop and vent, 3 hold, 4 acknowledge, 5 service, 6 arm; reads as the last one taken";
     0x0101 Mode "mode" U16 [1] "" write(0.0, 2.0), "0 feed-forward and feedback, 1 feed-forward alone, 2 feedback alone; at once while tracking, else with the next command 1";
     0x0102 SetpointMm "setpoint_mm" F32 [1] "mm" MM, "The reference";
     0x0104 SetpointBar "setpoint_bar" F32 [1] "bar" BAR, "The command in the service state";
+    0x0106 Heartbeat "heartbeat" U16 [1] "" WORD, "Any number, another one each time: what a host that lives can write and one that only repeats itself cannot";
+    0x0107 Armed "armed_ticks" U16 [1] "tick" READ, "How long command 1 or 5 is still taken";
 
     0x0200 State "state" U16 [1] "" READ, "0 off, 1 self-test, 2 ready, 3 tracking, 4 holding, 5 fault, 6 service";
     0x0201 Fault "fault" U16 [1] "" READ, "Number of the latched fault, 0 for none";
@@ -221,7 +225,7 @@ table! {
     0x0412 FollowingBand "following_band_bar" F32 [1] "bar" write(0.0, 10.0), "How far pressure and command may differ for good";
     0x0414 FollowingLimit "following_limit_bar_s" F32 [1] "bar s" write(0.0, 100.0), "Integral of what they differ beyond that";
     0x0416 Authority "authority_bar" F32 [1] "bar" write(0.0, 10.0), "How much the feedback may add for good";
-    0x0418 BusSilent "bus_silent_ticks" U32 [1] "tick" write(10.0, 60_000.0), "How long the host may be silent while the valve is driven";
+    0x0418 BusSilent "bus_silent_ticks" U32 [1] "tick" write(10.0, 60_000.0), "How long the host may be without a sign of life while the valve is driven";
     0x041A SoftStart "soft_start_bar_per_s" F32 [1] "bar/s" write(0.1, 200.0), "Rise of the highest command after a start";
     0x041C Slew "slew_bar_per_s" F32 [1] "bar/s" write(0.1, 200.0), "Largest rate of change of the valve's command, service included";
     0x041E TemperatureMax "temperature_max_c" F32 [1] "°C" write(0.0, 105.0), "Highest temperature of the board";

@@ -11,6 +11,12 @@ use super::error::BoardError;
 
 /// A self-test takes no longer.
 const SELF_TEST: Duration = Duration::from_secs(12);
+/// How often both steps of a start are tried, should the first have been too long ago.
+const STARTS: usize = 3;
+/// The longest from heartbeat to heartbeat.
+const BEAT: Duration = Duration::from_millis(50);
+/// At least so many heartbeats while the board waits for one.
+const BEATS: f64 = 5.0;
 /// How often a state is looked at that is waited for.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -156,12 +162,51 @@ impl Board {
         }
     }
 
+    /// Opens the valve by a command, in two steps, and from then on tells the board that this
+    /// program lives, with each question that it asks.
+    ///
+    /// # Errors
+    /// A refusal, or no answer.
+    pub fn drive(&mut self, command: Command, then: State) -> Result<(), BoardError> {
+        let patience_s =
+            self.read(Id::BusSilent, Id::BusSilent)?.number(Id::BusSilent) * self.identity.period_s;
+        let last = self.read(Id::Heartbeat, Id::Heartbeat)?.whole(Id::Heartbeat) as u16;
+        // The register has a limit, but not that of a board in the emulator.
+        let each = Duration::try_from_secs_f64(patience_s / BEATS).map_or(BEAT, |each| each.min(BEAT));
+        self.client.beat_each(Some(each), last);
+        let mut started = self.open_valve(command, then);
+        for _ in 1..STARTS {
+            let is_refused = matches!(&started, Err(BoardError::Bus(error)) if error.exception().is_some());
+            let is_late = is_refused && !self.is_armed()?;
+            if !is_late {
+                break;
+            }
+            started = self.open_valve(command, then);
+        }
+        if started.is_err() {
+            self.client.beat_each(None, last);
+        }
+        started
+    }
+
+    fn open_valve(&mut self, command: Command, then: State) -> Result<(), BoardError> {
+        // May be repeated.
+        self.write(Id::Command, &[Command::Arm.number()])?;
+        self.order(command, &[then])
+    }
+
+    fn is_armed(&mut self) -> Result<bool, BusError> {
+        Ok(self.read(Id::Armed, Id::Armed)?.whole(Id::Armed) > 0)
+    }
+
     /// Stops and vents. What may be done in every state is simply done again.
     ///
     /// # Errors
     /// No answer.
     pub fn stop(&mut self) -> Result<(), BusError> {
-        self.write(Id::Command, &[Command::Stop.number()])
+        self.write(Id::Command, &[Command::Stop.number()])?;
+        self.client.beat_each(None, 0);
+        Ok(())
     }
 
     /// Releases the latched fault; the board repeats its self-test.

@@ -155,7 +155,7 @@ fn today() -> u32 {
 /// The board does not go there.
 pub fn drive(board: &mut Board, bar: f64) -> Result<(), BoardError> {
     if board.state()?.0 != State::Service {
-        board.order(Command::Service, &[State::Service])?;
+        board.drive(Command::Service, State::Service)?;
     }
     Ok(board.set(Id::SetpointBar, bar)?)
 }

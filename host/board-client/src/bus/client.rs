@@ -7,6 +7,12 @@
 //! [`Client::write_once`], and whoever asks finds out by a reading whether it was heard
 //! ([`BusError::is_lost`]).
 //!
+//! # Sign of life
+//! A board that drives its valve wants another number in its heartbeat at short intervals. Whoever has
+//! opened it says so by [`Client::beat_each`]; from then on a heartbeat goes out before a question as
+//! soon as one is due. It is counted here, by the program's own thread, between two questions of that
+//! program: where it hangs, no question and no heartbeat comes.
+//!
 //! # Limits
 //! The port is emptied before each question, and of late answers after one that was asked again;
 //! one that is later still is taken for noise as long as it differs in unit, function or length.
@@ -18,12 +24,13 @@ use std::time::{Duration, Instant};
 use rmodbus::client::ModbusRequest;
 use rmodbus::{ErrorKind, ModbusProto};
 use thiserror::Error;
-use wire::registers::Register;
+use wire::registers::{Id, Register};
 
 use super::port::{Line, Port, PortError};
 
-/// How often a question is asked. Each time is a sign of life for the board, which vents where its
-/// host is silent for longer than its limit: so a question is asked often rather than long.
+/// How often a question is asked. Before each try a heartbeat may be due for the board, which vents
+/// where its host is silent for longer than its limit: so a question is asked often rather than
+/// long.
 const TRIES: usize = 16;
 /// What comes after so long a silence is no answer to a question before.
 const LATE: Duration = Duration::from_millis(30);
@@ -118,6 +125,16 @@ pub struct Client {
     address: Address,
     /// When the last frame ended.
     ended: Instant,
+    heartbeat: Option<Heartbeat>,
+}
+
+/// The sign of life.
+#[derive(Debug)]
+struct Heartbeat {
+    number: u16,
+    each: Duration,
+    /// When the last one was taken.
+    taken: Instant,
 }
 
 impl Client {
@@ -126,7 +143,16 @@ impl Client {
     /// # Errors
     /// It cannot be used.
     pub fn open(address: Address) -> Result<Self, PortError> {
-        Ok(Self { port: Port::open(&address.port, address.line)?, address, ended: Instant::now() })
+        let port = Port::open(&address.port, address.line)?;
+        Ok(Self { port, address, ended: Instant::now(), heartbeat: None })
+    }
+
+    /// From now on says so often that this program lives; `None`: no more. `last`: the number that
+    /// the board was told before.
+    pub fn beat_each(&mut self, each: Option<Duration>, last: u16) {
+        let now = Instant::now();
+        self.heartbeat =
+            each.map(|each| Heartbeat { number: last, each, taken: now.checked_sub(each).unwrap_or(now) });
     }
 
     /// Reads `count` registers, at most [`MOST_READ`].
@@ -188,15 +214,9 @@ impl Client {
         question: &dyn Fn() -> String,
     ) -> Result<Vec<u8>, BusError> {
         let mut damage = None;
-        let silence = Duration::from_secs_f64(SILENCE_BITS / f64::from(self.address.line.baud));
         for attempt in 0..tries {
-            let begin = self.ended + silence.max(LEAST_SILENCE);
-            thread::sleep(begin.saturating_duration_since(Instant::now()));
-            self.port.discard()?;
-            let deadline = Instant::now() + limit;
-            self.port.send(frame, deadline)?;
-            let answer = self.answer(expected, deadline)?;
-            self.ended = Instant::now();
+            self.beat()?;
+            let answer = self.exchange(frame, expected, limit)?;
             if answer.is_empty() {
                 continue;
             }
@@ -226,6 +246,38 @@ impl Client {
                 baud: line.baud,
             },
         })
+    }
+
+    /// Writes the heartbeat, if it is due, once: one that was lost, or is refused by a board that
+    /// has none, goes out again before the next question.
+    fn beat(&mut self) -> Result<(), PortError> {
+        let limit = self.address.limit;
+        let mut request = self.request();
+        let Some(heartbeat) = self.heartbeat.as_mut().filter(|beat| beat.taken.elapsed() >= beat.each) else {
+            return Ok(());
+        };
+        heartbeat.number = heartbeat.number.wrapping_add(1);
+        let (register, number) = (Id::Heartbeat.register(), heartbeat.number);
+        let mut frame = Vec::new();
+        if request.generate_set_holdings_bulk(register.address, &[number], &mut frame).is_ok() {
+            let answer = self.exchange(&frame, WRITTEN, limit)?;
+            let is_taken = answer.len() == WRITTEN && request.parse_ok(&answer).is_ok();
+            self.heartbeat.iter_mut().filter(|_| is_taken).for_each(|beat| beat.taken = Instant::now());
+        }
+        Ok(())
+    }
+
+    /// Sends a frame behind a silence, and takes what comes until the limit.
+    fn exchange(&mut self, frame: &[u8], expected: usize, limit: Duration) -> Result<Vec<u8>, PortError> {
+        let silence = Duration::from_secs_f64(SILENCE_BITS / f64::from(self.address.line.baud));
+        let begin = self.ended + silence.max(LEAST_SILENCE);
+        thread::sleep(begin.saturating_duration_since(Instant::now()));
+        self.port.discard()?;
+        let deadline = Instant::now() + limit;
+        self.port.send(frame, deadline)?;
+        let answer = self.answer(expected, deadline)?;
+        self.ended = Instant::now();
+        Ok(answer)
     }
 
     /// Takes the late answers to a question that was asked more than once.

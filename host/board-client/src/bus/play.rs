@@ -134,12 +134,12 @@ fn check(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
 /// Brings the board into the state in which the points drive it.
 fn start(board: &mut Board, piece: &Piece) -> Result<(), BoardError> {
     match piece.drive {
-        Drive::Valve => board.order(Command::Service, &[State::Service]),
+        Drive::Valve => board.drive(Command::Service, State::Service),
         Drive::Controller(mode) => {
             let first = Value::F32(piece.points.first().copied().unwrap_or_default());
             let mode: Vec<u16> = std::iter::once(mode_number(mode)).chain(first.words()).collect();
             board.write(Id::Mode, &mode)?;
-            board.order(Command::Start, &[State::Tracking])
+            board.drive(Command::Start, State::Tracking)
         }
     }
 }

@@ -158,9 +158,9 @@ fn start(board: &mut impl Board, at_rest: &TickRequest, mode: Mode, time_s: f64)
         if tick(board, at_rest)?.flags.contains(Flags::FAULT) {
             return Err(vented(board, time_s));
         }
-        match demand(board, &Request::Start(mode)) {
+        match demand(board, &Request::Arm) {
             Err(PilError::Refused(Refusal::WrongState(State::SelfTest))) => {}
-            answered => return answered,
+            armed => return armed.and_then(|()| demand(board, &Request::Start(mode))),
         }
     }
 }

@@ -126,6 +126,7 @@ fn in_words(refusal: &Refusal) -> String {
         Refusal::NotStored => {
             "it is in use, but the board's flash has not kept it: it is lost when power is".to_owned()
         }
+        Refusal::NotArmed => "a start takes two steps, and the first was not taken".to_owned(),
         other => format!("{other:?}"),
     }
 }

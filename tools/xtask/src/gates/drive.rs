@@ -45,6 +45,7 @@ pub fn emulated(link: &UnixStream, parameters: &BoardParameters, samples: &[Samp
     demand(&Request::Protect(Protection::SIMULATED)).context("its protection")?;
     let configuration = Configuration { version: VERSION, tracking: parameters.clone() };
     demand(&Request::Configure(configuration)).context("its configuration")?;
+    demand(&Request::Arm).context("its arming")?;
     demand(&Request::Start(Mode::Both)).context("its start")?;
     for (number, sample) in samples.iter().enumerate() {
         demand(&Request::Tick(tick(sample))).with_context(|| format!("sample {number}, {sample:?}"))?;

@@ -137,9 +137,10 @@ fn run(
     let mut board = Production::start(&image.path, &[], None, &options)?;
     board.tick(Some(converted(0.0)))?;
     // What watches the plant is at work like the rest, but the plant is no muscle here.
-    demand(&mut board, &Request::Protect(Protection::SIMULATED), UNSTORED)?;
+    demand(&mut board, &Request::Protect(Protection::WIDEST), UNSTORED)?;
     let configuration = Configuration { version: VERSION, tracking: parameters };
     demand(&mut board, &Request::Configure(configuration), UNSTORED)?;
+    demand(&mut board, &Request::Arm, Response::Accepted)?;
     demand(&mut board, &Request::Start(Mode::Both), Response::Accepted)?;
     for sample in samples {
         board.tick(Some(converted(sample.contraction_mm)))?;

@@ -5,18 +5,31 @@
 
 The changes are those of `mutants.csv`: a file below `firmware`, what stands there exactly once, what takes its place, the
 tests that are most likely to catch it, and why none has to where none does. A copy of the project is changed, and
-built. Ends with 1 where less than 95 % are caught, where one that is not caught has no reason, or where one cannot be built.
+built. The tests that are likely to catch a change run first, then all others, up to the first that fails.
+Ends with 1 where less than 95 % are caught, where one that is not caught has no reason, or where one cannot be built.
 
-Set MGPI_MUTANTS to a list of numbers, as `3,17`, to try these only.
+| variable | what it does |
+|---|---|
+| MGPI_MUTANTS | a list of numbers, as `3,17`: these only |
+| MGPI_MUTANTS_SEED | another order, by chance: a part of the run is then a fair sample of the whole. Without it in the file's |
+| MGPI_MUTANTS_MINUTES | no change is begun behind so many |
+| MGPI_MUTANTS_RESULTS | a file that the outcomes go to, a line each; what it has already is not tried again, but counted |
+| MGPI_MUTANTS_BY | put before each build and each run of tests, as `nice` |
 """
 
+import contextlib
 import csv
+import json
 import os
 import pathlib
+import random
 import shutil
 import subprocess
 import sys
 import tempfile
+import threading
+import time
+import unittest
 
 HERE = pathlib.Path(__file__).parent
 PROJECT = HERE.parents[1]
@@ -25,50 +38,90 @@ COPY = pathlib.Path(tempfile.mkdtemp(prefix="mutants-"))
 TARGET = PROJECT / "target" / "mutants"
 TRIPLE = "thumbv7em-none-eabihf"
 IMAGE = TARGET / TRIPLE / "firmware" / "stm32f405"
+SEAL = TARGET / "seal"
+BY = os.environ.get("MGPI_MUTANTS_BY", "").split()
+# Without debug information, which the model does not read: the code is the same.
 BUILD = [
-    "cargo", "build", "--quiet", "--package", "images", "--profile", "firmware", "--bin", "stm32f405",
-    "--features", "stm32f405", "--target", TRIPLE, "--target-dir", str(TARGET),
+    *BY, "cargo", "build", "--quiet", "--package", "images", "--profile", "firmware", "--bin", "stm32f405",
+    "--features", "stm32f405", "--target", TRIPLE, "--target-dir", str(TARGET), "--config", "profile.firmware.debug=false",
 ]
 LEAST_SHARE = 0.95
-# The longest that the tests may take with a change. Unit: s.
-LIMIT_S = 900
+# The longest that a test may take with a change. Unit: s.
+LIMIT_S = 120
+KEPT = {name: value for name, value in os.environ.items() if name not in ("CARGO_ENCODED_RUSTFLAGS", "RUSTFLAGS")}
 
 
 def copy_project():
-    """Copies what git knows of the project, as it is now."""
+    """Copies what git knows of the project, as it is now, and the program that seals an image."""
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=PROJECT, check=True, capture_output=True, text=True)
     for name in listed.stdout.splitlines():
         source, place = PROJECT / name, COPY / name
         if source.is_file():
             place.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(source, place)
+    subprocess.run(["cargo", "build", "--quiet", "--bin", "xtask"], cwd=PROJECT, env=KEPT, check=True)
+    TARGET.mkdir(parents=True, exist_ok=True)
+    shutil.copy2(PROJECT / "target" / "debug" / "xtask", SEAL)
 
 
 def build():
-    """Builds the image; whether it can be built."""
-    kept = {name: value for name, value in os.environ.items() if name not in ("CARGO_ENCODED_RUSTFLAGS", "RUSTFLAGS")}
-    done = subprocess.run(BUILD, cwd=COPY, env=kept, capture_output=True, text=True, check=False)
+    """Builds the image; whether it can be built, and what is said against it."""
+    done = subprocess.run(BUILD, cwd=COPY, env=KEPT, capture_output=True, text=True, check=False)
     if done.returncode == 0:
-        subprocess.run(["cargo", "xtask", "seal", str(IMAGE)], cwd=PROJECT, env=kept, check=True)
+        subprocess.run([SEAL, "seal", str(IMAGE)], env=KEPT, check=True)
     return done.returncode == 0, done.stderr
 
 
-def is_caught(modules):
-    """Whether a test fails: those that are likely to first, then all."""
-    others = sorted(path.stem for path in HERE.glob("test_*.py") if path.stem not in modules)
-    for names in (modules, others):
-        if names:
-            try:
-                done = subprocess.run(
-                    [sys.executable, "-m", "unittest", "-q", "-f", *names], cwd=HERE, check=False,
-                    env={**os.environ, "MGPI_CHIP_IMAGE": str(IMAGE)}, capture_output=True, timeout=LIMIT_S,
-                )
-            except subprocess.TimeoutExpired:
-                return "time"
-            if done.returncode:
-                failed = [line for line in done.stderr.decode().splitlines() if line.startswith(("FAIL", "ERROR"))]
-                return failed[0].split()[1] if failed else "error"
+def names(modules):
+    """The tests: those of these modules first, then all others."""
+
+    def of(suite):
+        for test in suite:
+            yield from of(test) if isinstance(test, unittest.TestSuite) else [test.id()]
+
+    found = list(of(unittest.defaultTestLoader.discover(str(HERE))))
+    return sorted(found, key=lambda name: name.split(".")[0] not in modules)
+
+
+def caught_by(modules):
+    """The first test that fails; None where all pass."""
+    server = subprocess.Popen(
+        [*BY, sys.executable, "serve.py"], cwd=HERE, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+        text=True, env={**os.environ, "MGPI_CHIP_IMAGE": str(IMAGE)}, start_new_session=True,
+    )
+    try:
+        for name in names(modules):
+            # One that never ends is caught, too.
+            watch = threading.Timer(LIMIT_S, lambda: os.killpg(server.pid, 9))
+            watch.start()
+            with contextlib.suppress(BrokenPipeError):
+                print(name, file=server.stdin, flush=True)
+            line = server.stdout.readline()
+            watch.cancel()
+            if not line or not json.loads(line)["ok"]:
+                return name
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(server.pid, 9)
+        server.wait()
     return None
+
+
+def try_change(mutant, shown):
+    """`caught by` a test, `survives`, or `cannot be built`."""
+    place = COPY / "firmware" / mutant["file"]
+    text = place.read_text(encoding="utf-8")
+    was, becomes = (mutant[name].replace("\\n", "\n") for name in ("was", "becomes"))
+    if text.count(was) != 1:
+        sys.exit(f"{shown}: stands there {text.count(was)} times")
+    place.write_text(text.replace(was, becomes), encoding="utf-8")
+    is_built, said = build()
+    place.write_text(text, encoding="utf-8")
+    if not is_built:
+        print(said)
+        return "cannot be built"
+    by = caught_by(mutant["tests"].split())
+    return f"caught by {by}" if by else "survives"
 
 
 def main():
@@ -76,38 +129,43 @@ def main():
     is_built, said = build()
     if not is_built:
         sys.exit(said)
-    if is_caught([]):
-        sys.exit("the tests fail without a change")
+    by = caught_by([])
+    if by:
+        sys.exit(f"without a change {by} fails")
     chosen = os.environ.get("MGPI_MUTANTS")
     numbers = {int(number) for number in chosen.split(",")} if chosen else None
-    caught, survived, unexplained, unbuilt = 0, [], [], []
+    results = pathlib.Path(os.environ.get("MGPI_MUTANTS_RESULTS", COPY / "results.csv"))
+    done = {}
+    if results.exists():
+        with open(results, newline="", encoding="utf-8") as file:
+            done = {shown: outcome for shown, outcome in csv.reader(file)}
     with open(HERE / "mutants.csv", newline="", encoding="utf-8") as file:
-        for number, mutant in enumerate(csv.DictReader(file), 1):
-            if numbers is not None and number not in numbers:
-                continue
-            place = COPY / "firmware" / mutant["file"]
-            text = place.read_text(encoding="utf-8")
-            was, becomes = (mutant[name].replace("\\n", "\n") for name in ("was", "becomes"))
-            shown = f"{number:3} {mutant['file']}: `{mutant['was']}` -> `{mutant['becomes']}`"
-            if text.count(was) != 1:
-                sys.exit(f"{shown}: stands there {text.count(was)} times")
-            place.write_text(text.replace(was, becomes), encoding="utf-8")
-            is_built, said = build()
-            place.write_text(text, encoding="utf-8")
-            if not is_built:
-                unbuilt.append(shown)
-                print(f"{shown}: cannot be built\n{said}", flush=True)
-                continue
-            by = is_caught(mutant["tests"].split())
-            caught += by is not None
-            if by is None:
-                survived.append(shown)
-                unexplained += [] if mutant["reason"] else [shown]
-            print(f"{shown}: {f'caught by {by}' if by else 'survives'}", flush=True)
-    count = caught + len(survived)
-    print(f"{caught} of {count} changes are caught, {100 * caught / max(count, 1):.1f} %")
-    for shown in unexplained:
-        print(f"without a reason: {shown}")
+        mutants = list(enumerate(csv.DictReader(file), 1))
+    if "MGPI_MUTANTS_SEED" in os.environ:
+        random.Random(os.environ["MGPI_MUTANTS_SEED"]).shuffle(mutants)
+    end = time.monotonic() + 60 * float(os.environ.get("MGPI_MUTANTS_MINUTES", "inf"))
+    reasons = {}
+    for number, mutant in mutants:
+        if numbers is not None and number not in numbers:
+            continue
+        shown = f"{number:3} {mutant['file']}: `{mutant['was']}` -> `{mutant['becomes']}`"
+        reasons[shown] = mutant["reason"]
+        if shown in done or time.monotonic() > end:
+            continue
+        begin = time.monotonic()
+        done[shown] = outcome = try_change(mutant, shown)
+        with open(results, "a", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerow([shown, outcome])
+        print(f"{shown}: {outcome} ({time.monotonic() - begin:.0f} s)", flush=True)
+    tried = {shown: outcome for shown, outcome in done.items() if shown in reasons}
+    unbuilt = [shown for shown, outcome in tried.items() if outcome == "cannot be built"]
+    survived = [shown for shown, outcome in tried.items() if outcome == "survives"]
+    count = len(tried) - len(unbuilt)
+    caught = count - len(survived)
+    print(f"{caught} of {count} changes are caught, {100 * caught / max(count, 1):.1f} %, of {len(reasons)} that there are")
+    unexplained = [shown for shown in survived if not reasons[shown]]
+    for shown in survived:
+        print(f"survives: {shown}: {reasons[shown] or 'without a reason'}")
     for shown in unbuilt:
         print(f"not built: {shown}")
     sys.exit(bool(unexplained or unbuilt) or caught < LEAST_SHARE * count)

@@ -3,7 +3,7 @@
 import os
 import random
 
-from stm32f405.case import ChipCase
+from stm32f405.case import ChipCase, prepared
 from stm32f405.host import BYTE_S, UNIT, read_frame, with_crc
 from stm32f405.link import Link
 
@@ -14,6 +14,7 @@ LINK_BYTE_S = 10 / 460_800
 
 
 class LinkAndBus(ChipCase):
+    @prepared
     def tracking(self):
         """A board that tracks by the paper's model with every extension, whose tick takes longer than a byte of the link."""
         chip, master = self.started()

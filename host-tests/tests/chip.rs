@@ -1,11 +1,14 @@
 //! The unmodified production image in a model of its chip: `host-tests/chip`, a test of Python's
-//! `unittest` each.
+//! `unittest` each. Programs of Python run them (`serve.py`), as many at once as there are threads
+//! here; each has a chip that has started already.
 //!
 //! Skipped, in so many words, where the model's Python or the firmware are missing; `cargo xtask
 //! test` provides both.
 
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Arc, Mutex};
 
 use board_client::emulator::image;
 use board_models::extended_parameters;
@@ -51,7 +54,10 @@ fn run() -> Result<Option<Conclusion>, Failed> {
         return if status.success() { Ok(None) } else { Err("it has failed".into()) };
     }
     let trials = match names(&files) {
-        Ok(names) => names.into_iter().map(|name| trial(name, files.clone())).collect(),
+        Ok(names) => {
+            let servers = Arc::new(Servers { files: files.clone(), idle: Mutex::default() });
+            names.into_iter().map(|name| trial(name, servers.clone())).collect()
+        }
         Err(reason) => {
             println!("the tests of the chip are skipped: {reason}");
             vec![
@@ -126,13 +132,68 @@ fn names(files: &Files) -> Result<Vec<String>, String> {
     Ok(String::from_utf8_lossy(&listed.stdout).lines().map(str::to_owned).collect())
 }
 
-fn trial(name: String, files: Files) -> Trial {
+fn trial(name: String, servers: Arc<Servers>) -> Trial {
     let shown = name.replace("test_", "").replace('.', "::");
     Trial::test(shown, move || {
-        let ran = python(&files).args(["-m", "unittest", "-q", &name]).output()?;
-        let said = String::from_utf8_lossy(&ran.stderr).into_owned();
-        if ran.status.success() { Ok(()) } else { Err(Failed::from(said)) }
+        let mut server = servers.take()?;
+        let answer = server.run(&name)?;
+        servers.give_back(server);
+        if answer["ok"] == true { Ok(()) } else { Err(answer["said"].as_str().unwrap_or_default().into()) }
     })
+}
+
+/// The programs that run tests, and have nothing to do.
+struct Servers {
+    files: Files,
+    idle: Mutex<Vec<Server>>,
+}
+
+impl Servers {
+    fn take(&self) -> Result<Server, Failed> {
+        let idle = self.idle.lock().map_err(|_| "another test has panicked")?.pop();
+        idle.map_or_else(|| Server::start(&self.files), Ok)
+    }
+
+    fn give_back(&self, server: Server) {
+        if let Ok(mut idle) = self.idle.lock() {
+            idle.push(server);
+        }
+    }
+}
+
+/// A program that runs tests, one after the other.
+struct Server {
+    process: Child,
+    names: ChildStdin,
+    answers: BufReader<ChildStdout>,
+}
+
+impl Server {
+    fn start(files: &Files) -> Result<Self, Failed> {
+        let mut command = python(files);
+        let mut process = command.arg("serve.py").stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        match (process.stdin.take(), process.stdout.take()) {
+            (Some(names), Some(answers)) => Ok(Self { process, names, answers: BufReader::new(answers) }),
+            _ => Err("it has no pipes".into()),
+        }
+    }
+
+    /// Whether a test is `ok`, and what it has `said`.
+    fn run(&mut self, name: &str) -> Result<serde_json::Value, Failed> {
+        writeln!(self.names, "{name}")?;
+        let mut line = String::new();
+        self.answers.read_line(&mut line)?;
+        Ok(serde_json::from_str(&line)
+            .map_err(|_| format!("the program that runs the tests has ended: {line}"))?)
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // Each of its tests is over: there is nothing to lose.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
 }
 
 fn python(files: &Files) -> Command {

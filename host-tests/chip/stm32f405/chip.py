@@ -8,7 +8,6 @@ import struct
 from elftools.elf.elffile import ELFFile
 from unicorn import (
     UC_ARCH_ARM,
-    UC_HOOK_BLOCK,
     UC_HOOK_INTR,
     UC_HOOK_MEM_INVALID,
     UC_HOOK_MEM_READ,
@@ -21,6 +20,7 @@ from unicorn import (
 from unicorn import arm_const as arm
 
 from .adc import Adc
+from .blocks import Time, count_time
 from .board import Board
 from .core import FIRST_IRQ, HARD_FAULT, Dwt, Nvic, Scb, SysTick
 from .dac import Dac
@@ -32,6 +32,7 @@ from .gpio import GpioA, GpioB, GpioC
 from .iwdg import Iwdg
 from .pwr import Pwr
 from .rcc import Rcc
+from .registers import Registers
 from .timers import Tim2, Tim3, Tim5
 from .usart import Usart1, Usart2
 
@@ -66,21 +67,28 @@ RETURNS = 8
 class Chip:
     """A chip with an image in its flash, not yet powered."""
 
+    # What the blocks of instructions change, and the model with them: moments in s, a rate in Hz; whether an exception may
+    # be taken before the next block.
+    now = property(lambda self: self._time.now, lambda self, value: setattr(self._time, "now", value))
+    _next_at = property(lambda self: self._time.next_at, lambda self, value: setattr(self._time, "next_at", value))
+    _stalled_until = property(
+        lambda self: self._time.stalled_until, lambda self, value: setattr(self._time, "stalled_until", value)
+    )
+    cycles = property(lambda self: self._time.cycles, lambda self, value: setattr(self._time, "cycles", value))
+    core_hz = property(lambda self: self._time.core_hz, lambda self, value: setattr(self._time, "core_hz", value))
+    _looks = property(lambda self: self._time.looks, lambda self, value: setattr(self._time, "looks", value))
+
     def __init__(self, image=None):
         self.image = image or os.environ["MGPI_CHIP_IMAGE"]
         self.violations = []
         self.allowed = []
-        self.now = self.cycles = 0.0
-        self.core_hz = 16e6
+        self._time = Time(core_hz=16e6, next_at=float("inf"))
         self.supply_v = 3.3
         self.resets = []
         self._events, self._order = [], itertools.count()
-        self._next_at = float("inf")
-        self._blocks = {}
         self._reset_wanted = None
-        self._stalled_until = 0.0
-        # Whether an exception may be taken before the next block.
-        self._looks = False
+        # Whether a peripheral may want another interrupt than when they were asked last.
+        self.lines_have_changed = True
         self.is_halted = self._is_asleep = self._is_stopped = False
         # How often the processor has waited for an interrupt.
         self.sleeps = 0
@@ -116,7 +124,12 @@ class Chip:
                 lambda _, offset, n, __, base=base: self._read(base + offset, n), None,
                 lambda _, offset, n, value, __, base=base: self._write(base + offset, n, value), None,
             )
-        uc.hook_add(UC_HOOK_BLOCK, self._block)
+        count_time(uc, self._time, self._attend, self._measure)
+        # What an exception saves; what it gives back, the program counter apart; where it is looked for.
+        self._saved = Registers(uc, [*CORE, *FLOATS, arm.UC_ARM_REG_SP])
+        self._restored = Registers(uc, [n for n in CORE + FLOATS if n != arm.UC_ARM_REG_PC] + [arm.UC_ARM_REG_SP])
+        self._begun = Registers(uc, [arm.UC_ARM_REG_XPSR, arm.UC_ARM_REG_SP, arm.UC_ARM_REG_LR])
+        self._masks = Registers(uc, MASKS[:3])
         uc.hook_add(UC_HOOK_INTR, self._unexpected)
         uc.hook_add(UC_HOOK_MEM_INVALID, lambda *_: False)
         uc.hook_add(
@@ -230,12 +243,15 @@ class Chip:
 
     def _do_events(self):
         """Each at its own moment: while the processor waits for the flash the peripherals go on."""
-        now = self.now
-        while self._events and self._events[0][0] <= now:
-            self.now, _, work = heapq.heappop(self._events)
+        events, time = self._events, self._time
+        now = time.now
+        if not events or events[0][0] > now:
+            return
+        while events and events[0][0] <= now:
+            time.now, _, work = heapq.heappop(events)
             work()
-        self.now = now
-        self._next_at = self._events[0][0] if self._events else float("inf")
+        time.now = now
+        time.next_at = events[0][0] if events else float("inf")
 
     def _measure(self, address, size):
         """Cycles of a block, and whether an exception that waits may be taken behind it."""
@@ -249,18 +265,14 @@ class Chip:
             count += 1
         return max(count, 1) * CYCLES_PER_INSTRUCTION, unmasks
 
-    def _block(self, uc, address, size, _):
+    def _attend(self):
+        """Stops the emulation before a block, where something else comes first; whether it does."""
         is_stalled = self._stalled_until > self.now
         if is_stalled or self._next_at <= self.now or self._looks and self._taken() is not None:
             self._is_stopped = True
-            uc.emu_stop()
-            return
-        block = self._blocks.get((address, size))
-        if block is None:
-            block = self._blocks[address, size] = self._measure(address, size)
-        cycles, self._looks = block
-        self.cycles += cycles
-        self.now += cycles / self.core_hz
+            self.uc.emu_stop()
+            return True
+        return False
 
     def _spend(self, cycles):
         self.cycles += cycles
@@ -276,20 +288,16 @@ class Chip:
         if number is None:
             return None
         priority = self.nvic.priority_of(number)
-        base = self.uc.reg_read(arm.UC_ARM_REG_BASEPRI)
-        is_masked = (
-            priority >= self.nvic.level()
-            or priority >= 0 and self.uc.reg_read(arm.UC_ARM_REG_PRIMASK) & 1
-            or priority >= -1 and self.uc.reg_read(arm.UC_ARM_REG_FAULTMASK) & 1
-            or 0 < base <= priority
-        )
+        if priority >= self.nvic.level():
+            return None
+        primask, base, faultmask = self._masks.read()
+        is_masked = priority >= 0 and primask & 1 or priority >= -1 and faultmask & 1 or 0 < base <= priority
         return None if is_masked else number
 
     def _enter(self, number):
         """An exception begins: the frame goes to the stack, the processor to the vector."""
-        values = [self.uc.reg_read(register) for register in CORE + FLOATS]
+        *values, stack = self._saved.read()
         values[6] = self._pc & ~1
-        stack = self.uc.reg_read(arm.UC_ARM_REG_SP)
         used = struct.unpack("<I", self.memory_read(START, 4))[0] - stack
         self.below[number] = max(used, self.below.get(number, 0))
         is_odd = stack >> 2 & 1
@@ -300,9 +308,7 @@ class Chip:
         values[7] |= is_odd << 9
         self.memory_write(stack, struct.pack("<25I4x", *values))
         # The frame keeps the state of an IT block that is interrupted; the handler begins outside of one.
-        self.uc.reg_write(arm.UC_ARM_REG_XPSR, values[7] & ~IT_STATE)
-        self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
-        self.uc.reg_write(arm.UC_ARM_REG_LR, EXIT_HANDLER if self.nvic.active else EXIT_THREAD)
+        self._begun.write([values[7] & ~IT_STATE, stack, EXIT_HANDLER if self.nvic.active else EXIT_THREAD])
         self.nvic.take(number)
         self._pc = struct.unpack("<I", self.memory_read(START + 4 * number, 4))[0]
         self._spend(ENTRY_CYCLES)
@@ -311,11 +317,11 @@ class Chip:
         """A handler returns."""
         stack = self.uc.reg_read(arm.UC_ARM_REG_SP)
         values = struct.unpack("<25I4x", self.memory_read(stack, 4 * FRAME_WORDS))
-        for register, value in zip(CORE + FLOATS, values):
-            if register != arm.UC_ARM_REG_PC:
-                self.uc.reg_write(register, value & ~(1 << 9) if register == arm.UC_ARM_REG_XPSR else value)
-        self.uc.reg_write(arm.UC_ARM_REG_SP, stack + 4 * FRAME_WORDS + 4 * (values[7] >> 9 & 1))
+        status = values[7]
+        stack += 4 * FRAME_WORDS + 4 * (status >> 9 & 1)
+        self._restored.write([*values[:6], status & ~(1 << 9), *values[8:], stack])
         self.nvic.active.pop()
+        self.lines_have_changed = True
         self._looks = True
         self._pc = values[6] | 1
         self._spend(RETURN_CYCLES)

@@ -28,6 +28,8 @@ class Nvic(Peripheral):
         return sum(1 << k for k in range(32) if first + k in numbers)
 
     def write(self, offset, size, value):
+        # What was cleared, and is wanted still, is pending again.
+        self.chip.lines_have_changed = True
         if offset >= 0x300:
             for k in range(size):
                 self.priority[offset - 0x300 + k] = value >> 8 * k & PRIORITY_BITS
@@ -51,6 +53,9 @@ class Nvic(Peripheral):
 
     def gather(self):
         """Takes what the peripherals want."""
+        if not self.chip.lines_have_changed:
+            return
+        self.chip.lines_have_changed = False
         for source in self.chip.sources:
             for irq in source.lines():
                 if irq + FIRST_IRQ not in self.active:
@@ -70,6 +75,8 @@ class Nvic(Peripheral):
 
     def next(self):
         """The exception that would be taken, if nothing masks it."""
+        if not self.pending and not self.exceptions:
+            return None
         waiting = [irq + FIRST_IRQ for irq in self.pending & self.enabled] + list(self.exceptions)
         return min(waiting, key=lambda number: (self.priority_of(number), number), default=None)
 

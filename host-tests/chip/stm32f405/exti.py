@@ -1,11 +1,11 @@
 """EXTI: lines to interrupts (RM0090, 12.2), of which the model has one: 16, the voltage detector."""
 
-from .peripheral import Peripheral, Register
+from .peripheral import Register, Source
 
 INTERRUPTS = {16: 1}
 
 
-class Exti(Peripheral):
+class Exti(Source):
     NAME, BASE = "EXTI", 0x4001_3C00
     REGISTERS = {
         0x00: Register("IMR", 0, 0x007F_FFFF),
@@ -26,4 +26,5 @@ class Exti(Peripheral):
 
     def lines(self):
         """The interrupts that are wanted."""
-        return [irq for line, irq in INTERRUPTS.items() if self["PR"] & self["IMR"] & 1 << line]
+        wanted = self.values["PR"] & self.values["IMR"]
+        return [irq for line, irq in INTERRUPTS.items() if wanted & 1 << line] if wanted else ()

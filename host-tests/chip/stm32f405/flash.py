@@ -35,6 +35,8 @@ class Flash(Peripheral):
         # What is being done: address, contents before, contents behind.
         self.operation = None
         self.programmed_words = 0
+        # What the program has asked for since somebody has last emptied this: address, bytes.
+        self.asked = []
         # Whether its cells do not keep what is programmed.
         self.is_worn = False
         # Sectors that refuse, by write protection.
@@ -149,6 +151,7 @@ class Flash(Peripheral):
         if sector not in (1, 2):
             self.violation(f"the code at {address:#010x} is programmed")
         self.programmed_words += 1
+        self.asked.append((address, (old & value).to_bytes(size, "little")))
         self._work(PROGRAM_S)
         new = old if self.is_worn else old & value
         self.operation = address, old.to_bytes(size, "little"), new.to_bytes(size, "little")

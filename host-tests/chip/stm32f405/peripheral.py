@@ -87,3 +87,19 @@ class Peripheral:
             self.values[register.name] = value
         else:
             writer(value)
+
+
+class Source(Peripheral):
+    """One that wants interrupts: `lines()` says which. The controller asks only behind a change of its registers."""
+
+    def reset(self):
+        super().reset()
+        self.chip.lines_have_changed = True
+
+    def __setitem__(self, name, value):
+        super().__setitem__(name, value)
+        self.chip.lines_have_changed = True
+
+    def write(self, offset, size, value):
+        super().write(offset, size, value)
+        self.chip.lines_have_changed = True

@@ -1,13 +1,13 @@
 """TIM2, TIM3 and TIM5: counting up, trigger output, pulses of channel 1 (RM0090, chapter 18)."""
 
-from .peripheral import Peripheral, Register
+from .peripheral import Register, Source
 
 CEN, UDIS, OPM, ARPE = 0, 1, 3, 7
 # What each timer's update starts at the converter's injected group, by JEXTSEL.
 INJECTED_TRIGGER = {"TIM2": 3}
 
 
-class Timer(Peripheral):
+class Timer(Source):
     REGISTERS = {
         0x00: Register("CR1", 0, 0x3FF),
         0x04: Register("CR2", 0, 0xF8),
@@ -121,7 +121,7 @@ class Timer(Peripheral):
 
     def lines(self):
         """Whether the interrupt is wanted."""
-        return [self.IRQ] if self["SR"] & self["DIER"] & 0x5F else []
+        return (self.IRQ,) if self.values["SR"] & self.values["DIER"] & 0x5F else ()
 
 
 class Tim2(Timer):

@@ -1,6 +1,6 @@
 """USART1 and USART2 with the times of their bits (RM0090, chapter 30)."""
 
-from .peripheral import Peripheral, Register
+from .peripheral import Register, Source
 
 PE, FE, NF, ORE, IDLE, RXNE, TC, TXE = range(8)
 UE, TE, RE, RXNEIE, TCIE, TXEIE, IDLEIE = 13, 3, 2, 5, 6, 7, 4
@@ -11,7 +11,7 @@ UNKNOWN_BITS = 0.4
 TOLERANCE = 0.03
 
 
-class Usart(Peripheral):
+class Usart(Source):
     REGISTERS = {
         0x00: Register("SR", 0xC0, 0x3FF),
         0x04: Register("DR", 0, 0x1FF),
@@ -132,14 +132,16 @@ class Usart(Peripheral):
 
     def lines(self):
         """Whether the interrupt is wanted."""
-        status, enabled = self["SR"], self["CR1"]
+        status, enabled = self.values["SR"], self.values["CR1"]
+        if not enabled >> UE & 1:
+            return ()
         wanted = (
             enabled >> RXNEIE & 1 and status & (1 << RXNE | 1 << ORE)
             or enabled >> TCIE & 1 and status & 1 << TC
             or enabled >> TXEIE & 1 and status & 1 << TXE
             or enabled >> IDLEIE & 1 and status & 1 << IDLE
         )
-        return [self.IRQ] if wanted and enabled >> UE & 1 else []
+        return (self.IRQ,) if wanted else ()
 
 
 class Usart1(Usart):

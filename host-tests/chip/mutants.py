@@ -40,7 +40,7 @@ TRIPLE = "thumbv7em-none-eabihf"
 IMAGE = TARGET / TRIPLE / "firmware" / "stm32f405"
 SEAL = TARGET / "seal"
 BY = os.environ.get("MGPI_MUTANTS_BY", "").split()
-# Without debug information, which the model does not read: the code is the same.
+# Without debug information, which the model does not read, and which takes longer than the code.
 BUILD = [
     *BY, "cargo", "build", "--quiet", "--package", "images", "--profile", "firmware", "--bin", "stm32f405",
     "--features", "stm32f405", "--target", TRIPLE, "--target-dir", str(TARGET), "--config", "profile.firmware.debug=false",

@@ -1,8 +1,8 @@
 //! The states of the board and how they follow each other: one table, [`next`].
 //!
 //! The valve is driven in `Tracking`, `Holding` and `Service` only, and none of them is entered but
-//! from a tested board by an order of the host, which has armed it before ([`crate::Control`] counts
-//! for how long). Every state leads to `Fault` by a fault that vents,
+//! from a tested board by an order of the host, which has armed it before ([`crate::Control`]
+//! counts for how long). Every state leads to `Fault` by a fault that vents,
 //! and `Fault` leads on only by an acknowledgement, through the self-test.
 
 use wire::State;

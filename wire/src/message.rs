@@ -29,8 +29,8 @@ pub enum Request {
     Identify,
     /// Take this model, these gains and limits. Refused while tracking.
     Configure(Configuration),
-    /// Start tracking from rest in the given mode. Refused without a configuration, with a fault, or
-    /// where nothing has armed the board.
+    /// Start tracking from rest in the given mode. Refused without a configuration, with a fault,
+    /// or where nothing has armed the board.
     Start(Mode),
     /// Change the mode while tracking, without a bump.
     SetMode(Mode),

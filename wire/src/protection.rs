@@ -108,8 +108,8 @@ impl Protection {
         on_model_fault: OnModelFault::FeedbackOnly,
     };
 
-    /// The widest limits that a board with a muscle takes, by bus and by link: the ends of the ranges
-    /// of its registers. For tests without a muscle.
+    /// The widest limits that a board with a muscle takes, by bus and by link: the ends of the
+    /// ranges of its registers. For tests without a muscle.
     pub const WIDEST: Self = Self {
         self_test_ticks: 0,
         vented_bar: 1.0,

@@ -108,8 +108,8 @@ pub const PROTECTION: [Id; 17] = [
     Id::OnModelFault,
 ];
 
-/// The first register of [`PROTECTION`] whose limit exceeds what is compiled into the board, and what
-/// it holds.
+/// The first register of [`PROTECTION`] whose limit exceeds what is compiled into the board, and
+/// what it holds.
 pub fn excess_of_protection(protection: &Protection) -> Option<(Id, Value)> {
     let mut protection = *protection;
     PROTECTION

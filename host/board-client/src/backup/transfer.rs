@@ -2,8 +2,8 @@
 //!
 //! # To a board
 //! The configuration is staged first: it stands in the board's buffer, read back, and does nothing.
-//! Then calibration, limits of the plant and how the board is reached are written, at once each, and
-//! the configuration is committed. A board that does not take one of them gets back what it had
+//! Then calibration, limits of the plant and how the board is reached are written, at once each,
+//! and the configuration is committed. A board that does not take one of them gets back what it had
 //! before. How it is reached is taken at its next start: until then it answers as it did.
 
 use wire::Protection;

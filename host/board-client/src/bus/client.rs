@@ -8,10 +8,11 @@
 //! ([`BusError::is_lost`]).
 //!
 //! # Sign of life
-//! A board that drives its valve wants another number in its heartbeat at short intervals. Whoever has
-//! opened it says so by [`Client::beat_each`]; from then on a heartbeat goes out before a question as
-//! soon as one is due. It is counted here, by the program's own thread, between two questions of that
-//! program: where it hangs, no question and no heartbeat comes.
+//! A board that drives its valve wants another number in its heartbeat at short intervals. Whoever
+//! has opened it says so by [`Client::beat_each`]. From then on each reading carries one (function
+//! 23, which writes and reads), another one at each try; before a writing it goes out by itself,
+//! where it is due. It is counted here, by the program's own thread, question by question: where
+//! that hangs, no question and no heartbeat comes.
 //!
 //! # Limits
 //! The port is emptied before each question, and of late answers after one that was asked again;
@@ -21,6 +22,7 @@ use std::path::PathBuf;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crc::{CRC_16_MODBUS, Crc};
 use rmodbus::client::ModbusRequest;
 use rmodbus::{ErrorKind, ModbusProto};
 use thiserror::Error;
@@ -118,6 +120,18 @@ const LEAST_SILENCE: Duration = Duration::from_micros(1750);
 /// The same for slow lines, in bits: 3.5 characters.
 const SILENCE_BITS: f64 = 3.5 * 11.0;
 
+/// What is asked.
+struct Question<'a> {
+    request: &'a ModbusRequest,
+    frame: &'a [u8],
+    /// It may carry the heartbeat.
+    is_reading: bool,
+    /// Length of the answer. Unit: byte.
+    expected: usize,
+    /// For a message.
+    words: &'a dyn Fn() -> String,
+}
+
 /// A client of one board.
 #[derive(Debug)]
 pub struct Client {
@@ -135,6 +149,51 @@ struct Heartbeat {
     each: Duration,
     /// When the last one was taken.
     taken: Instant,
+}
+
+impl Heartbeat {
+    /// Another number.
+    fn next(&mut self) -> u16 {
+        self.number = self.number.wrapping_add(1);
+        self.number
+    }
+
+    /// It was taken now.
+    fn taken(&mut self) {
+        self.taken = Instant::now();
+    }
+}
+
+/// A frame's checksum.
+const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_MODBUS);
+/// Functions that read, and that write and read.
+const READING: u8 = 3;
+const READ_WRITE: u8 = 23;
+
+fn framed(content: Vec<u8>) -> Vec<u8> {
+    let crc = CRC.checksum(&content).to_le_bytes();
+    [content, crc.to_vec()].concat()
+}
+
+/// The frame of a reading as one that writes the heartbeat, too: the registers to read, those to
+/// write, bytes and content of these.
+fn with_heartbeat(reading: &[u8], number: u16) -> Vec<u8> {
+    let [unit, _, registers @ .., _, _] = reading else { return reading.to_vec() };
+    let write = [Id::Heartbeat.register().address, 1].map(u16::to_be_bytes).concat();
+    framed([&[*unit, READ_WRITE], registers, &write[..], &[2], &number.to_be_bytes()].concat())
+}
+
+/// The answer to such a frame as that to the reading alone; anything else as it is.
+fn as_reading(answer: Vec<u8>) -> Vec<u8> {
+    match &*answer {
+        [unit, function, rest @ .., _, _]
+            if function & !EXCEPTION == READ_WRITE
+                && framed(answer[..answer.len() - 2].to_vec()) == answer =>
+        {
+            framed([&[*unit, READING | function & EXCEPTION], rest].concat())
+        }
+        _ => answer,
+    }
 }
 
 impl Client {
@@ -166,7 +225,9 @@ impl Client {
         let question = || format!("read {}", named(address));
         made.map_err(|exception| BusError::Refused { question: question(), exception })?;
         let expected = SHORTEST + 2 * usize::from(count);
-        let answer = self.ask(&request, &frame, expected, TRIES, self.address.limit, &question)?;
+        let question =
+            Question { request: &request, frame: &frame, is_reading: true, expected, words: &question };
+        let answer = self.ask(&question, TRIES, self.address.limit)?;
         let mut values = Vec::with_capacity(count.into());
         let damaged = |problem| self.damaged(problem);
         request.parse_u16(&answer, &mut values).map_err(damaged)?;
@@ -196,7 +257,14 @@ impl Client {
         let made = request.generate_set_holdings_bulk(address, values, &mut frame);
         let question = || format!("write {}", named(address));
         made.map_err(|exception| BusError::Refused { question: question(), exception })?;
-        self.ask(&request, &frame, WRITTEN, tries, limit, &question).map(drop)
+        let question = Question {
+            request: &request,
+            frame: &frame,
+            is_reading: false,
+            expected: WRITTEN,
+            words: &question,
+        };
+        self.ask(&question, tries, limit).map(drop)
     }
 
     fn request(&self) -> ModbusRequest {
@@ -204,19 +272,23 @@ impl Client {
     }
 
     /// Asks until there is an answer of the expected length, or an exception.
-    fn ask(
-        &mut self,
-        request: &ModbusRequest,
-        frame: &[u8],
-        expected: usize,
-        tries: usize,
-        limit: Duration,
-        question: &dyn Fn() -> String,
-    ) -> Result<Vec<u8>, BusError> {
+    fn ask(&mut self, question: &Question<'_>, tries: usize, limit: Duration) -> Result<Vec<u8>, BusError> {
+        let &Question { request, frame, is_reading, expected, words } = question;
         let mut damage = None;
         for attempt in 0..tries {
-            self.beat()?;
-            let answer = self.exchange(frame, expected, limit)?;
+            let answer = match self.heartbeat.as_mut().filter(|_| is_reading) {
+                Some(heartbeat) => {
+                    let frame = with_heartbeat(frame, heartbeat.next());
+                    let answer = as_reading(self.exchange(&frame, expected, limit)?);
+                    let is_taken = request.parse_ok(&answer).is_ok();
+                    self.heartbeat.iter_mut().filter(|_| is_taken).for_each(Heartbeat::taken);
+                    answer
+                }
+                None => {
+                    self.beat()?;
+                    self.exchange(frame, expected, limit)?
+                }
+            };
             if answer.is_empty() {
                 continue;
             }
@@ -229,7 +301,7 @@ impl Client {
                 }
                 // What answers another function is no refusal: a late answer to a question before.
                 Err(exception) if exception.is_modbus_error() && is_exception(&answer) => {
-                    return Err(BusError::Refused { question: question(), exception });
+                    return Err(BusError::Refused { question: words(), exception });
                 }
                 Ok(()) => damage = Some(ErrorKind::FrameBroken),
                 Err(problem) => damage = Some(problem),
@@ -256,13 +328,12 @@ impl Client {
         let Some(heartbeat) = self.heartbeat.as_mut().filter(|beat| beat.taken.elapsed() >= beat.each) else {
             return Ok(());
         };
-        heartbeat.number = heartbeat.number.wrapping_add(1);
-        let (register, number) = (Id::Heartbeat.register(), heartbeat.number);
+        let (register, number) = (Id::Heartbeat.register(), heartbeat.next());
         let mut frame = Vec::new();
         if request.generate_set_holdings_bulk(register.address, &[number], &mut frame).is_ok() {
             let answer = self.exchange(&frame, WRITTEN, limit)?;
             let is_taken = answer.len() == WRITTEN && request.parse_ok(&answer).is_ok();
-            self.heartbeat.iter_mut().filter(|_| is_taken).for_each(|beat| beat.taken = Instant::now());
+            self.heartbeat.iter_mut().filter(|_| is_taken).for_each(Heartbeat::taken);
         }
         Ok(())
     }

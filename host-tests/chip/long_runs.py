@@ -15,20 +15,15 @@ import unittest
 
 from stm32f405.case import ChipCase
 from stm32f405.flash import START
-from stm32f405.host import Refused, read_frame, with_crc, write_frame
+from stm32f405.host import read_frame, with_crc, write_frame
+from stm32f405.saves import save_again_and_again
 
 REQUESTS, SAVES, CUTS = 10_000, 100_000, 2_000
 # A save in so many finds a flash that keeps nothing.
 WORN = 100
-SILENT_TICKS, SECTORS, STATE, DEVICE_FAILURE = 0x418, START + 0x4000, 0x200, 4
+SILENT_TICKS, SECTORS, STATE = 0x418, START + 0x4000, 0x200
 SHARE = float(os.environ.get("MGPI_CHIP_SHARE", "1"))
 SEED = int(os.environ.get("MGPI_CHIP_SEED", "0"))
-# Between a frame and the next: more than 3.5 characters. Unit: s.
-PAUSE_S = 2e-3
-# The board is switched off behind each save of this number.
-OFF_EACH = 50
-# The values that are saved in turn, all different from the ones before.
-LOWEST, VALUES = 1000, 50_000
 
 
 class LongRuns(ChipCase):
@@ -53,41 +48,10 @@ class LongRuns(ChipCase):
         return lost
 
     def saves(self):
-        """Each is told right, and what was accepted stands in the flash, word for word; some find a worn flash. Behind each
-        fiftieth the board is switched off, and has the last that was accepted."""
-        chip, master = self.started()
-        count, wrong, lost, refused = int(SAVES * SHARE), 0, 0, 0
-        chance, kept = random.Random(f"saves {SEED}"), master.get("bus_silent_ticks")
-        for number in range(1, count + 1):
-            value = LOWEST + number % VALUES
-            chip.flash.is_worn = chance.randrange(WORN) == 0
-            chip.flash.asked.clear()
-            told = None
-            try:
-                master.set("bus_silent_ticks", value, timeout_s=3.0, pause_s=PAUSE_S)
-                kept = value
-            except Refused as refusal:
-                told = refusal.number
-            # What is there already is not written again, so each of them writes.
-            wrong += told != (DEVICE_FAILURE if chip.flash.is_worn else None)
-            refused += told is not None
-            stands = all(chip.memory_read(address, len(data)) == data for address, data in chip.flash.asked)
-            lost += told is None and not (stands and chip.flash.asked)
-            if number % OFF_EACH == 0:
-                chip.flash.is_worn = False
-                master = self.start(chip)
-                lost += told is None and master.get("bus_silent_ticks") != kept
-                # One that was refused may be there or not.
-                wrong += master.get("fault") != 0
-                kept = master.get("bus_silent_ticks")
-            if number % 1000 == 0:
-                print(f"{number} of {count}: {wrong} told wrongly, {lost} lost", flush=True)
-        erased = len(chip.flash.erased)
-        print(
-            f"{count} saves, {erased} erasures: {refused} failed and were told, {wrong} told wrongly, {lost} lost silently",
-            flush=True,
-        )
-        return wrong + lost
+        """Some find a worn flash."""
+        counted = save_again_and_again(self, int(SAVES * SHARE), WORN, f"saves {SEED}", is_told=True)
+        print(counted, flush=True)
+        return counted.wrong + counted.lost
 
     def cuts(self):
         """Power is lost at a random moment of a save, of which each fourth erases."""

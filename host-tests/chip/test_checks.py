@@ -91,6 +91,13 @@ class Checks(ChipCase):
         self.assert_vented(chip)
         self.assert_fault(master, ACQUISITION)
 
+    def test_an_injected_group_that_is_converted_no_more_is_fault_1(self):
+        chip, master = self.driven()
+        chip.adc.is_injected_dead = True
+        chip.run(10 * TICK_S)
+        self.assert_vented(chip)
+        self.assert_fault(master, ACQUISITION)
+
     def test_eight_conversions_a_tick_take_the_noise_of_one_down_and_their_noise_is_told(self):
         chip, master = self.started()
         chip.board.noise_codes = 4.0

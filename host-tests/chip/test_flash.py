@@ -6,6 +6,7 @@ import struct
 from stm32f405.case import ChipCase
 from stm32f405.flash import ERASE_16K_S, LOCK, START
 from stm32f405.host import Refused, write_frame
+from stm32f405.saves import save_again_and_again
 
 SECTORS = START + 0x4000
 CORRUPT, DEVICE_FAILURE = 22, 4
@@ -76,6 +77,12 @@ class Flash(ChipCase):
             master.set("bus_silent_ticks", 700, timeout_s=2.0)
         self.assertEqual(refused.exception.number, DEVICE_FAILURE)
         self.assertEqual(master.get("bus_silent_ticks"), 700)
+
+    def test_of_a_hundred_saves_none_is_lost_silently_and_each_that_fails_is_told(self):
+        counted = save_again_and_again(self, 100, 10, "a hundred")
+        self.assertEqual((counted.saves, counted.wrong, counted.lost), (100, 0, 0), str(counted))
+        self.assertGreater(counted.refused, 3)
+        self.assertGreater(counted.erasures, 3)
 
     def test_a_save_into_a_protected_sector_is_refused(self):
         chip, master = self.started()

@@ -1,6 +1,6 @@
 """Low voltage: at the start, in operation, while something is stored."""
 
-from stm32f405.case import ChipCase
+from stm32f405.case import VENTED_V, ChipCase
 from stm32f405.flash import DELIVERED
 from stm32f405.host import TABLE, Master, Refused, read_frame
 
@@ -70,6 +70,15 @@ class Supply(ChipCase):
         master.set("command", 4)
         chip.run(0.02)
         self.assertEqual(master.get("fault"), 0)
+
+    def test_a_low_supply_vents_at_once_within_a_tick_too(self):
+        chip, _ = self.driven()
+        vented = []
+        # Behind the tick's own look at the supply, and before its write of the valve.
+        chip.at(chip.systick.due + 2e-6, lambda: chip.set_supply(2.8))
+        chip.at(chip.systick.due + 2.5e-6, lambda: vented.append(chip.board.output_v() < VENTED_V))
+        chip.run(2e-3)
+        self.assertEqual(vented, [True])
 
     def test_nothing_is_stored_at_a_low_supply(self):
         chip, master = self.started()

@@ -43,6 +43,8 @@ class Adc(Peripheral):
         self.scans = 0
         # Whether the converter does nothing any more.
         self.is_dead = False
+        # Whether the injected group does nothing any more.
+        self.is_injected_dead = False
         super().__init__(chip)
 
     def reset(self):
@@ -95,7 +97,7 @@ class Adc(Peripheral):
             count = self.field("SQR1", 20, 4) + 1
             fields = [("SQR3", k) for k in range(6)] + [("SQR2", k) for k in range(6)] + [("SQR1", k) for k in range(4)]
             steps += [(self.field(name, 5 * k, 5), None) for name, k in fields[:count]]
-        if is_injected or self.bit("CR1", JAUTO):
+        if (is_injected or self.bit("CR1", JAUTO)) and not self.is_injected_dead:
             channels = [self.field("JSQR", 5 * k, 5) for k in range(4 - injected, 4)]
             steps += [(channel, place) for place, channel in enumerate(channels)]
         self.is_scanning = True

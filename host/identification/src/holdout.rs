@@ -1,13 +1,13 @@
 //! Where a recording is split into a part that a model is identified from and a part that it is
-//! tried on.
+//! tried on, and how several recordings are.
 //!
 //! The split is by whole cycles: at the turning point, from falling to rising, that is nearest to
 //! the middle of the scored rows. What turns back by less than a tenth of the input's span is no
 //! cycle. The second part is never looked at before the model of the first stands; only its input
 //! has been, as the range of the recording.
 
-use crate::progress::Tell;
-use crate::{Options, Problem};
+use crate::progress::{Tell, within};
+use crate::{Options, Problem, identify_several, simulate, work};
 use recording::Recording;
 use recording::figures::Figures;
 use recording::turning::turning_points;
@@ -42,12 +42,30 @@ pub fn later_cycles(recording: &Recording, options: &Options, progress: Tell<'_>
     Some(Later { from_s: drive.time_s[first], figures, simulated: fit.simulated, scored })
 }
 
-/// The share of the work on a model of a recording that is done before [`later_cycles`] begins,
-/// where that follows.
-pub fn share_before(recording: &Recording, options: &Options) -> f64 {
-    let rows = recording.drive.scored.iter().filter(|&&scored| scored).count();
-    let (all, half) = (crate::work(rows, options), crate::work(rows / 2, options));
-    all / (all + half)
+/// What models of the other recordings answer to each of several, one behind the other, output unit;
+/// None where the others are too short for the model.
+pub fn by_others(all: &[Problem<'_>], options: &Options, progress: Tell<'_>) -> Option<Vec<f64>> {
+    let mut simulated = Vec::new();
+    for (place, left_out) in all.iter().enumerate() {
+        let others: Vec<Problem<'_>> = [&all[..place], &all[place + 1..]].concat();
+        let shares = [place, place + 1].map(|done| done as f64 / all.len() as f64);
+        let fit = identify_several(&others, options, &within(progress, shares)).ok()?;
+        simulated.extend(simulate(&fit.model, left_out.input));
+    }
+    Some(simulated)
+}
+
+/// The share of the work on a model of all recordings, where models of parts follow: of the first
+/// cycles of one ([`later_cycles`]), of the others for each of several ([`by_others`]).
+pub fn share_before_others(recordings: &[Recording], options: &Options) -> f64 {
+    let scored = |recording: &Recording| recording.drive.scored.iter().filter(|&&scored| scored).count();
+    let rows: Vec<usize> = recordings.iter().map(scored).collect();
+    let all: usize = rows.iter().sum();
+    let parts: f64 = match rows[..] {
+        [rows] => work(rows / 2, options),
+        _ => rows.iter().map(|rows| work(all - rows, options)).sum(),
+    };
+    work(all, options) / (work(all, options) + parts)
 }
 
 /// The recording with its first part scored only; as it is where there are no two parts.

@@ -9,9 +9,9 @@ use std::time::Instant;
 
 use model_core::ExtensionParameters;
 
-use crate::holdout::{Later, later_cycles};
+use crate::holdout::{Later, by_others, later_cycles, share_before_others};
 use crate::progress::{Tell, within};
-use crate::{Fit, IdentificationError, Options, Problem, identify_several, simulate, work};
+use crate::{Fit, IdentificationError, Options, Problem, identify_several, simulate};
 use recording::Recording;
 use recording::model_file::{HeldOut, Identification, ModelFile};
 use recording::table::DataError;
@@ -68,7 +68,7 @@ pub fn identified(
     let fails = |error| NotIdentified::Identification(Box::new((joined.clone(), error)));
     let all: Vec<Problem<'_>> = recordings.iter().map(Problem::from).collect();
     let share = match trial {
-        Trial::Part => share_of_all(recordings, options),
+        Trial::Part => share_before_others(recordings, options),
         Trial::Nothing | Trial::Another(_) => 1.0,
     };
     let begin = Instant::now();
@@ -131,25 +131,7 @@ fn on_a_part(
         let heldout = of(&later, &simulated, Some(from_s));
         return Some(((later, simulated), heldout));
     }
-    let mut simulated = Vec::new();
-    for (place, left_out) in all.iter().enumerate() {
-        let others: Vec<Problem<'_>> = [&all[..place], &all[place + 1..]].concat();
-        let shares = [place, place + 1].map(|done| done as f64 / all.len() as f64);
-        let fit = identify_several(&others, options, &within(progress, shares)).ok()?;
-        simulated.extend(simulate(&fit.model, left_out.input));
-    }
+    let simulated = by_others(all, options, progress)?;
     let heldout = of(joined, &simulated, None);
     Some(((joined.clone(), simulated), heldout))
-}
-
-/// The share of the work on a model of all recordings, where models of parts follow.
-fn share_of_all(recordings: &[Recording], options: &Options) -> f64 {
-    let scored = |recording: &Recording| recording.drive.scored.iter().filter(|&&scored| scored).count();
-    let rows: Vec<usize> = recordings.iter().map(scored).collect();
-    let all: usize = rows.iter().sum();
-    let parts: f64 = match rows[..] {
-        [rows] => work(rows / 2, options),
-        _ => rows.iter().map(|rows| work(all - rows, options)).sum(),
-    };
-    work(all, options) / (work(all, options) + parts)
 }

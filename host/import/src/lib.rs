@@ -1,10 +1,13 @@
 //! Files of other programs as tables, of which recordings are made.
 //!
-//! | file | what it reads |
-//! |---|---|
-//! | `npy` | NumPy's `.npy`, and `.npz`: several of them in one archive |
-//! | `mat` | MATLAB's `.mat` of version 5 (`save` without `-v7.3`, SciPy's `savemat`) |
-//! | `sheet` | spreadsheets: `.xlsx`, `.xls`, `.xlsb`, `.ods` |
+//! | file | what it reads | feature |
+//! |---|---|---|
+//! | `npy` | NumPy's `.npy`, and `.npz`: several of them in one archive | |
+//! | `mat` | MATLAB's `.mat` of version 5 (`save` without `-v7.3`, SciPy's `savemat`) | |
+//! | `sheet` | spreadsheets: `.xlsx`, `.xls`, `.xlsb`, `.ods` | |
+//! | `hdf5` | HDF5, and MATLAB's `.mat` of version 7.3 | `hdf5` |
+//! | `parquet` | Parquet | `parquet` |
+//! | `bag` | MCAP, ROS 2's bags | `mcap` |
 //!
 //! Everything else is text, and read as a recording is ([`Table::read`]). What a file is its first
 //! bytes say, not its name.
@@ -14,13 +17,22 @@
 //! numbers above 2⁵³, which are refused. A matrix is a column each, `name_1`, `name_2`. Columns of
 //! another length than the times are no part of the table; they are listed by name.
 
+#[cfg(feature = "mcap")]
+mod bag;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 mod mat;
 mod npy;
+mod number;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod sheet;
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use recording::table::naming::Renamed;
 use recording::table::{DataError, Table};
 use thiserror::Error;
 
@@ -34,6 +46,8 @@ pub struct Imported {
     pub table: Table,
     /// Variables that are no part of it, each with how many values it has.
     pub left_out: Vec<(String, usize)>,
+    /// What was done to make it one, in words.
+    pub notes: Vec<String>,
 }
 
 /// What is wrong with a file.
@@ -54,12 +68,20 @@ pub enum Problem {
     Unreadable(#[from] std::io::Error),
     #[error("cut off or damaged: {0}")]
     Damaged(String),
+    #[error("{0}, which this mgpi was built without: the feature {1} of cargo")]
+    NotBuilt(&'static str, &'static str),
     #[error(
-        "a MAT file of version 7.3; save it again by `save -v7`, or read it in Python: mgpi.Recording takes arrays"
+        "a bag of SQLite; convert it: `ros2 bag convert`, or `rosbags-convert --src BAG --dst BAG.mcap` of the package rosbags"
     )]
-    Mat73,
-    #[error("a Parquet file; read it in Python: mgpi.Recording(pandas.read_parquet(FILE))")]
-    Parquet,
+    Sqlite,
+    #[error("a folder without a .mcap file of a bag")]
+    Folder,
+    #[error("a folder with several .mcap files: {0}; name one")]
+    SeveralParts(String),
+    #[error("there is no topic {wanted} with numbers; there are {present}")]
+    NoTopic { wanted: String, present: String },
+    #[error("there is no variable {wanted}; there are {present}")]
+    NoVariable { wanted: String, present: String },
     #[error("{name}: {why}")]
     Variable { name: String, why: String },
     #[error("there is no sheet {wanted}; there are {present}")]
@@ -68,74 +90,175 @@ pub enum Problem {
     Nothing,
 }
 
-/// Reads a file of whatever kind. `sheet`: of a spreadsheet, else the first one.
+/// What the user says of a file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options<'a> {
+    /// The sheet of a spreadsheet, else the first one.
+    pub sheet: Option<&'a str>,
+    /// The variables that are wanted; all, if there is none.
+    pub columns: &'a [Renamed],
+    /// The topic of a bag whose times the recording has.
+    pub clock: Option<&'a str>,
+}
+
+/// The name of the times of a bag.
+#[cfg(feature = "mcap")]
+const TIME_COLUMN: &str = "time_s";
+/// As many bytes as tell what a file is: MATLAB's files say their version at the end of these.
+const HEAD: usize = 128;
+
+/// Reads a file of whatever kind.
 ///
 /// # Errors
 /// See [`ImportError`].
-pub fn read(file: &Path, sheet: Option<&str>) -> Result<Imported, ImportError> {
-    let of_file = |problem| ImportError::File { file: file.to_owned(), problem };
+pub fn read(file: &Path, options: &Options) -> Result<Imported, ImportError> {
     if recording::input::is_standard(file) {
         return text(file);
     }
-    let bytes = fs::read(file).map_err(|error| of_file(error.into()))?;
-    let variables = match &bytes[..] {
-        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::array(&stem(file), &bytes),
-        [b'P', b'A', b'R', b'1', ..] => Err(Problem::Parquet),
-        [b'M', b'A', b'T', b'L', b'A', b'B', ..] => mat::variables(&bytes),
-        [0x89, b'H', b'D', b'F', ..] => Err(Problem::Mat73),
-        [b'P', b'K', 3 | 5, ..] if npy::is_archive(&bytes) => npy::archive(&bytes),
+    let file = &part(file).map_err(|problem| ImportError::File { file: file.to_owned(), problem })?;
+    let of_file = |problem| ImportError::File { file: file.to_owned(), problem };
+    let mut head = Vec::new();
+    let unreadable = |error: std::io::Error| of_file(error.into());
+    File::open(file).map_err(unreadable)?.take(HEAD as u64).read_to_end(&mut head).map_err(unreadable)?;
+    let whole = || fs::read(file).map_err(unreadable);
+    let variables = match &head[..] {
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::array(&stem(file), &whole()?),
+        [b'P', b'A', b'R', b'1', ..] => parquet_file(file),
+        [b'M', b'A', b'T', b'L', b'A', b'B', ..] if is_of_version_7_3(&head) => {
+            return hdf5_file(file, true).map_err(of_file)?.table(file);
+        }
+        [b'M', b'A', b'T', b'L', b'A', b'B', ..] => mat::variables(&whole()?),
+        [0x89, b'H', b'D', b'F', ..] => return hdf5_file(file, false).map_err(of_file)?.table(file),
+        [0x89, b'M', b'C', b'A', b'P', ..] => return bag_file(file, options).map_err(of_file)?.table(file),
+        head if head.starts_with(b"SQLite format 3") => Err(Problem::Sqlite),
         [b'P', b'K', 3 | 5, ..] | [0xd0, 0xcf, 0x11, 0xe0, ..] => {
-            let text = sheet::text(bytes, sheet).map_err(of_file)?;
-            return Ok(Imported { table: Table::parse(file, text.as_bytes())?, left_out: Vec::new() });
+            let bytes = whole()?;
+            match npy::is_archive(&bytes) {
+                true => npy::archive(&bytes),
+                false => {
+                    let text = sheet::text(bytes, options.sheet).map_err(of_file)?;
+                    let table = Table::parse(file, text.as_bytes())?;
+                    return Ok(Imported { table, left_out: Vec::new(), notes: Vec::new() });
+                }
+            }
         }
         _ => return text(file),
     };
-    let (variables, left_out) = of_one_length(variables.map_err(of_file)?);
-    let columns: Vec<(&str, &[f64])> =
-        variables.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
-    if columns.is_empty() {
-        return Err(of_file(Problem::Nothing));
+    of_one_length(variables.map_err(of_file)?).map_err(of_file)?.table(file)
+}
+
+/// What a file holds.
+struct Found {
+    variables: Vec<Variable>,
+    left_out: Vec<(String, usize)>,
+    notes: Vec<String>,
+}
+
+impl Found {
+    fn table(self, file: &Path) -> Result<Imported, ImportError> {
+        let Self { variables, left_out, notes } = self;
+        let columns: Vec<(&str, &[f64])> =
+            variables.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+        if columns.is_empty() {
+            return Err(ImportError::File { file: file.to_owned(), problem: Problem::Nothing });
+        }
+        Ok(Imported { table: Table::of_columns(file, &columns)?, left_out, notes })
     }
-    Ok(Imported { table: Table::of_columns(file, &columns)?, left_out })
 }
 
-fn text(file: &Path) -> Result<Imported, ImportError> {
-    Ok(Imported { table: Table::read(file)?, left_out: Vec::new() })
-}
-
-/// The variables that have as many values as most have, of equally many lengths the larger; and the
-/// others.
-fn of_one_length(variables: Vec<Variable>) -> (Vec<Variable>, Vec<(String, usize)>) {
-    let count = |length: usize| variables.iter().filter(|(_, values)| values.len() == length).count();
-    let lengths = variables.iter().map(|(_, values)| values.len());
-    let length = lengths.max_by_key(|&length| (count(length), length)).unwrap_or(0);
-    let (these, others): (Vec<Variable>, Vec<Variable>) =
-        variables.into_iter().partition(|(_, values)| values.len() == length);
-    (these, others.into_iter().map(|(name, values)| (name, values.len())).collect())
-}
-
-/// The columns of a matrix in the order of Fortran, each under a name of its own.
-fn columns(name: &str, rows: usize, values: Vec<f64>) -> Vec<Variable> {
-    match rows {
-        0 => Vec::new(),
-        rows if rows == values.len() => vec![(name.to_owned(), values)],
-        rows => {
-            let named = |(place, column): (usize, &[f64])| (format!("{name}_{}", place + 1), column.to_vec());
-            values.chunks(rows).enumerate().map(named).collect()
+/// The file itself, or of a bag's folder the one that it has.
+fn part(file: &Path) -> Result<PathBuf, Problem> {
+    if !file.is_dir() {
+        return Ok(file.to_owned());
+    }
+    let entries = fs::read_dir(file)?.collect::<Result<Vec<_>, _>>()?;
+    let is_bag = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "mcap");
+    let mut parts: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).filter(is_bag).collect();
+    parts.sort();
+    match &parts[..] {
+        [part] => Ok(part.clone()),
+        [] => Err(Problem::Folder),
+        several => {
+            let names = several.iter().map(|part| part.file_name().unwrap_or_default().display().to_string());
+            Err(Problem::SeveralParts(names.collect::<Vec<_>>().join(", ")))
         }
     }
 }
 
-/// A whole number that no `f64` has.
-fn whole(name: &str, value: i128) -> Result<f64, Problem> {
-    let number = value as f64;
-    match number as i128 == value {
-        true => Ok(number),
-        false => Err(Problem::Variable {
-            name: name.to_owned(),
-            why: format!("{value} is no number of double precision; store differences to the first one"),
-        }),
+/// Whether the head of a file of MATLAB's says so: version 0x0200 in either order of bytes.
+fn is_of_version_7_3(head: &[u8]) -> bool {
+    matches!(head.get(HEAD - 4..HEAD), Some([0, 2, b'I', b'M'] | [2, 0, b'M', b'I']))
+}
+
+#[cfg(feature = "parquet")]
+fn parquet_file(file: &Path) -> Result<Vec<Variable>, Problem> {
+    parquet::variables(File::open(file)?)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet_file(_: &Path) -> Result<Vec<Variable>, Problem> {
+    Err(Problem::NotBuilt("a Parquet file", "parquet"))
+}
+
+#[cfg(feature = "hdf5")]
+fn hdf5_file(file: &Path, is_matlab: bool) -> Result<Found, Problem> {
+    of_one_length(hdf5::arrays(file, is_matlab)?)
+}
+
+#[cfg(not(feature = "hdf5"))]
+fn hdf5_file(_: &Path, _: bool) -> Result<Found, Problem> {
+    Err(Problem::NotBuilt("an HDF5 file", "hdf5"))
+}
+
+#[cfg(feature = "mcap")]
+fn bag_file(file: &Path, options: &Options) -> Result<Found, Problem> {
+    let (variables, notes) = bag::variables(File::open(file)?, options)?;
+    Ok(Found { variables, left_out: Vec::new(), notes })
+}
+
+#[cfg(not(feature = "mcap"))]
+fn bag_file(_: &Path, _: &Options) -> Result<Found, Problem> {
+    Err(Problem::NotBuilt("a bag", "mcap"))
+}
+
+fn text(file: &Path) -> Result<Imported, ImportError> {
+    Ok(Imported { table: Table::read(file)?, left_out: Vec::new(), notes: Vec::new() })
+}
+
+/// What has a length before it is read.
+trait Shaped {
+    fn name(&self) -> &str;
+    fn rows(&self) -> usize;
+    fn read(&self) -> Result<Vec<Variable>, Problem>;
+}
+
+impl Shaped for Variable {
+    fn name(&self) -> &str {
+        &self.0
     }
+
+    fn rows(&self) -> usize {
+        self.1.len()
+    }
+
+    fn read(&self) -> Result<Vec<Variable>, Problem> {
+        Ok(vec![self.clone()])
+    }
+}
+
+/// The variables that have as many values as most have, of equally many lengths the larger; and the
+/// others, which are not read.
+fn of_one_length<S: Shaped>(found: Vec<S>) -> Result<Found, Problem> {
+    let count = |length: usize| found.iter().filter(|one| one.rows() == length).count();
+    let length = found.iter().map(Shaped::rows).max_by_key(|&length| (count(length), length)).unwrap_or(0);
+    let (mut these, mut others) = (Vec::new(), Vec::new());
+    for one in &found {
+        match one.rows() == length {
+            true => these.extend(one.read()?),
+            false => others.push((one.name().to_owned(), one.rows())),
+        }
+    }
+    Ok(Found { variables: these, left_out: others, notes: Vec::new() })
 }
 
 fn stem(file: &Path) -> String {
@@ -149,21 +272,10 @@ mod tests {
     #[test]
     fn variables_of_another_length_are_listed() {
         let named = |name: &str, count| (name.to_owned(), vec![0.0; count]);
-        let (these, others) =
-            of_one_length(vec![named("rate", 1), named("t", 5), named("p", 5), named("note", 2)]);
+        let Found { variables: these, left_out: others, .. } =
+            of_one_length(vec![named("rate", 1), named("t", 5), named("p", 5), named("note", 2)])
+                .expect("in memory");
         assert_eq!(these.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["t", "p"]);
         assert_eq!(others, [("rate".to_owned(), 1), ("note".to_owned(), 2)]);
-    }
-
-    #[test]
-    fn a_matrix_is_a_column_each() {
-        let found = columns("x", 2, vec![1.0, 2.0, 3.0, 4.0]);
-        assert_eq!(found, [("x_1".to_owned(), vec![1.0, 2.0]), ("x_2".to_owned(), vec![3.0, 4.0])]);
-    }
-
-    #[test]
-    fn whole_numbers_that_would_be_rounded_are_refused() {
-        assert_eq!(whole("t", 1 << 53).ok(), Some((1_u64 << 53) as f64));
-        assert!(whole("t", (1 << 53) + 1).is_err());
     }
 }

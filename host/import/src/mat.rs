@@ -2,7 +2,8 @@
 
 use matfile::{MatFile, NumericData};
 
-use super::{Problem, Variable, columns, whole};
+use super::number::{columns, whole};
+use super::{Problem, Variable};
 
 /// Bytes before the first variable.
 const HEADER: usize = 128;

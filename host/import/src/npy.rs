@@ -13,7 +13,8 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use super::{Problem, Variable, columns, whole};
+use super::number::{Kind, columns, transposed};
+use super::{Problem, Variable};
 
 /// Whether an archive is one of NumPy's: all its files are arrays.
 pub fn is_archive(bytes: &[u8]) -> bool {
@@ -91,48 +92,6 @@ pub fn array(name: &str, bytes: &[u8]) -> Result<Vec<Variable>, Problem> {
         });
     }
     Ok(found)
-}
-
-/// A matrix whose rows stand one behind the other, its columns one behind the other.
-fn transposed(rows: usize, width: usize, values: &[f64]) -> Vec<f64> {
-    (0..width).flat_map(|column| (0..rows).map(move |row| values[row * width + column])).collect()
-}
-
-/// How a number is stored.
-#[derive(Clone, Copy)]
-struct Kind {
-    letter: char,
-    width: usize,
-    is_big_endian: bool,
-}
-
-impl Kind {
-    /// That of `<f8`.
-    fn of(text: &str) -> Option<Self> {
-        let mut letters = text.chars();
-        let (order, letter) = (letters.next()?, letters.next()?);
-        let width: usize = letters.as_str().parse().ok()?;
-        let is_known = matches!((letter, width), ('f', 4 | 8) | ('i' | 'u', 1 | 2 | 4 | 8) | ('b', 1));
-        (is_known && "<>|=".contains(order)).then_some(Self { letter, width, is_big_endian: order == '>' })
-    }
-
-    fn value(self, name: &str, bytes: &[u8]) -> Result<f64, Problem> {
-        let mut wide = [0_u8; 8];
-        // Little-endian from here on.
-        for (place, byte) in bytes.iter().enumerate() {
-            wide[if self.is_big_endian { self.width - 1 - place } else { place }] = *byte;
-        }
-        let bits = u64::from_le_bytes(wide);
-        match (self.letter, self.width) {
-            ('f', 8) => Ok(f64::from_bits(bits)),
-            ('f', _) => Ok(f64::from(f32::from_bits(bits as u32))),
-            ('i', width) => {
-                let unused = 64 - 8 * width as u32;
-                whole(name, (((bits << unused) as i64) >> unused).into())
-            }
-            _ => whole(name, bits.into()),
-        }
-    }
 }
 
 /// The fields of a type, or the type under the array's name. None where one is no real number.

@@ -107,3 +107,25 @@ fn another_unit_is_converted_to_that_of_the_first() {
     let (mm, cm) = (figure("one.csv other.csv"), figure("one.csv cm.csv"));
     assert!((mm - cm).abs() < 1e-6 * mm, "{mm} against {cm}");
 }
+
+/// The held-out error of a model is that of `identify`, which makes the same models.
+#[test]
+fn models_are_compared_on_several_recordings_as_they_are_identified_from_them() {
+    let bench = Bench::new();
+    record(&bench, "fig8", 1, "one.csv");
+    record(&bench, "ramps", 2, "other.csv");
+    let said = bench.succeeds(
+        "compare one.csv other.csv --models mgpi,sgpi --sizes 5/5 --starts 2 --json c.json --report c.html",
+    );
+    assert!(said.contains("one.csv + other.csv") && said.contains("a model of the others"), "{said}");
+    bench.succeeds("identify one.csv other.csv -o m.toml --plays 5 --dead-zones 5 --starts 2 --json r.json");
+    let [table, one] =
+        ["c.json", "r.json"].map(|file| serde_json::from_str::<Value>(&bench.read(file)).expect("JSON"));
+    let of_mgpi = &table["rows"][0];
+    for part in ["training", "heldout"] {
+        assert!(one[part]["rmse_mm"].is_number(), "{one}");
+        assert_eq!(of_mgpi[part]["rmse_mm"], one[part]["rmse_mm"], "{part}: {of_mgpi}");
+    }
+    let message = bench.refuses("compare one.csv one.csv --models sgpi");
+    assert!(message.contains("the same recording"), "{message}");
+}

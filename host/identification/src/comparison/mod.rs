@@ -1,4 +1,5 @@
-//! Models by sizes on one recording: Tables 3 and 4 of the paper for any recording.
+//! Models by sizes on a recording, or on several of one muscle together: Tables 3 and 4 of the paper
+//! for any recording.
 //!
 //! Every model is identified by the same search, from the same seed, and tried on the same held-out
 //! rows. One that cannot be made (an extended model without an inverse, say) keeps its row, which
@@ -11,16 +12,16 @@ use std::time::Instant;
 
 use model_core::Kind;
 
-use crate::holdout::{later_cycles, share_before};
+use crate::holdout::{by_others, later_cycles, share_before_others};
 use crate::progress::{Tell, within};
-use crate::{Fit, IdentificationError, Options, Weights};
+use crate::{Fit, IdentificationError, Options, Problem, Weights, identify_several};
 use recording::Recording;
 use recording::figures::Figures;
 use recording::worth::{Limit, Worth};
 
 /// Models on a recording; at least one could be made.
 pub struct Comparison<'a> {
-    /// What they were identified from.
+    /// What they were identified from; several recordings one behind the other.
     pub recording: &'a Recording,
     /// What they were tried on.
     pub heldout: HeldOut<'a>,
@@ -35,6 +36,8 @@ pub enum HeldOut<'a> {
     Recording(&'a Recording),
     /// The later cycles of the recording, by a second model of the first ones ([`crate::holdout`]).
     LaterCycles,
+    /// Each of several recordings, by a model of the others.
+    EachByOthers,
     /// Nothing.
     Nothing,
 }
@@ -65,25 +68,26 @@ pub struct Outcome {
 }
 
 impl<'a> Comparison<'a> {
-    /// Identifies each model. `tick_instructions` tells the most instructions of a tick on the
+    /// Identifies each model, of all recordings, which `recording` has one behind the other
+    /// ([`Recording::joined`]). `tick_instructions` tells the most instructions of a tick on the
     /// board with the model of a name as [`Row::name`] has it; None where that has not been
     /// measured. `progress` is told the share of the work on all models that is done.
     ///
     /// # Errors
     /// That of the first model, if none can be made.
     pub fn of(
-        recording: &'a Recording,
+        (recordings, recording): (&[Recording], &'a Recording),
         heldout: HeldOut<'a>,
         models: &[Options],
         tick_instructions: fn(&str) -> Option<u64>,
         progress: Tell<'_>,
     ) -> Result<Self, IdentificationError> {
         let mut rows = Vec::new();
-        let work: Vec<f64> = models.iter().map(|options| heldout.work(recording, options)).collect();
+        let work: Vec<f64> = models.iter().map(|options| heldout.work(recordings, options)).collect();
         let (all, mut before) = (work.iter().sum::<f64>(), 0.0);
         for (options, work) in models.iter().zip(work) {
             let progress = within(progress, [before / all, (before + work) / all]);
-            let row = Row::of(recording, heldout, options, &progress);
+            let row = Row::of((recordings, recording), heldout, options, &progress);
             rows.push(Row { tick_instructions: tick_instructions(&row.name()), ..row });
             before += work;
         }
@@ -113,20 +117,23 @@ impl<'a> Comparison<'a> {
 
 impl HeldOut<'_> {
     /// Units of the work on a model.
-    fn work(self, recording: &Recording, options: &Options) -> f64 {
-        let rows = recording.drive.scored.iter().filter(|&&scored| scored).count();
-        crate::work(rows, options) / self.share_before(recording, options)
+    fn work(self, recordings: &[Recording], options: &Options) -> f64 {
+        let scored = |recording: &Recording| recording.drive.scored.iter().filter(|&&scored| scored).count();
+        crate::work(recordings.iter().map(scored).sum(), options) / self.share_before(recordings, options)
     }
 
     /// The share of the work on a model that is done before it is tried on what is held out.
-    fn share_before(self, recording: &Recording, options: &Options) -> f64 {
-        if matches!(self, Self::LaterCycles) { share_before(recording, options) } else { 1.0 }
+    fn share_before(self, recordings: &[Recording], options: &Options) -> f64 {
+        match self {
+            Self::LaterCycles | Self::EachByOthers => share_before_others(recordings, options),
+            Self::Recording(_) | Self::Nothing => 1.0,
+        }
     }
 
     fn figures(
         self,
         fit: &Fit,
-        recording: &Recording,
+        (all, recording): (&[Problem<'_>], &Recording),
         options: &Options,
         progress: Tell<'_>,
     ) -> Option<Figures> {
@@ -135,20 +142,30 @@ impl HeldOut<'_> {
                 Some(other.figures(&crate::simulate(&fit.model, &other.drive.input.values)))
             }
             Self::LaterCycles => later_cycles(recording, options, progress).map(|later| later.figures),
+            Self::EachByOthers => {
+                by_others(all, options, progress).map(|simulated| recording.figures(&simulated))
+            }
             Self::Nothing => None,
         }
     }
 }
 
 impl Row {
-    fn of(recording: &Recording, heldout: HeldOut<'_>, options: &Options, progress: Tell<'_>) -> Self {
+    fn of(
+        (recordings, recording): (&[Recording], &Recording),
+        heldout: HeldOut<'_>,
+        options: &Options,
+        progress: Tell<'_>,
+    ) -> Self {
         let begin = Instant::now();
-        let share = heldout.share_before(recording, options);
-        let fit = crate::identify(&recording.into(), options, &within(progress, [0.0, share]));
+        let share = heldout.share_before(recordings, options);
+        let all: Vec<Problem<'_>> = recordings.iter().map(Problem::from).collect();
+        let fit = identify_several(&all, options, &within(progress, [0.0, share]));
         let seconds = begin.elapsed().as_secs_f64();
+        let trying = within(progress, [share, 1.0]);
         let outcome = fit.map(|fit| Outcome {
             training: recording.figures(&fit.simulated),
-            heldout: heldout.figures(&fit, recording, options, &within(progress, [share, 1.0])),
+            heldout: heldout.figures(&fit, (&all, recording), options, &trying),
             termination: fit.termination.to_string(),
             simulated: fit.simulated,
         });

@@ -71,7 +71,10 @@ impl Comparison<'_> {
                 "Held out is the second half of the cycles; another model of the first half was tried on it."
                     .to_owned()
             }
-            HeldOut::LaterCycles | HeldOut::Nothing => {
+            HeldOut::EachByOthers if self.has_heldout() => {
+                "Held out is each recording; a model of the others was tried on it.".to_owned()
+            }
+            HeldOut::LaterCycles | HeldOut::EachByOthers | HeldOut::Nothing => {
                 "Nothing was held out: how the models do on what they have not seen is not known.".to_owned()
             }
         }

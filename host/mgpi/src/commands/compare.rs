@@ -12,15 +12,17 @@ use crate::Error;
 use crate::output::Outputs;
 use identification::comparison::{Comparison, FREE_WEIGHTS, HeldOut, PIECEWISE_LINEAR, has_dead_zones};
 use identification::{CONVERGED, DEAD_ZONES, Loss, Options, PLAYS, Weights};
+use recording::Recording;
 use recording::numbers::legible;
 use report::comparison::to_html;
 
-/// Compares models and sizes on a recording, as the paper's Tables 3 and 4 do.
+/// Compares models and sizes on a recording, or on several of one muscle, as the paper's Tables 3
+/// and 4 do.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// The recording
-    #[arg(value_name = "REC.csv")]
-    recording: PathBuf,
+    /// The recording; of several of one muscle, each from rest, one model is made of all
+    #[arg(value_name = "REC.csv", required = true)]
+    recordings: Vec<PathBuf>,
     /// Models; -pl: with a piecewise-linear envelope (mgpi, sgpi); -free: with free weights of the
     /// plays
     #[arg(
@@ -94,20 +96,22 @@ fn size(text: &str) -> Result<(usize, usize), String> {
 /// A recording is not what it should be, no model can be made of it, or an output cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { recording: file, held_out, table, report, json, .. } = arguments;
-    let inputs: Vec<&Path> = [file].into_iter().chain(&held_out.validate).map(PathBuf::as_path).collect();
+    let Arguments { recordings: recording_files, held_out, table, report, json, .. } = arguments;
+    let inputs: Vec<&Path> = recording_files.iter().chain(&held_out.validate).map(PathBuf::as_path).collect();
     let files = table.iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
-    let (recording, other) = arguments.columns.read_one(file, held_out.validate.as_deref())?;
+    let (recordings, other) = arguments.columns.read(recording_files, held_out.validate.as_deref())?;
+    let recording = Recording::joined(&recordings)?;
     let heldout = match &other {
         Some(other) => HeldOut::Recording(other),
         None if held_out.no_holdout => HeldOut::Nothing,
+        None if recordings.len() > 1 => HeldOut::EachByOthers,
         None => HeldOut::LaterCycles,
     };
 
     let models = arguments.models();
     let comparison = with_bar("comparing", |progress| {
-        Comparison::of(&recording, heldout, &models, instructions::of_tick, progress)
+        Comparison::of((&recordings, &recording), heldout, &models, instructions::of_tick, progress)
     })
     .map_err(|source| unidentified(&recording, source))?;
 

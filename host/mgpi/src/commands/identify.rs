@@ -1,6 +1,7 @@
 //! `mgpi identify`: from a recording, or several of one muscle, to a model.
 
 use std::path::{Path, PathBuf};
+use std::slice;
 
 use clap::{Args, ValueEnum};
 use model_core::Kind;
@@ -243,7 +244,13 @@ impl Arguments {
         let candidates = choice::candidates(&self.options(Kind::Mgpi), self.knots);
         let heldout = comparison::HeldOut::LaterCycles;
         let comparison = with_bar("comparing", |progress| {
-            Comparison::of(&seen, heldout, &candidates, instructions::of_tick, progress)
+            Comparison::of(
+                (slice::from_ref(&seen), &seen),
+                heldout,
+                &candidates,
+                instructions::of_tick,
+                progress,
+            )
         })
         .map_err(|source| unidentified(recording, source))?;
         say!("{}", comparison.heldout_in_words());

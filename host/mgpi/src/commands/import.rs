@@ -6,17 +6,18 @@ use clap::Args;
 
 use crate::Error;
 use crate::output::Outputs;
-use import::{Imported, read};
+use import::{Imported, Options, read};
 use recording::numbers::{legible, median, range};
 use recording::table::naming::{Naming, Renamed};
 use recording::table::{Table, VALID};
 use recording::unit::Unit;
 
-/// Makes a recording of a file of another program: NumPy (npy, npz), MATLAB (mat, version 5),
-/// spreadsheets (xlsx, xls, xlsb, ods), text. Without -o it lists what is in the file.
+/// Makes a recording of a file of another program: NumPy (npy, npz), MATLAB (mat), HDF5, Parquet,
+/// spreadsheets (xlsx, xls, xlsb, ods), bags of ROS 2 (mcap), text. Without -o it lists what is in
+/// the file.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// The file
+    /// The file; of a bag its folder will do
     file: PathBuf,
     /// Variables of the file under our names, with the unit if their own name does not say:
     /// time=t,pressure=p:psi,contraction=x:in
@@ -25,6 +26,9 @@ pub struct Arguments {
     /// Sheet of a spreadsheet [default: the first]
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
+    /// The topic of a bag whose times the recording has [default: that of the output]
+    #[arg(long, value_name = "TOPIC")]
+    clock: Option<String>,
     /// Where the recording goes: the mapped variables, and those whose names end in a unit
     #[arg(short, long, value_name = "REC.csv")]
     output: Option<PathBuf>,
@@ -38,9 +42,11 @@ pub struct Arguments {
 /// # Errors
 /// The file is not what it should be, lacks a variable, or the output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { file, map, sheet, output, force } = arguments;
+    let Arguments { file, map, sheet, clock, output, force } = arguments;
     let mut outputs = Outputs::claim(output, &[file], *force)?;
-    let Imported { mut table, left_out } = read(file, sheet.as_deref())?;
+    let options = Options { sheet: sheet.as_deref(), columns: map, clock: clock.as_deref() };
+    let Imported { mut table, left_out, notes } = read(file, &options)?;
+    notes.iter().for_each(|note| say!("{note}"));
     for (name, count) in &left_out {
         if let Some(wanted) = map.iter().find(|wanted| wanted.column == *name) {
             return Err(Error::Usage(format!(

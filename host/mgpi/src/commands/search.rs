@@ -72,19 +72,6 @@ impl Columns {
         self.choice().like(&recording.drive.input.channel, &recording.output.channel)
     }
 
-    /// Reads a recording and another one that models are tried on.
-    ///
-    /// # Errors
-    /// Those of [`Recording::read`].
-    pub fn read_one(
-        &self,
-        training: &Path,
-        heldout: Option<&Path>,
-    ) -> Result<(Recording, Option<Recording>), Error> {
-        let (mut recordings, heldout) = self.read(&[training.to_owned()], heldout)?;
-        Ok((recordings.remove(0), heldout))
-    }
-
     /// Reads recordings, at least one, and another one that models are tried on: the columns of all
     /// are those of the first, in its units.
     ///

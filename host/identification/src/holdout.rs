@@ -42,8 +42,8 @@ pub fn later_cycles(recording: &Recording, options: &Options, progress: Tell<'_>
     Some(Later { from_s: drive.time_s[first], figures, simulated: fit.simulated, scored })
 }
 
-/// What models of the other recordings answer to each of several, one behind the other, output unit;
-/// None where the others are too short for the model.
+/// What models of the other recordings answer to each of several, one behind the other, output
+/// unit; None where the others are too short for the model.
 pub fn by_others(all: &[Problem<'_>], options: &Options, progress: Tell<'_>) -> Option<Vec<f64>> {
     let mut simulated = Vec::new();
     for (place, left_out) in all.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Models by sizes on a recording, or on several of one muscle together: Tables 3 and 4 of the paper
-//! for any recording.
+//! Models by sizes on a recording, or on several of one muscle together: Tables 3 and 4 of the
+//! paper for any recording.
 //!
 //! Every model is identified by the same search, from the same seed, and tried on the same held-out
 //! rows. One that cannot be made (an extended model without an inverse, say) keeps its row, which

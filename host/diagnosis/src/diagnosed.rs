@@ -163,7 +163,7 @@ impl Diagnosed {
         let Extension { parameters, density, extensions } = &written.model;
         let heldout = Some(HeldOut {
             recording: other.as_ref().unwrap_or(recording).source(),
-            from_s: other.is_none().then_some(written.gain.from_s),
+            from_s: written.gain.from_s,
             by_recording: false,
             figures: written.gain.after,
         });

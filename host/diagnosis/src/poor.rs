@@ -5,7 +5,7 @@
 
 use super::Columns;
 use super::extend::heldout::standard_error;
-use super::extend::{Extended, split};
+use super::extend::{Extended, Split};
 use super::search::Search;
 use super::trivial::Trivial;
 use recording::figures::stroke;
@@ -55,11 +55,11 @@ pub fn poor(search: &Search<'_>, columns: &Columns, extended: &Extended) -> Opti
     if rmse > MULTIPLE * any {
         return Some(of(rmse, Better::AnyHysteresis, any));
     }
-    let (taught, untaught) = split(&scored);
-    let held = errors(&written.taught.answer(columns)?, untaught);
+    let Split { taught, untaught, .. } = Split::of(columns, &scored);
+    let held = errors(&written.taught.answer(columns)?, &untaught);
     let rmse = root_mean_square(&held);
     let trivial = |trivial: Trivial| {
-        let errors = trivial.errors(columns, taught, untaught);
+        let errors = trivial.errors(columns, &taught, &untaught);
         let better_rmse = root_mean_square(&errors);
         let is_better = rmse - better_rmse > standard_error(&errors, &held);
         is_better.then(|| of(rmse, Better::Trivial(trivial), better_rmse))

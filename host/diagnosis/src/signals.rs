@@ -255,12 +255,14 @@ impl Signals {
         self.thinned_to(Thinning::to(&scored), self.rows.len().div_ceil(RANKED_ROWS).max(1))
     }
 
-    /// All kept rows, of the scored ones only the first so many scored.
-    pub fn of_first(&self, count: usize) -> Self {
-        let first = |values: &Vec<f64>| values[..count.min(values.len())].to_vec();
+    /// All kept rows, of the scored ones only those scored of which `counts` says so.
+    pub fn of_rows(&self, counts: impl Fn(usize) -> bool) -> Self {
+        let counted: Vec<bool> = self.rows.iter().map(|row| counts(row.at)).collect();
+        let of =
+            |values: &Vec<f64>| values.iter().zip(&counted).filter(|(_, c)| **c).map(|(&v, _)| v).collect();
         Self {
-            rows: self.rows[..count.min(self.rows.len())].to_vec(),
-            slow: self.slow.iter().map(first).collect(),
+            rows: self.rows.iter().zip(&counted).filter(|(_, c)| **c).map(|(row, _)| row.clone()).collect(),
+            slow: self.slow.iter().map(of).collect(),
             ..self.clone()
         }
     }

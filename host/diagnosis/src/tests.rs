@@ -17,8 +17,10 @@ use super::{Columns, Diagnosis, DiagnosisError, Smoothing, Verdict, diagnose, di
 
 mod command_only;
 mod excitation;
+mod one_hold;
 mod sensors;
 mod shape;
+mod units;
 
 const STEP_S: f64 = 0.02;
 const ROWS: usize = 4000;

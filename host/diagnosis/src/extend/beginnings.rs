@@ -36,12 +36,22 @@ pub fn plainer(task: &Task<'_>, plain: Extension, other: &Extension) -> Extensio
     from_other.filter(|from_other| errs_less(from_other).unwrap_or(false)).unwrap_or(plain)
 }
 
-/// An extended model that the rows before the split have taught, continued with all rows from there and from the plain model's
-/// operator: the better of the two.
-pub fn continued(whole: &Task<'_>, taught: Extension, plain: &Extension) -> Option<(Extension, Termination)> {
+/// An extended model that some of the rows have taught, continued with all rows from there and from the plain model's operator: the
+/// better of the two. Where that errs by more than the search with the same causes, and there is a beginning from what the search has
+/// of all rows, what that comes to is tried too.
+pub fn continued(
+    whole: &Task<'_>,
+    taught: Extension,
+    plain: &Extension,
+    from_search: Option<&dyn Fn() -> Option<Extension>>,
+) -> Option<(Extension, Termination)> {
+    let better = |one: (Extension, Termination), other: Option<Extension>| {
+        let other = other.and_then(|other| whole.refined(other));
+        other.filter(|other| other.0.rmse(whole.columns) < one.0.rmse(whole.columns)).unwrap_or(one)
+    };
     let other = Extension { extensions: taught.extensions.clone(), ..plain.clone() };
-    let model = whole.refined(taught)?;
-    let other =
-        whole.refined(other).filter(|other| other.0.rmse(whole.columns) < model.0.rmse(whole.columns));
-    Some(other.unwrap_or(model))
+    let model = better(whole.refined(taught)?, Some(other));
+    let is_near = model.0.rmse(whole.columns) <= whole.reached;
+    let from_search = from_search.filter(|_| !is_near).and_then(|begin| begin());
+    Some(better(model, from_search))
 }

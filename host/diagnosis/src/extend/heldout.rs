@@ -3,7 +3,7 @@
 //! Both models run free through the whole input, the recorded columns and nothing else, so that they come to the first of
 //! these rows in the state that history has left them in.
 
-use super::{Extended, Extension};
+use super::{Extended, Extension, Split};
 use crate::Columns;
 use recording::figures::Figures;
 use recording::numbers::root_mean_square;
@@ -14,8 +14,9 @@ const BLOCKS: usize = 10;
 /// A gain on rows that the fit has not seen. Output unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldOutGain {
-    /// Where the rows begin. Unit: s.
-    pub from_s: f64,
+    /// Where the rows begin, if they are all that follow in the recording of the models; None for stretches all through it
+    /// and for another recording. Unit: s.
+    pub from_s: Option<f64>,
     /// Errors without extensions.
     pub before: Figures,
     /// With them.
@@ -39,15 +40,25 @@ impl HeldOutGain {
     }
 }
 
-/// The gain of the second model over the first on the given rows of a recording; None where there are too few rows, or a
-/// model refuses one.
+/// The gain of the second model over the first on the rows of a recording that have taught neither; None where there are too
+/// few rows, or a model refuses one.
 pub fn gain(
+    columns: &Columns,
+    split: &Split,
+    models: (&Extension, &Extension),
+    noise_floor: f64,
+) -> Option<HeldOutGain> {
+    Some(HeldOutGain { from_s: split.from_s, ..on_rows(columns, &split.untaught, models, noise_floor)? })
+}
+
+/// The same on the given rows of a recording.
+fn on_rows(
     columns: &Columns,
     scored: &[usize],
     (before, after): (&Extension, &Extension),
     noise_floor: f64,
 ) -> Option<HeldOutGain> {
-    let first = *scored.get(..BLOCKS)?.first()?;
+    scored.get(..BLOCKS)?;
     let errors = |model: &Extension| -> Option<Vec<f64>> {
         let simulated = model.answer(columns)?;
         Some(scored.iter().map(|&row| columns.output[row] - simulated[row]).collect())
@@ -56,7 +67,7 @@ pub fn gain(
     let gain_error = standard_error(&before, &after);
     let figures = |errors: &[f64]| Figures::of(errors, &vec![0.0; errors.len()], &vec![true; errors.len()]);
     Some(HeldOutGain {
-        from_s: columns.time_s[first],
+        from_s: None,
         before: figures(&before),
         after: figures(&after),
         noise_floor,
@@ -87,5 +98,5 @@ pub fn on_another(columns: &Columns, extended: &Extended) -> Option<HeldOutGain>
 /// The gain of the second model over the first on all scored rows of a recording; None as for [`gain`].
 pub(super) fn on_all(columns: &Columns, models: (&Extension, &Extension)) -> Option<HeldOutGain> {
     let rows: Vec<usize> = (0..columns.scored.len()).filter(|&row| columns.scored[row]).collect();
-    gain(columns, &rows, models, columns.noise_floor().deviation)
+    on_rows(columns, &rows, models, columns.noise_floor().deviation)
 }

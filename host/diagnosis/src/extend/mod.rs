@@ -13,6 +13,7 @@
 //! | `side` | whether a viscous lag is a force before the hysteresis or a lag behind it |
 //! | `refine` | all of them together by Levenberg-Marquardt, on the residual of the model that runs free |
 //! | `rests` | what the rows of a rest count where there is a mass |
+//! | [`split`] | the rows that models are fitted to, and those that they are compared on |
 //! | `roughness` | how unevenly an operator rises, and what resists motion, which costs where effects make its input |
 //! | `compensating` | what the inverse goes by where thresholds follow the rate of the input |
 //! | `thinned` | the rows that derivatives are taken on |
@@ -45,6 +46,7 @@ mod roughness;
 mod shape;
 mod side;
 mod slow;
+pub mod split;
 pub(super) mod start;
 mod task;
 mod thinned;
@@ -74,11 +76,9 @@ use recording::numbers::{range, root_mean_square};
 use recording::simulation::Rows;
 use recording::unit::Unit;
 use slow::Slow;
+pub use split::Split;
 use task::Task;
 pub use written::Written;
-
-/// The share of the scored rows that the compared models are fitted to.
-const TAUGHT: f64 = 2.0 / 3.0;
 
 /// An operator.
 #[derive(Clone, Debug)]
@@ -163,17 +163,12 @@ pub struct Answers {
 #[derive(Clone, Debug)]
 struct Counted {
     /// The scored rows.
-    scored: Vec<usize>,
+    split: Split,
     /// What the search erred by.
     reached: f64,
-    /// The models that were fitted to the first of them.
+    /// The models that were fitted to those that teach.
     plain: Extension,
     extended: Extension,
-}
-
-/// The rows that the compared models are fitted to, and those that they are compared on.
-pub(super) fn split<T>(scored: &[T]) -> (&[T], &[T]) {
-    scored.split_at((TAUGHT * scored.len() as f64) as usize)
 }
 
 impl Extension {
@@ -222,11 +217,10 @@ impl Extended {
     pub(super) fn reshaped(&self, shape: Plain, columns: &Columns) -> Option<Self> {
         let Plain { taught, whole, termination } = shape;
         let [taught, whole] = [taught, whole].map(|operator| operator.with_valve_of(&self.model));
-        let (_, untaught) = split(&self.counted.scored);
         let models = (&self.counted.plain, &taught);
         let seen = self.seen_from(columns);
         Some(Self {
-            heldout: heldout::gain(&seen, untaught, models, self.heldout.noise_floor)?,
+            heldout: heldout::gain(&seen, &self.counted.split, models, self.heldout.noise_floor)?,
             simulated: whole.answer(&seen)?,
             extended_rmse: whole.rmse(&seen),
             model: whole,
@@ -244,15 +238,14 @@ impl Extended {
         columns: &Columns,
         other: impl FnOnce(&Extension) -> Option<ExtensionParameters<f64>>,
     ) -> Option<HeldOutGain> {
-        let Counted { scored, reached, plain, extended } = &self.counted;
+        let Counted { split, reached, plain, extended } = &self.counted;
         let extensions = other(extended)?;
-        let (taught, untaught) = split(scored);
-        let task = Task { columns, scored: taught, reached: *reached, rests_once: true };
+        let task = Task { columns, scored: &split.taught, reached: *reached, rests_once: true };
         let there = task.operator_refined(Extension { extensions, ..extended.clone() })?;
         // It began where other extensions had led it.
         let fitted = task.operator_refined(there)?;
         let seen = self.seen_from(columns);
-        heldout::gain(&seen, untaught, (plain, &fitted), self.heldout.noise_floor)
+        heldout::gain(&seen, split, (plain, &fitted), self.heldout.noise_floor)
     }
 
     /// What the models without and with the extensions answer to a recording, a value a row, from the input that the gain is
@@ -308,18 +301,31 @@ pub fn likely<'a>((best, sizes): (&'a Candidate, &'a [Vec<Candidate>]), but: &[C
     likely
 }
 
+/// Which beginning an operator is: the causes of the set beside it, what that costs, and the rows that it was identified from.
+type StartOf = (Vec<Cause>, f64, Taught);
+
+/// Rows that teach.
+#[derive(Clone, Copy, PartialEq)]
+enum Taught {
+    /// Those before the split, or between the stretches that are held out.
+    ByPart,
+    /// All.
+    ByAll,
+}
+
 /// Where the operator model of a recording is extended by sets of causes.
 pub struct Extender<'a> {
     columns: &'a Columns,
     /// What was searched.
     pub search: &'a Search<'a>,
     scored: Vec<usize>,
+    split: Split,
     plain: Plain,
     of_measured: Option<Plain>,
     /// The plain model's error over all scored rows, root mean square. Output unit.
     pub without: f64,
-    /// What the operator begins with beside sets that were tried, each known by its causes and what it costs.
-    starts: Mutex<Vec<(Vec<Cause>, f64, Operator)>>,
+    /// What the operator begins with beside sets that were tried.
+    starts: Mutex<Vec<(StartOf, Operator)>>,
 }
 
 impl<'a> Extender<'a> {
@@ -328,7 +334,8 @@ impl<'a> Extender<'a> {
         let scored = search.signals.scored();
         let without = Task::alone(columns, &scored).rms(&plain.whole).unwrap_or(f64::INFINITY);
         let of_measured = Plain::of_measured(columns, &scored);
-        Self { columns, search, scored, plain, of_measured, without, starts: Mutex::default() }
+        let split = Split::of(columns, &scored);
+        Self { columns, search, scored, split, plain, of_measured, without, starts: Mutex::default() }
     }
 
     /// Unit of the output.
@@ -373,21 +380,23 @@ impl<'a> Extender<'a> {
         extensions: ExtensionParameters<f64>,
         plain: &Extension,
     ) -> Option<Extension> {
-        let (found, _) = task.refined(self.start(set)?.with(extensions.clone()))?;
+        let (found, _) = task.refined(self.start(set, Taught::ByPart)?.with(extensions.clone()))?;
         side::nearer(task, nearer(task, found, plain, extensions)?)
     }
 
     /// What the operator begins with beside a set.
-    fn start(&self, set: &Candidate) -> Option<Operator> {
+    fn start(&self, set: &Candidate, taught: Taught) -> Option<Operator> {
         let starts = || self.starts.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_known = |(causes, cost, _): &&_| *causes == set.causes && *cost == set.cost();
-        if let Some((_, _, operator)) = starts().iter().find(is_known) {
+        let of = (set.causes.clone(), set.cost(), taught);
+        if let Some((_, operator)) = starts().iter().find(|(known, _)| *known == of) {
             return Some(operator.clone());
         }
-        let kept: Vec<usize> = self.search.signals.rows.iter().map(|row| row.at).collect();
-        let operator = start::operator(&start::Seen::of(self.search, set), split(&kept).0).ok()?;
+        let kept = self.search.signals.rows.iter().map(|row| row.at);
+        let rows: Vec<usize> =
+            kept.filter(|&row| taught == Taught::ByAll || self.split.teaches(row)).collect();
+        let operator = start::operator(&start::Seen::of(self.search, set), &rows).ok()?;
         let operator = operator.valid_for(self.columns);
-        starts().push((set.causes.clone(), set.cost(), operator.clone()));
+        starts().push((of, operator.clone()));
         Some(operator)
     }
 
@@ -411,8 +420,8 @@ impl<'a> Extender<'a> {
         given: Option<&Operator>,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Option<Extended> {
-        let Self { columns, search, scored, .. } = self;
-        let (taught, untaught) = split(scored);
+        let Self { columns, search, scored, split, .. } = self;
+        let Split { taught, .. } = split;
         let [before, whole] =
             [taught, &scored[..]].map(|scored| Task { rests_once: true, ..self.task(set, scored) });
         let Plain { taught: mut plain, whole: mut plain_of_all, termination: mut plain_ended } =
@@ -420,7 +429,7 @@ impl<'a> Extender<'a> {
 
         let mut extensions = carry::extensions(columns, search, set);
         let slow = Slow::of(&extensions);
-        if let Some(slow) = Slow::taught(columns, search, set, split(&search.signals.rows).0.len()) {
+        if let Some(slow) = Slow::taught(columns, search, set, split) {
             slow.put(&mut extensions);
         }
         carry::add_valve(&mut extensions, valve);
@@ -448,15 +457,21 @@ impl<'a> Extender<'a> {
         progress(0.7);
         let valve_is_named = valve.is_some_and(|fit| !fit.causes.is_empty());
         let seen = seen_from(columns, valve_is_named);
-        let heldout = heldout::gain(&seen, untaught, (&plain, &extended), search.signals.noise)?;
+        let heldout = heldout::gain(&seen, split, (&plain, &extended), search.signals.noise)?;
 
         let reached = whole.reached;
-        let counted = Counted { scored: scored.clone(), reached, plain, extended: extended.clone() };
+        let counted = Counted { split: split.clone(), reached, plain, extended: extended.clone() };
         let mut model = Extension { extensions: extended.extensions.clone(), ..plain_of_all.clone() };
         let mut ended = plain_ended;
         if !set.causes.is_empty() {
             slow.put(&mut extended.extensions);
-            (model, ended) = continued(&whole, extended, &plain_of_all)?;
+            let from_search = || {
+                let mut extensions = carry::extensions(columns, search, set);
+                carry::add_valve(&mut extensions, valve);
+                Some(self.start(set, Taught::ByAll)?.with(extensions))
+            };
+            let from_search: Option<&dyn Fn() -> _> = given.is_none().then_some(&from_search);
+            (model, ended) = continued(&whole, extended, &plain_of_all, from_search)?;
             let plainer = plainer(&Task::alone(columns, scored), plain_of_all.clone(), &model);
             if plainer.rmse(columns) < plain_of_all.rmse(columns) {
                 plain_of_all = plainer;

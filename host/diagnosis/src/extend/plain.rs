@@ -4,14 +4,14 @@ use model_core::ExtensionParameters;
 
 use super::beginnings::plainer;
 use super::task::Task;
-use super::{Extension, Operator, split, start};
+use super::{Extension, Operator, Split, start};
 use crate::Columns;
 use identification::{IdentificationError, Termination};
 
 /// The model without extensions.
 #[derive(Clone, Debug)]
 pub struct Plain {
-    /// Fitted to the first of the scored rows: what an extended one is compared with.
+    /// Fitted to the scored rows that teach: what an extended one is compared with.
     pub(super) taught: Extension,
     /// Fitted to all of them, from there.
     pub(super) whole: Extension,
@@ -19,17 +19,17 @@ pub struct Plain {
 }
 
 impl Plain {
-    /// Of a recording: with all scored rows the better of what `mgpi identify` finds and of what the rows before the split have
-    /// taught, continued.
+    /// Of a recording: with all scored rows the better of what `mgpi identify` finds and of what the rows that
+    /// teach have taught, continued.
     ///
     /// # Errors
     /// No operator can be identified.
     pub fn new(columns: &Columns, scored: &[usize]) -> Result<Self, IdentificationError> {
-        let (first, _) = split(scored);
+        let Split { taught: first, .. } = Split::of(columns, scored);
         let plainly = |operator: &Operator| operator.with(ExtensionParameters::default());
-        let operator = start::operator(&start::Seen::plain(columns), first)?;
+        let operator = start::operator(&start::Seen::plain(columns), &first)?;
         let (identified, mut termination) = start::identified(columns)?;
-        let (task, mut whole) = (Task::alone(columns, first), plainly(&identified));
+        let (task, mut whole) = (Task::alone(columns, &first), plainly(&identified));
         let taught = plainly(&operator);
         let taught = task.refined(taught.clone()).map_or(taught, |(refined, _)| refined);
         let taught = plainer(&task, taught, &whole);

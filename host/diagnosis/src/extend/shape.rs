@@ -5,7 +5,7 @@
 
 use model_core::ExtensionParameters;
 
-use super::{Operator, Plain, split, start};
+use super::{Operator, Plain, Split, start};
 use crate::Columns;
 use identification::Options;
 use identification::comparison::choice::{candidates, penalised};
@@ -14,11 +14,11 @@ use recording::numbers::root_mean_square;
 impl Plain {
     /// The form that predicts the samples behind the split best; None where none can be identified.
     pub fn of_other_form(columns: &Columns, scored: &[usize]) -> Option<Self> {
-        let (first, untaught) = split(scored);
+        let Split { taught: first, untaught, .. } = Split::of(columns, scored);
         let seen = start::Seen::plain(columns);
         let plainly = |operator: Operator| operator.valid_for(columns).with(ExtensionParameters::default());
         let predicted = |options: &Options| {
-            let taught = plainly(start::operator_of(&seen, first, &[*options]).ok()?);
+            let taught = plainly(start::operator_of(&seen, &first, &[*options]).ok()?);
             let answer = taught.answer(columns)?;
             let errors: Vec<f64> = untaught.iter().map(|&row| columns.output[row] - answer[row]).collect();
             Some((penalised(root_mean_square(&errors), options), *options, taught))
@@ -38,7 +38,8 @@ impl Plain {
         columns.measured_input.as_ref()?;
         let measured = &*columns.as_measured();
         let plainly = |operator: Operator| operator.with(ExtensionParameters::default());
-        let taught = start::operator(&start::Seen::plain(measured), split(scored).0).ok()?;
+        let taught =
+            start::operator(&start::Seen::plain(measured), &Split::of(columns, scored).taught).ok()?;
         let (whole, termination) = start::identified(measured).ok()?;
         Some(Self { taught: plainly(taught), whole: plainly(whole), termination })
     }

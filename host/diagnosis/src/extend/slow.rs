@@ -8,7 +8,7 @@
 use model_core::ExtensionParameters;
 use model_core::extension::{ScheduleParameters, WarmUpParameters};
 
-use super::carry;
+use super::{Split, carry};
 use crate::Columns;
 use crate::candidate::Candidate;
 use crate::fit::fit;
@@ -26,13 +26,13 @@ impl Slow {
         Self { temperature: all.temperature.clone(), warm_up: all.warm_up.clone() }
     }
 
-    /// As the search has them by the first so many of its scored rows; None where it has none, or cannot say.
-    pub fn taught(columns: &Columns, search: &Search<'_>, set: &Candidate, rows: usize) -> Option<Self> {
+    /// As the search has them by the rows that teach; None where it has none, or cannot say.
+    pub fn taught(columns: &Columns, search: &Search<'_>, set: &Candidate, split: &Split) -> Option<Self> {
         let all = Self::of(&carry::extensions(columns, search, set));
         if all.temperature.is_none() && all.warm_up.is_none() {
             return None;
         }
-        let fit = fit(&search.signals.of_first(rows), &search.basis, &set.fit.effects)?;
+        let fit = fit(&search.signals.of_rows(|row| split.teaches(row)), &search.basis, &set.fit.effects)?;
         let set = Candidate { fit, ..set.clone() };
         Some(Self::of(&carry::extensions(columns, search, &set)))
     }
@@ -89,9 +89,10 @@ mod tests {
             let offset = &slow.temperature.as_ref().expect("a schedule").offset;
             offset.values.iter().map(|value| value.abs()).sum::<f64>() / offset.values.len() as f64
         };
-        let rows = search.signals.rows.len();
+        let by_rows = Split::of(&columns, &search.signals.scored());
+        let by_all = Split { taught: search.signals.scored(), ..by_rows.clone() };
         let [whole, first] =
-            [rows, 2 * rows / 3].map(|rows| Slow::taught(&columns, &search, &set, rows).expect("a fit"));
+            [by_all, by_rows].map(|split| Slow::taught(&columns, &search, &set, &split).expect("a fit"));
         let ratio = size(&whole) / size(&first);
         assert!((1.2..1.8).contains(&ratio), "{ratio}");
         assert!((size(&whole) / size(&Slow::of(&all)) - 1.0).abs() < 0.02);

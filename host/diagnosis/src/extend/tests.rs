@@ -10,7 +10,7 @@ use model_core::{ExtensionParameters, Kind};
 use super::given::judge;
 use super::heldout::gain;
 use super::task::Task;
-use super::{Extension, Operator, Plain, plainer};
+use super::{Extension, Operator, Plain, Split, plainer};
 use crate::Columns;
 use identification::{CONVERGED, HostParameters, Loss, Options, Problem, Weights, identify};
 
@@ -172,15 +172,16 @@ fn the_gain_is_that_of_the_rows_asked_for() {
     let truth = model();
     let columns = recorded(&truth);
     let plain = Extension { extensions: ExtensionParameters::default(), ..truth.clone() };
-    let rows: Vec<usize> = (1000..1500).collect();
-    let gained = gain(&columns, &rows, (&plain, &truth), 0.0).expect("enough rows");
-    assert_eq!(gained.from_s, columns.time_s[1000]);
+    let split = Split::of(&columns, &(0..1500).collect::<Vec<_>>());
+    let gained = gain(&columns, &split, (&plain, &truth), 0.0).expect("enough rows");
+    assert_eq!(gained.from_s, Some(columns.time_s[1000]));
     assert_eq!(gained.after.rmse, 0.0);
     assert!((gained.share().expect("something to gain") - 1.0).abs() < 1e-12);
     assert!(gained.is_sure());
-    assert!(!gain(&columns, &rows, (&truth, &plain), 0.0).expect("enough rows").is_sure());
+    assert!(!gain(&columns, &split, (&truth, &plain), 0.0).expect("enough rows").is_sure());
     assert!(gained.before.rmse > 0.5, "{}", gained.before.rmse);
-    assert_eq!(gain(&columns, &rows[..5], (&plain, &truth), 0.0), None);
+    let few = Split { untaught: split.untaught[..5].to_vec(), ..split };
+    assert_eq!(gain(&columns, &few, (&plain, &truth), 0.0), None);
 }
 
 #[test]

@@ -4,15 +4,11 @@
 use model_core::ExtensionParameters;
 
 use super::heldout::{self, HeldOutGain, on_another};
-use super::{Extended, Extension, Plain, physical, seen_from, split, start};
+use super::{Extended, Extension, Plain, physical, seen_from, start};
 use crate::Columns;
 use crate::cause::Cause;
 use crate::physical::Parameters;
 use identification::{self, Termination};
-use recording::numbers::range;
-
-/// The samples behind the split tell models apart where the input moves over at least this share of its span in them.
-const TESTED: f64 = 0.5;
 
 /// The model that is written, beside the plain one. Errors are root mean squares in output unit.
 #[derive(Clone, Debug)]
@@ -102,7 +98,7 @@ impl Extended {
     /// the last third of this one; None where no model runs through them. Of several sets of causes it is the one that predicts
     /// best, whether it is named or not, and of forms too. The input of the columns is the one that the models are judged by.
     pub fn written(&self, columns: &Columns, other: Option<&Columns>) -> Option<Written> {
-        let is_tested = other.is_some() || self.is_tested(columns);
+        let is_tested = other.is_some() || self.counted.split.is_test;
         let others = self.others.iter().filter(|_| is_tested).filter_map(|one| one.alone(columns, other));
         let own = self.alone(columns, other)?;
         let best =
@@ -111,17 +107,6 @@ impl Extended {
         let measured = self.of_measured.as_ref().filter(|_| !best.is_extended());
         let measured = measured.and_then(|operator| self.with_operator(operator, columns, other));
         Some(measured.filter(|one| one.rmse < best.rmse).unwrap_or(best))
-    }
-
-    /// Whether the samples behind the split move through enough of what the input reaches to tell which model predicts: in a hold that
-    /// goes on, any model that has learnt its beginning does.
-    fn is_tested(&self, columns: &Columns) -> bool {
-        let span = |rows: &[usize]| {
-            let (low, high) = range(&rows.iter().map(|&row| columns.input[row]).collect::<Vec<_>>());
-            high - low
-        };
-        let scored = &self.counted.scored;
-        span(split(scored).1) >= TESTED * span(scored)
     }
 
     /// An operator without extensions in the place of what was found.
@@ -187,9 +172,13 @@ impl Extended {
         match other {
             Some(other) => heldout::on_all(&seen_from(other, from_command), (&before.whole, &after.whole)),
             None => {
-                let (_, untaught) = split(&self.counted.scored);
                 let columns = seen_from(columns, from_command);
-                heldout::gain(&columns, untaught, (&before.taught, &after.taught), self.heldout.noise_floor)
+                heldout::gain(
+                    &columns,
+                    &self.counted.split,
+                    (&before.taught, &after.taught),
+                    self.heldout.noise_floor,
+                )
             }
         }
     }

@@ -153,7 +153,7 @@ pub struct HeldOut {
     /// The recording: another one, or that of the model.
     pub recording: Source,
     /// Of the model's own recording: the rows from this time on, by a model of the rows before.
-    /// None for another recording. Unit: s.
+    /// None for another recording, and where stretches all through it were held out. Unit: s.
     pub from_s: Option<f64>,
     /// Whether each of several recordings was answered by a model of the others.
     pub by_recording: bool,

@@ -137,9 +137,15 @@ fn what_is_compared(compared: &Compared, gained: Option<&Gained<'_>>) -> Markup 
             Some(Gained { gain, other, .. }) => {
                 "Both models are of the kind that runs on the board, and simulate from the " (compared.input.0)
                 " and the recorded columns alone, never from the measured output. Held out are "
-                @match other {
-                    Some(other) => { "the rows of " (other) ", which took no part in anything." }
-                    None => { "the rows from " (format!("{:.0}", gain.from_s)) " s on, by models of the rows before." }
+                @match (other, gain.from_s) {
+                    (Some(other), _) => { "the rows of " (other) ", which took no part in anything." }
+                    (None, Some(from_s)) => {
+                        "the rows from " (format!("{from_s:.0}")) " s on, by models of the rows before."
+                    }
+                    (None, None) => {
+                        "stretches all through the recording, by models of the rows between, since its first two thirds \
+                         do not move the input both ways or its last third hardly moves it."
+                    }
                 }
             }
             None => { "The flexible hysteresis with the named causes added, fitted together. Held out are blocks of time that the \

@@ -259,8 +259,8 @@ impl Effect {
     /// A width that does not depend on the rate, its radius a share of the input's span.
     pub fn static_width(signals: &Signals, radius: f64) -> Self {
         let span = signals.input_span;
-        // A strength that moves the input by a thousandth of its span where the stop is at its radius.
-        let strength = Parameter::new(0.0, 0.0, f64::INFINITY, 1e-3 / radius);
+        // A factor of the stop, whatever the input's unit.
+        let strength = Parameter::new(0.0, 0.0, f64::INFINITY, 1e-3);
         let radius = Parameter::logarithm(radius * span, 0.01 * span, 0.4 * span);
         let shapes = [Parameter::new(0.0, 0.0, 0.0, 1.0), radius];
         Self::new(Form::Width, shapes.into_iter().chain([strength; TENTS]))

@@ -115,7 +115,7 @@ use recording::drop_out::DropOut;
 use recording::noise::{self, NoiseFloor};
 use recording::numbers::{range, root_mean_square};
 use recording::unit::Unit;
-use reject::{Unexplained, no_gain, unexplained};
+use reject::{Unexplained, no_gain, not_repeatable, unexplained};
 use rivals::{Settled, not_told_apart, settled};
 use scored::Scored;
 use search::Search;
@@ -310,10 +310,12 @@ pub fn diagnose_and_extend(
     progress(0.8, "what is left");
     // A regulator's ordinary lag belongs to what is normal: what else is seen is judged beside it.
     let beside_lag = beside_ordinary_lag(&search, &best);
-    let unexplained = match &beside_lag {
-        Some(search) => unexplained(search, &search.baseline),
-        None => unexplained(&search, &best),
+    let left = |best: &Candidate, what: fn(&Search<'_>, &Candidate) -> Option<Unexplained>| match &beside_lag
+    {
+        Some(search) => what(search, &search.baseline),
+        None => what(&search, best),
     };
+    let unexplained = left(&best, unexplained);
     let is_silent = best.causes.is_empty() && unexplained.is_none();
     let look = || overlooked(&search, sizes.first()?, &extender);
     let (best, alternatives, evidence) = match is_silent.then(look).flatten() {
@@ -331,7 +333,11 @@ pub fn diagnose_and_extend(
         best.causes.is_empty()
             && matches!(seen, Unexplained::ZeroStep { left, .. } if extended.extended_rmse < *left)
     };
-    let unexplained = unexplained.filter(|seen| !is_needless_step(seen)).or(refuted);
+    let unexplained = match unexplained {
+        Some(step) if is_needless_step(&step) => left(&best, not_repeatable),
+        seen => seen,
+    };
+    let unexplained = unexplained.or(refuted);
     let is_third_order = !is_needless && named.is_third_order();
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
     let unexamined = (!is_needless).then(beyond).flatten().unwrap_or_default();

@@ -175,7 +175,8 @@ fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     Some(Unexplained::ZeroStep { time_s, height: place, left: with_step.score.mean() })
 }
 
-fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
+/// That visits to the same state differ by more than what a set of causes leaves room for.
+pub fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let (before, after) = (search.baseline.pure_error?, set.pure_error?);
     let left = Left {
         pure_error: after,

@@ -261,7 +261,7 @@ impl Signals {
         let of =
             |values: &Vec<f64>| values.iter().zip(&counted).filter(|(_, c)| **c).map(|(&v, _)| v).collect();
         Self {
-            rows: self.rows.iter().zip(&counted).filter(|(_, c)| **c).map(|(row, _)| row.clone()).collect(),
+            rows: self.rows.iter().zip(&counted).filter(|(_, c)| **c).map(|(row, _)| *row).collect(),
             slow: self.slow.iter().map(of).collect(),
             ..self.clone()
         }

@@ -65,8 +65,13 @@ fn conversations() -> [(&'static str, Vec<Request>); 4] {
     let questions = [Request::Identify, Request::Telemetry, Request::FaultRecord];
     let modes = [Mode::FeedbackOnly, Mode::FeedforwardOnly, Mode::Hold].map(Request::SetMode);
     let fault = [tick(f32::NAN, 900), tick(0.0, 0), Request::FaultRecord, Request::Acknowledge];
-    let service =
-        [Request::Protect(Protection::STANDARD), Request::Arm, Request::Service(100), tick(0.0, 300), Request::Stop];
+    let service = [
+        Request::Protect(Protection::STANDARD),
+        Request::Arm,
+        Request::Service(100),
+        tick(0.0, 300),
+        Request::Stop,
+    ];
     let capture = [CaptureOrder::Start(1), CaptureOrder::Stop, CaptureOrder::Read(0)].map(Request::Capture);
     let start = [Request::Arm, Request::Start(Mode::Both), Request::Heartbeat(1)];
     [

@@ -2,7 +2,7 @@
 //! that `mgpi export --fmu` writes.
 //!
 //! # Design
-//! [`instance`] is a unit at work, in safe code. `abi` are FMI's functions, which check pointers
+//! `instance` is a unit at work, in safe code. `abi` are FMI's functions, which check pointers
 //! and modes, and turn errors into a status and a message; all `unsafe` code is there.
 //!
 //! # Time

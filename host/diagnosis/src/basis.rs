@@ -19,8 +19,8 @@ const CURVE: usize = 17;
 const FEW: usize = 3;
 /// Radii of the stops.
 const RADII: usize = 8;
-/// Smallest radius, as a share of the input's span, and the ratio of each radius to the one before it. The largest radius is
-/// half of the span: a stop with a larger one never slides.
+/// Smallest radius as a share of the input's span: a fifth of the distance of two tents. Each radius is this ratio times the one
+/// before, so that the largest is half of the span. A stop with a larger radius would never slide.
 const SMALLEST: f64 = 0.012;
 const RATIO: f64 = 1.7;
 /// The least slope of an envelope, as a share of the mean one.

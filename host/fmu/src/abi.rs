@@ -267,7 +267,8 @@ fn pair(references: usize, values: usize) -> Result<(), String> {
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, place: *mut *mut c_void) -> Status {
     let get = |instance: &mut Instance| {
-        // SAFETY: as the caller keeps it; what is there is null, or a state that is written over.
+        // SAFETY: FMI has the caller pass a valid place that holds null or a state of ours, which is
+        // overwritten.
         let place = unsafe { place.as_mut() }.ok_or("there is no place for the state")?;
         // SAFETY: as above.
         match unsafe { place.cast::<State>().as_mut() } {
@@ -363,7 +364,7 @@ unsafe extern "C" fn fmi3DeserializeFMUState(
         let (bytes, place) = unsafe { (array(bytes, size)?, place.as_mut()) };
         let place = place.ok_or("there is no place for the state")?;
         let found = instance.deserialized(bytes)?;
-        // SAFETY: what is there is null, or a state that is written over.
+        // SAFETY: the place holds null or a state of ours, which is overwritten.
         match unsafe { place.cast::<State>().as_mut() } {
             Some(state) => *state = found,
             None => *place = Box::into_raw(Box::new(found)).cast(),

@@ -8,7 +8,8 @@ use recording::model::{DEAD_ZONES, HostExtendedModel, PLAYS};
 use recording::simulation::{SAME_STEP_S, same_step};
 use serde::{Deserialize, Serialize};
 
-/// How many steps of an inverse a step of the simulation is at most.
+/// The most periods of an inverse in one step of the simulation, so that a call ends: a quarter of
+/// an hour at 1 kHz.
 const STEPS: f64 = 1e6;
 
 /// Where an instance is in its life.
@@ -119,7 +120,7 @@ impl Instance {
     /// A variable's value.
     ///
     /// # Errors
-    /// There is none; while it is initialised, an input that is no number.
+    /// The reference names no variable; or an input is not a number while the unit is initialised.
     pub fn get(&self, reference: u32) -> Result<f64, String> {
         let State { mode, time_s, drive, load, temperature, answer, pressure, .. } = &self.state;
         match reference {
@@ -162,8 +163,8 @@ impl Instance {
     /// A step of time from a moment on, both s; the state is as it was where it is refused.
     ///
     /// # Errors
-    /// A step that is none: not after the sample before, or no multiple of an inverse's period; more
-    /// samples within a delay than it can hold.
+    /// The step does not begin at the last sample, is not a multiple of an inverse's period, or is
+    /// too long; or a delay spans more samples than it can hold.
     pub fn step(&mut self, from_s: f64, step_s: f64) -> Result<(), String> {
         let steps = match self.work {
             Work::Forward(_) => 1.0,

@@ -95,7 +95,7 @@ pub enum Problem {
 pub struct Options<'a> {
     /// The sheet of a spreadsheet, else the first one.
     pub sheet: Option<&'a str>,
-    /// The variables that are wanted; all, if there is none.
+    /// The variables to import; all of them if this is empty.
     pub columns: &'a [Renamed],
     /// The topic of a bag whose times the recording has.
     pub clock: Option<&'a str>,

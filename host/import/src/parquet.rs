@@ -139,8 +139,8 @@ impl Values {
     }
 }
 
-/// The values of a group of rows, None where there is none. `nullable`: the level of a value that
-/// is there.
+/// The values of a group of rows; None where a value is missing. `nullable` is the definition level
+/// of a value that is present.
 fn read<D: DataType>(
     mut reader: ColumnReaderImpl<D>,
     rows: usize,

@@ -15,7 +15,7 @@ const SELF_TEST: Duration = Duration::from_secs(12);
 const STARTS: usize = 3;
 /// The longest from heartbeat to heartbeat.
 const BEAT: Duration = Duration::from_millis(50);
-/// At least so many heartbeats while the board waits for one.
+/// At least so many heartbeats within the board's patience: four in a row may be lost.
 const BEATS: f64 = 5.0;
 /// How often a state is looked at that is waited for.
 const LOOK: Duration = Duration::from_millis(20);

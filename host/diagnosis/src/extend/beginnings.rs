@@ -36,9 +36,10 @@ pub fn plainer(task: &Task<'_>, plain: Extension, other: &Extension) -> Extensio
     from_other.filter(|from_other| errs_less(from_other).unwrap_or(false)).unwrap_or(plain)
 }
 
-/// An extended model that some of the rows have taught, continued with all rows from there and from the plain model's operator: the
-/// better of the two. Where that errs by more than the search with the same causes, and there is a beginning from what the search has
-/// of all rows, what that comes to is tried too.
+/// An extended model that was fitted to some of the rows, fitted further to all of them.
+///
+/// The fit starts twice: from this model, and from its extensions with the plain model's operator. If the better result still errs
+/// by more than the search with the same causes, a third fit starts from `from_search`, where there is one. The best one is returned.
 pub fn continued(
     whole: &Task<'_>,
     taught: Extension,

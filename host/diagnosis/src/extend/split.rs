@@ -7,11 +7,12 @@
 use crate::Columns;
 use recording::numbers::range;
 
-/// The share of the scored rows that teaches.
+/// The share of the scored rows that teaches, by convention.
 const TAUGHT: f64 = 2.0 / 3.0;
 /// Stretches of equally many rows, where they are held out all through: the middle one of each three.
 const STRETCHES: usize = 30;
-/// The share of the input's span that rows have to move through: less shows no loop.
+/// The share of the input's span that rows have to move through, by convention: a loop over less than
+/// half of the span says little about the whole one.
 const MOVES: f64 = 0.5;
 
 /// The rows that teach, and those that do not, in order.

@@ -32,6 +32,7 @@ pub mod valve;
 pub mod watchdog;
 
 use firmware::board::Valve;
+use firmware::scaling::VENT;
 use firmware::{AcquisitionError, Board, DacCode, Samples};
 
 use output::Output;
@@ -60,6 +61,10 @@ impl Board for SensorsAndValve {
     }
 
     fn drive(&mut self, code: DacCode) {
-        self.has_failed = self.valve.set(code).is_err();
+        // No interrupt between the look and the write: one before the look is seen, one behind the
+        // write vents by itself. So no write undoes what the detector's interrupt has vented.
+        let done =
+            cortex_m::interrupt::free(|_| self.valve.set(if pins::was_supply_low() { VENT } else { code }));
+        self.has_failed = done.is_err();
     }
 }

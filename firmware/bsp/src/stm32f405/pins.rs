@@ -117,12 +117,17 @@ impl VoltageDetector {
     /// Whether the voltage is below the threshold, or was since the last call.
     pub fn is_low(&self) -> bool {
         // In this order, and without an exchange, which the tick need not wait for.
-        let was_low = WAS_LOW.load(Ordering::Relaxed);
+        let was_low = was_supply_low();
         if was_low {
             WAS_LOW.store(false, Ordering::Relaxed);
         }
         was_low || is_supply_low()
     }
+}
+
+/// Whether the detector's interrupt has vented since the tick looked last.
+pub fn was_supply_low() -> bool {
+    WAS_LOW.load(Ordering::Relaxed)
 }
 
 /// Whether the voltage is below the threshold now, for those who do not own the detector.

@@ -366,6 +366,11 @@ mod app {
             control.hear_stop(pins::is_stop_open());
             control.hear_coil(pins::has_coil_voltage());
             control.tick(board);
+            // Once more: the interrupt may have come before the write of the valve, which then has
+            // not driven it. So the dump valve opens in this tick, not in the next.
+            if voltage.is_low() {
+                control.report(Fault::BrownOut);
+            }
             // Behind the write of the valve, which need not wait for what takes many ticks.
             if watchdog.is_content(&CHECK_INS) {
                 hardware_watchdog.feed(control.state().is_driven());

@@ -3,6 +3,7 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
+use rmodbus::ErrorKind;
 use wire::registers::{Command, Id, VERSION, Value, state};
 use wire::{Fault, Scaling, State};
 
@@ -113,6 +114,27 @@ impl Board {
     /// No answer, or a refusal.
     pub fn read(&mut self, first: Id, last: Id) -> Result<Block, BusError> {
         span(&mut self.client, first, last)
+    }
+
+    /// The words of a run, as many as the board has of it: one whose firmware is older may have
+    /// fewer.
+    ///
+    /// # Errors
+    /// No answer, or another refusal than that there is no such register.
+    pub fn read_run(&mut self, run: Id) -> Result<Vec<u16>, BusError> {
+        let register = run.register();
+        // It has `known` words, and not `refused` of them.
+        let (mut known, mut refused) = (Vec::new(), register.words() + 1);
+        let mut count = register.words();
+        while known.len() + 1 < refused.into() {
+            match self.client.read(register.address, count) {
+                Ok(words) => known = words,
+                Err(error) if error.exception() == Some(ErrorKind::IllegalDataAddress) => refused = count,
+                Err(error) => return Err(error),
+            }
+            count = (known.len() as u16).midpoint(refused);
+        }
+        Ok(known)
     }
 
     /// Writes words from a register on, which may be written twice.

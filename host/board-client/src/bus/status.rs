@@ -23,7 +23,8 @@ pub struct Status {
     own: Option<Block>,
     mode: Block,
     gains: Block,
-    /// How often each fault has occurred since the start, by its number less one.
+    /// How often each fault that the board knows has occurred since the start, by its number less
+    /// one.
     counts: Vec<u16>,
     record: Option<Recorded>,
 }
@@ -31,7 +32,8 @@ pub struct Status {
 /// The first fault since the last acknowledgement.
 #[derive(Clone, Copy, Debug)]
 struct Recorded {
-    fault: Fault,
+    /// Of the fault.
+    number: u32,
     tick: u32,
 }
 
@@ -66,7 +68,6 @@ impl Status {
     pub fn read(board: &mut Board) -> Result<Self, BusError> {
         let now = board.read(Id::State, Id::BusRefused)?;
         let record = board.read(Id::RecordFault, Id::RecordTick)?;
-        let counts = board.read(Id::FaultCounts, Id::FaultCounts)?;
         Ok(Self {
             identity: board.identity().clone(),
             about: About::read(board)?,
@@ -78,9 +79,10 @@ impl Status {
             },
             mode: board.read(Id::Mode, Id::Mode)?,
             gains: board.read(Id::Kp, Id::Kd)?,
-            counts: counts.words(Id::FaultCounts).iter().copied().take(FAULTS).collect(),
-            record: Fault::of_code(record.whole(Id::RecordFault) as u8)
-                .map(|fault| Recorded { fault, tick: record.whole(Id::RecordTick) }),
+            counts: board.read_run(Id::FaultCounts)?,
+            record: Some(record.whole(Id::RecordFault))
+                .filter(|number| *number != 0)
+                .map(|number| Recorded { number, tick: record.whole(Id::RecordTick) }),
         })
     }
 
@@ -104,6 +106,25 @@ impl Status {
         TABLE.iter().zip(self.counts.iter().copied()).filter(|(_, count)| *count > 0)
     }
 
+    /// How the firmware's versions differ from those that this program was made with.
+    fn difference(&self) -> Option<String> {
+        let (messages, faults) = (self.identity.wire_version, self.counts.len());
+        let latched = self.now.whole(Id::Fault) as usize;
+        if messages == wire::VERSION && faults == FAULTS && latched <= FAULTS {
+            return None;
+        }
+        let is_newer = messages > wire::VERSION || latched > FAULTS;
+        let (age, cure) = if is_newer {
+            ("newer", "use a newer mgpi")
+        } else {
+            ("older", "what it does not know is left out; flash the firmware of this release")
+        };
+        let own = wire::VERSION;
+        let known =
+            if is_newer { String::new() } else { format!(", knows faults 1 to {faults} of {FAULTS}") };
+        Some(format!("the firmware is {age}: it has messages {messages}, this program {own}{known}: {cure}"))
+    }
+
     /// For people: a screen.
     pub fn in_words(&self) -> String {
         let Identity { release: [major, minor, patch], wire_version, storage_version, period_s, .. } =
@@ -119,13 +140,15 @@ impl Status {
         ];
         lines.extend(self.about.iter().flat_map(About::in_words));
         lines.extend(self.reached.map(|Reached { kept, .. }| format!("bus         {}", InWords(&kept))));
-        match self.fault().and_then(row) {
-            None => lines.push("fault       none".to_owned()),
-            Some(row) => lines.extend(with_cure("fault", row)),
+        lines.extend(self.difference().map(|difference| format!("versions    {difference}")));
+        match (self.now.whole(Id::Fault), self.fault().and_then(row)) {
+            (0, _) => lines.push("fault       none".to_owned()),
+            (number, None) => lines.push(format!("fault       {}", name(number))),
+            (_, Some(row)) => lines.extend(with_cure("fault", row)),
         }
-        if let Some(Recorded { fault, tick }) = self.record {
+        if let Some(Recorded { number, tick }) = self.record {
             let after_s = f64::from(tick) * period_s;
-            lines.push(format!("first       {fault:?}, {after_s:.3} s after the start (tick {tick})"));
+            lines.push(format!("first       {}, {after_s:.3} s after the start (tick {tick})", name(number)));
         }
         for (row, count) in self.occurred() {
             lines.push(format!("            {count} x {} ({:?})", row.title, row.fault));
@@ -166,15 +189,19 @@ impl Status {
             "state": format!("{:?}", self.state()),
             "versions": {
                 "registers": wire::registers::VERSION, "wire": wire_version, "storage": storage_version,
-                "release": format!("{major}.{minor}.{patch}"),
+                "release": format!("{major}.{minor}.{patch}"), "faults": self.counts.len(),
+                "difference": self.difference(),
             },
             "about": self.about.as_ref().map(About::to_json),
             "bus": self.reached.map(|Reached { kept, .. }| json!({
                 "number": kept.unit, "rate_bit_per_s": kept.baud, "parity": format!("{:?}", kept.parity).to_lowercase(),
                 "turnaround_us": kept.turnaround_us,
             })),
-            "fault": self.fault().and_then(row).map(told),
-            "record": self.record.map(|Recorded { fault, tick }| json!({"fault": format!("{fault:?}"), "tick": tick})),
+            "fault": match self.now.whole(Id::Fault) {
+                0 => Value::Null,
+                number => self.fault().and_then(row).map_or_else(|| json!({"number": number}), told),
+            },
+            "record": self.record.map(|Recorded { number, tick }| json!({"fault": name(number), "tick": tick})),
             "occurred": self.occurred().map(|(row, count)| {
                 let mut fault = told(row);
                 fault["count"] = count.into();
@@ -193,6 +220,12 @@ impl Status {
         }
         json
     }
+}
+
+/// A fault's name; of one that this program does not know, its number.
+fn name(number: u32) -> String {
+    let known = u8::try_from(number).ok().and_then(Fault::of_code);
+    known.map_or_else(|| format!("{number}, which this program does not know"), |fault| format!("{fault:?}"))
 }
 
 fn told(row: &Row) -> Value {

@@ -18,7 +18,8 @@
 //! | [`free_run`], `swing` | the same without the measured contraction, and tuned to run free |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
 //! | `ordinary` | the regulator's own lag where the command alone was recorded |
-//! | [`screen`], [`search`] | which sets are tried |
+//! | [`search`] | what is searched, and how a set is judged |
+//! | [`screen`], [`race`], [`beam`] | which sets are tried |
 //! | `rivals` | sets that the search hardly tells apart |
 //! | `overlooked` | a fast cause that the search does not see |
 //! | [`valve`] | the valve, told apart from the muscle |
@@ -45,6 +46,7 @@
 
 pub mod anatomy;
 pub mod basis;
+pub mod beam;
 pub mod candidate;
 pub mod cause;
 mod design;

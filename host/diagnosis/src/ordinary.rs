@@ -38,7 +38,11 @@ pub fn with_ordinary_lag(
 
 /// The search with a regulator's ordinary lag in its baseline, where that lag is all that a set has.
 pub fn beside_ordinary_lag<'a>(search: &Search<'a>, set: &Candidate) -> Option<Search<'a>> {
-    let [(Cause::ValveLag, parameters)] = &parameters(search, &set.causes, &set.fit)[..] else { return None };
+    let [(Cause::ValveLag, parameters)] =
+        &parameters(search.signals, &search.basis, &set.causes, &set.fit)[..]
+    else {
+        return None;
+    };
     let lag_s = parameters.iter().find(|(name, _)| *name == TIME_CONSTANT)?.1;
     let baseline = Candidate { causes: Vec::new(), ..set.clone() };
     let pure = pure_error(search.signals, &search.basis, &set.fit.seen, &set.residual);

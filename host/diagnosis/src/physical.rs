@@ -3,12 +3,11 @@
 //! An equivalent input becomes a change of contraction by the slope of the fitted loop, where it slides: at mid stroke,
 //! or where the effect's tents stand.
 
-use super::basis::Weights;
+use super::basis::{Basis, Weights};
 use super::cause::Cause;
 use super::effect::{Driver, Effect, Form, Rate};
 use super::equivalent::bend;
 use super::fit::Fit;
-use super::search::Search;
 use super::series;
 use super::signals::{Signals, TENTS, hats};
 use super::valve::Valve;
@@ -28,9 +27,9 @@ pub struct Loop {
 }
 
 impl Loop {
-    pub(super) fn of(search: &Search<'_>, fit: &Fit) -> Self {
-        Self::new(range(&search.signals.input), |input| {
-            search.basis.simulate(input, bend(&fit.effects), &Weights::new(&fit.weights))
+    pub(super) fn of(signals: &Signals, basis: &Basis, fit: &Fit) -> Self {
+        Self::new(range(&signals.input), |input| {
+            basis.simulate(input, bend(&fit.effects), &Weights::new(&fit.weights))
         })
     }
 
@@ -82,16 +81,16 @@ impl Loop {
 }
 
 /// The parameters of every cause of a set.
-pub fn parameters(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> Vec<(Cause, Parameters)> {
-    let turn = Loop::of(search, fit);
+pub fn parameters(signals: &Signals, basis: &Basis, causes: &[Cause], fit: &Fit) -> Vec<(Cause, Parameters)> {
+    let turn = Loop::of(signals, basis, fit);
     let first = fit.effects.len() - causes.len();
     causes
         .iter()
         .enumerate()
         .map(|(i, &cause)| {
             let effect = &fit.effects[first + i];
-            let weights = series::weights(fit, search.signals, first + i);
-            (cause, of_effect(search.signals, cause, effect, &weights, &turn))
+            let weights = series::weights(fit, signals, first + i);
+            (cause, of_effect(signals, cause, effect, &weights, &turn))
         })
         .collect()
 }
@@ -114,9 +113,9 @@ pub fn damping(mass: &Parameters) -> Option<(f64, f64)> {
 }
 
 /// The damping ratio of the mass, if there is one, by all that damps it.
-pub fn damping_ratio(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> Option<f64> {
+pub fn damping_ratio(signals: &Signals, basis: &Basis, causes: &[Cause], fit: &Fit) -> Option<f64> {
     let mass = causes.iter().position(|cause| *cause == Cause::Inertia)?;
-    let all = parameters(search, causes, fit);
+    let all = parameters(signals, basis, causes, fit);
     let (own, frequency_hz) = damping(&all[mass].1)?;
     let lag =
         all.iter().find(|(cause, _)| *cause == Cause::ViscousLag && has_mass_and_viscosity_in_balance(fit));
@@ -137,17 +136,17 @@ pub fn damped(own: f64, natural_frequency_hz: f64, lag_s: f64) -> f64 {
 
 /// Whether the motion that is named shows: an inertia swings, for damped beyond that it is two lags; and a lag is at least half
 /// a row, for of less no recording's own timing is free.
-pub fn shows(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
+pub fn shows(signals: &Signals, basis: &Basis, causes: &[Cause], fit: &Fit) -> bool {
     let first = fit.effects.len() - causes.len();
     let moving = |(_, cause): &(usize, &Cause)| matches!(**cause, Cause::Inertia | Cause::ViscousLag);
     let mut turn = None;
     causes.iter().enumerate().filter(moving).all(|(i, &cause)| {
-        let turn = turn.get_or_insert_with(|| Loop::of(search, fit));
-        let weights = series::weights(fit, search.signals, first + i);
-        let parameters = of_effect(search.signals, cause, &fit.effects[first + i], &weights, turn);
+        let turn = turn.get_or_insert_with(|| Loop::of(signals, basis, fit));
+        let weights = series::weights(fit, signals, first + i);
+        let parameters = of_effect(signals, cause, &fit.effects[first + i], &weights, turn);
         parameters.iter().all(|&(name, value)| match name {
             "damping_ratio" => value < 1.0,
-            "time_constant_s" => value >= 0.5 * search.signals.step_s,
+            "time_constant_s" => value >= 0.5 * signals.step_s,
             _ => true,
         })
     })
@@ -183,9 +182,9 @@ fn fractions(effect: &Effect, weights: &[f64]) -> Vec<f64> {
 }
 
 /// Whether there is a warm-up whose first strokes are too long instead of too short.
-pub fn fades(search: &Search<'_>, causes: &[Cause], fit: &Fit) -> bool {
+pub fn fades(signals: &Signals, basis: &Basis, causes: &[Cause], fit: &Fit) -> bool {
     let Some(place) = causes.iter().position(|cause| *cause == Cause::WarmUp) else { return false };
-    let all = parameters(search, causes, fit);
+    let all = parameters(signals, basis, causes, fit);
     all[place].1.iter().any(|&(name, value)| name == "fraction" && value < 0.0)
 }
 

@@ -15,13 +15,14 @@
 
 use rayon::prelude::*;
 
+use super::beam::EVIDENCE;
 use super::candidate::Candidate;
 use super::effect::Effect;
 use super::extend::{Extended, HeldOutGain};
 use super::fit::fit;
 use super::poor::Poor;
 use super::screen::Screen;
-use super::search::{EVIDENCE, Search};
+use super::search::Search;
 use super::signals::Signals;
 use super::stuck::{Stuck, stuck};
 

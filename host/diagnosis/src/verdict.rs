@@ -146,7 +146,7 @@ pub fn named(
 ) -> Vec<Named> {
     let square = |set: &Candidate| set.score.mean().powi(2);
     let before = square(&search.baseline).max(1e-300);
-    let mut all: Vec<Named> = physical::parameters(search, &best.causes, &best.fit)
+    let mut all: Vec<Named> = physical::parameters(search.signals, &search.basis, &best.causes, &best.fit)
         .into_iter()
         .map(|(cause, parameters)| {
             let without = search.without(best, cause, sizes);

@@ -39,7 +39,7 @@ const KNOTS: [f64; PROFILE_KNOTS] = [0.0, 0.2, 0.8, 1.0];
 /// The extensions of the muscle.
 pub fn extensions(columns: &Columns, search: &Search<'_>, set: &Candidate) -> ExtensionParameters<f64> {
     let signals = search.signals;
-    let carrier = Carrier { columns, signals, turn: Loop::of(search, &set.fit) };
+    let carrier = Carrier { columns, signals, turn: Loop::of(search.signals, &search.basis, &set.fit) };
     let first = set.fit.effects.len() - set.causes.len();
     let mut all = ExtensionParameters::default();
     for (i, &cause) in set.causes.iter().enumerate() {
@@ -56,7 +56,7 @@ pub fn before_operator(
     set: &Candidate,
 ) -> ExtensionParameters<f64> {
     let signals = search.signals;
-    let turn = Loop::of(search, &set.fit);
+    let turn = Loop::of(search.signals, &search.basis, &set.fit);
     let rate_dependent_width = all.rate_dependent_thresholds.as_ref().map(|thresholds| {
         let RateDependentThresholdsParameters { exponent, filter_s, gain, .. } = thresholds;
         let radius = turn.half_width(signals.knots[TENTS / 2]).max(LEAST_WIDTH * signals.input_span);

@@ -33,15 +33,14 @@ pub fn variables(file: File) -> Result<Vec<Variable>, Problem> {
     let reader = SerializedFileReader::new(file).map_err(damaged)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let mut found = Vec::new();
-    for (place, column) in schema.columns().iter().enumerate() {
+    'columns: for (place, column) in schema.columns().iter().enumerate() {
         let Some(meaning) = meaning(column) else { continue };
         let mut values = Values { name: column.path().string(), meaning, first: None, numbers: Vec::new() };
-        let mut is_number = true;
         for group in 0..reader.num_row_groups() {
             let group = reader.get_row_group(group).map_err(damaged)?;
             let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
             let nullable = column.max_def_level();
-            is_number &= match group.get_column_reader(place).map_err(damaged)? {
+            match group.get_column_reader(place).map_err(damaged)? {
                 ColumnReader::BoolColumnReader(reader) => values.add(reader, rows, nullable, i128::from)?,
                 ColumnReader::Int32ColumnReader(reader) => match meaning {
                     Meaning::Unsigned => {
@@ -61,12 +60,10 @@ pub fn variables(file: File) -> Result<Vec<Variable>, Problem> {
                 ColumnReader::DoubleColumnReader(reader) => {
                     values.add_real(reader, rows, nullable, |value| value)?
                 }
-                _ => false,
-            };
+                _ => continue 'columns,
+            }
         }
-        if is_number {
-            found.push((values.name, values.numbers));
-        }
+        found.push((values.name, values.numbers));
     }
     Ok(found)
 }
@@ -103,14 +100,14 @@ struct Values {
 }
 
 impl Values {
-    /// Adds those of a group of rows; true.
+    /// Adds those of a group of rows.
     fn add<D: DataType>(
         &mut self,
         reader: ColumnReaderImpl<D>,
         rows: usize,
         nullable: i16,
         number: impl Fn(D::T) -> i128,
-    ) -> Result<bool, Problem> {
+    ) -> Result<(), Problem> {
         for value in read(reader, rows, nullable)? {
             let value = value.map(&number);
             let value = match (value, self.meaning) {
@@ -122,7 +119,7 @@ impl Values {
             };
             self.numbers.push(value);
         }
-        Ok(true)
+        Ok(())
     }
 
     /// The same of real numbers.
@@ -132,10 +129,10 @@ impl Values {
         rows: usize,
         nullable: i16,
         number: impl Fn(D::T) -> f64,
-    ) -> Result<bool, Problem> {
+    ) -> Result<(), Problem> {
         let values = read(reader, rows, nullable)?;
         self.numbers.extend(values.into_iter().map(|value| value.map_or(f64::NAN, &number)));
-        Ok(true)
+        Ok(())
     }
 }
 

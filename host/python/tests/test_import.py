@@ -187,6 +187,16 @@ def test_a_file_of_another_program_has_the_diagnosis_of_the_csv(command, table, 
     assert results[0] == results[1]
 
 
+@pytest.mark.parametrize("version", ["earliest", "latest"])
+def test_columns_of_hdf5_keep_the_order_in_which_they_were_made_where_the_file_has_it(command, table, tmp_path, version):
+    file, out = tmp_path / "file.h5", tmp_path / "rec.csv"
+    with h5py.File(file, "w", libver=version, track_order=True) as book:
+        for name, column in (("time_s", "t"), ("pressure_bar", "p"), ("contraction_mm", "x")):
+            book[name] = table[column].to_numpy()
+    command("import", file, "-o", out)
+    assert list(pd.read_csv(out)) == ["time_s", "pressure_bar", "contraction_mm"]
+
+
 def refused(program, *arguments):
     done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True)
     assert done.returncode == 2, done

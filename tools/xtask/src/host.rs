@@ -15,6 +15,10 @@ const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
 const PYTHON_VARIABLES: [(&str, setup::Python); 2] =
     [("MGPI_BUS_PYTHON", setup::BUS_PYTHON), ("MGPI_CHIP_PYTHON", setup::CHIP_PYTHON)];
 
+/// The packages that have tests. Those of the Python package are run by Python; with it the others'
+/// macros would be built with more features, and everything a second time.
+const TESTED: [&str; 3] = ["--workspace", "--exclude", "mgpi-python"];
+
 /// Builds `mgpi` and the library of units of FMI, as the tests have them: optimised, and built once
 /// for all.
 ///
@@ -71,9 +75,9 @@ pub fn with_installed<'a>(command: &'a mut Command, folder: &Path) -> Result<&'a
 /// # Errors
 /// When cargo fails, or the verdicts stay under their bounds.
 pub fn game(arguments: &[String]) -> Result<()> {
-    // The game starts the `mgpi` that stands beside it. Of the whole workspace, so that what the
-    // tests have built is built: one package alone would have its dependencies with fewer features.
-    run::succeed(&mut run::cargo(&["build", "--workspace", "--bin", "mgpi", "--bin", "game"]))?;
+    // The game starts the `mgpi` that stands beside it. Of all packages, so that what the tests
+    // have built is built: one alone would have its dependencies with fewer features.
+    run::succeed(run::cargo(&["build", "--bin", "mgpi", "--bin", "game"]).args(TESTED))?;
     let game = run::target_dir().join("debug/game");
     run::succeed(Command::new(game).current_dir(run::root()).args(arguments))
 }
@@ -85,10 +89,10 @@ pub fn game(arguments: &[String]) -> Result<()> {
 pub fn test() -> Result<()> {
     // Tests of other packages start `mgpi`; cargo builds only the programs of the package under
     // test.
-    run::step("programs under test", || run::succeed(&mut run::cargo(&["build", "--workspace", "--bins"])))?;
+    run::step("programs under test", || run::succeed(run::cargo(&["build", "--bins"]).args(TESTED)))?;
     run::step("tests", || {
-        let mut test = run::cargo(&["test", "--workspace"]);
-        test.env(FIRMWARE_VARIABLE, firmware::emulated_elf());
+        let mut test = run::cargo(&["test"]);
+        test.args(TESTED).env(FIRMWARE_VARIABLE, firmware::emulated_elf());
         for (variable, python) in &PYTHON_VARIABLES {
             if python.program().exists() {
                 test.env(variable, python.program());

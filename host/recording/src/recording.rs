@@ -23,8 +23,10 @@
 //! # Limits
 //! A pressure below -1.1 bar or above 100 bar is refused: no muscle sees one, and a recording in
 //! kPa that is called bar does. So are rows that are 1 to 1000 s apart, which are milliseconds
-//! under another name, until it is said.
+//! under another name, until it is said; and a pressure that is a fixed multiple of the command
+//! beside it, which has another unit than its name says ([`scales`]).
 
+mod scales;
 mod selection;
 
 use std::path::{Path, PathBuf};
@@ -383,6 +385,7 @@ impl Timing {
 }
 
 fn check_input(table: &Table, input: &Series, choice: &Choice, rows: &Rows) -> Result<(), DataError> {
+    scales::check(table)?;
     let unit = input.channel.unit;
     let (low, high) = PLAUSIBLE_BAR;
     let plausible = Unit::BAR.convert(low, unit).zip(Unit::BAR.convert(high, unit));

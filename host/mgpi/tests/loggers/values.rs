@@ -59,6 +59,44 @@ fn a_column_that_is_asked_for_in_a_unit_is_converted() {
     reads(text, "--input pressure_bar --output contraction_mm", USUAL, &notes);
 }
 
+/// A file with a command whose values are so many times bar, and a pressure that follows it.
+fn commanded(pressure: &str, [input, command]: [f64; 2], follow: impl Fn(f64) -> f64) -> String {
+    let header = format!("time_s,{pressure},command_bar,contraction_mm");
+    file(&header, |_, [t, p, x]| format!("{t},{},{},{x}", follow(p) * input, p * command))
+}
+
+#[test]
+fn a_pressure_in_the_commands_unit_under_another_name_is_asked_about() {
+    let follows = |p: f64| 0.02 + 0.97 * p;
+    for (column, a_bar, right) in
+        [("pressure_psig", 1.0, "bar"), ("pressure_bar", 0.1, "mpa"), ("pressure_kpa", 14.504, "psi")]
+    {
+        let text = commanded(column, [a_bar, 1.0], follows);
+        let refused = read(text.as_bytes(), "").expect_err("it is refused");
+        let cure = format!("--units pressure={right}");
+        assert!(refused.contains(&format!("is it in {right}? {cure} if so")), "{refused}");
+        let recording = read(text.as_bytes(), &cure).expect("the cure helps");
+        let [_, p, _] = row(40);
+        assert!((recording.drive.input.values[40] - a_bar * follows(p)).abs() < 1e-9);
+        let (_, confirmed) = refused.rsplit_once(", ").expect("two options");
+        let confirmed = confirmed.trim_end_matches(" if the name is right");
+        read(text.as_bytes(), confirmed).expect("the name is right");
+    }
+    let text = commanded("pressure_bar", [1.0, 1000.0], follows);
+    let refused = read(text.as_bytes(), "").expect_err("it is refused");
+    assert!(refused.contains("column command_bar"), "{refused}");
+    read(text.as_bytes(), "--units command=mbar").expect("the cure helps");
+}
+
+#[test]
+fn a_pressure_that_hardly_follows_its_command_is_read() {
+    // A tenth of the swing about the same mean: a lag, and no other unit.
+    let lags = commanded("pressure_bar", [1.0, 1.0], |p| 3.0 + 0.1 * (p - 3.0));
+    read(lags.as_bytes(), "").expect("it is read");
+    let saturates = commanded("pressure_bar", [1.0, 1.0], |p| p.min(0.9));
+    read(saturates.as_bytes(), "").expect("it is read");
+}
+
 #[test]
 fn nanometres_and_newton_metres_are_asked_about() {
     let text = named("time_s,pressure_bar,contraction_nm", 1.0, 1e6);

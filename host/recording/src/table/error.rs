@@ -165,6 +165,11 @@ pub enum DataProblem {
     )]
     SlowRows { step_s: f64, column: String, smaller: &'static str, unit: &'static str },
     #[error(
+        "{values}, in one ratio throughout: is it in {likelier}? --units {column}={likelier} if so, \
+         --units {column}={said} if the name is right"
+    )]
+    OtherScale { values: String, column: String, said: &'static str, likelier: &'static str },
+    #[error(
         "is {is}, but {} has {wanted}: recordings of one model have the same input and output, in the same units",
         crate::input::name(first)
     )]

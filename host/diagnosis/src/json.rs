@@ -114,12 +114,12 @@ fn unexplained(seen: &Unexplained) -> Value {
         Unexplained::Stuck(Stuck { rows, longest_s }) => {
             json!({"seen": "stuck", "rows": rows, "longest_s": longest_s})
         }
-        Unexplained::Poor(Poor { rmse, percent_of_stroke, better, better_rmse }) => json!({
+        Unexplained::Poor(Poor { rmse, percent_of_stroke, better }) => json!({
             "seen": "poor_model",
             "rmse": rmse,
             "percent_of_stroke": percent_of_stroke,
-            "better": better.name(),
-            "better_rmse": better_rmse,
+            "better": better.map(|(better, _)| better.name()),
+            "better_rmse": better.map(|(_, rmse)| rmse),
         }),
         Unexplained::NotSimulated => json!({"seen": "not_simulated"}),
         Unexplained::NoGain { before, after } => {

@@ -389,7 +389,8 @@ pub fn diagnose_and_extend(
 /// of other forms are tried first, and the best of them is then what is written: the form of a model is no cause of the muscle.
 fn shaped(search: &Search<'_>, columns: &Columns, extended: &mut Extended) -> Option<Poor> {
     let first = poor(search, columns, extended)?;
-    if !extended.causes.is_empty() || first.better != Better::AnyHysteresis {
+    let is_form = matches!(first.better, Some((Better::AnyHysteresis, _)));
+    if !extended.causes.is_empty() || !is_form {
         return Some(first);
     }
     let reshaped = of_other_form(search, columns, extended);

@@ -1,7 +1,8 @@
 //! Whether the model that is written describes the recording.
 //!
 //! What the search calls hysteresis is more than an operator model can have: curves that fall, hills, loops that cross. So the model
-//! itself is held against that, and against models that need no operator ([`trivial`](super::trivial)).
+//! itself is held against that, against models that need no operator ([`trivial`](super::trivial)), and against the error up to which
+//! a model may drive a valve ([`DEPLOYABLE`]): what is off by more is neither adequate nor explained.
 
 use super::Columns;
 use super::extend::heldout::standard_error;
@@ -10,6 +11,7 @@ use super::search::Search;
 use super::trivial::Trivial;
 use recording::figures::stroke;
 use recording::numbers::root_mean_square;
+use recording::worth::DEPLOYABLE;
 
 /// The model that is written may have so many times the error of a hysteresis of any form: with more, three quarters of the squared
 /// error are due to its form. Models of sound muscles come to 0.6 to 1.6.
@@ -31,29 +33,25 @@ pub struct Poor {
     pub rmse: f64,
     /// That over the stroke of the recording. Unit: percent.
     pub percent_of_stroke: f64,
-    /// What is better.
-    pub better: Better,
-    /// The error of that.
-    pub better_rmse: f64,
+    /// What is better, and the error of that; None where nothing is, but the model is further off than one that drives a valve may be.
+    pub better: Option<(Better, f64)>,
 }
 
-/// Whether the model that is written is too poor for its verdict; None where it is not.
+/// Whether the model that is written, or the one with the named causes, is too poor for its verdict; None where neither is.
 pub fn poor(search: &Search<'_>, columns: &Columns, extended: &Extended) -> Option<Poor> {
-    let of = |rmse: f64, better: Better, better_rmse: f64| {
-        let percent_of_stroke = 100.0 * rmse / stroke(&columns.output, &columns.scored);
-        Poor { rmse, percent_of_stroke, better, better_rmse }
-    };
+    let stroke = stroke(&columns.output, &columns.scored);
+    let of = |rmse: f64, better| Poor { rmse, percent_of_stroke: 100.0 * rmse / stroke, better };
     let written = extended.written(columns, None)?;
     let errors = |simulated: &[f64], rows: &[usize]| -> Vec<f64> {
         rows.iter().map(|&row| columns.output[row] - simulated[row]).collect()
     };
     let scored = search.signals.scored();
-    let (rmse, any) = (
+    let (all, any) = (
         root_mean_square(&errors(&written.simulated, &scored)),
         root_mean_square(&search.baseline.fit.residual),
     );
-    if rmse > MULTIPLE * any {
-        return Some(of(rmse, Better::AnyHysteresis, any));
+    if all > MULTIPLE * any {
+        return Some(of(all, Some((Better::AnyHysteresis, any))));
     }
     let Split { taught, untaught, .. } = Split::of(columns, &scored);
     let held = errors(&written.taught.answer(columns)?, &untaught);
@@ -62,10 +60,17 @@ pub fn poor(search: &Search<'_>, columns: &Columns, extended: &Extended) -> Opti
         let errors = trivial.errors(columns, &taught, &untaught);
         let better_rmse = root_mean_square(&errors);
         let is_better = rmse - better_rmse > standard_error(&errors, &held);
-        is_better.then(|| of(rmse, Better::Trivial(trivial), better_rmse))
+        is_better.then_some((Better::Trivial(trivial), better_rmse))
     };
     let better = Trivial::ALL.into_iter().filter_map(trivial);
-    better.min_by(|one, other| one.better_rmse.total_cmp(&other.better_rmse))
+    if let Some(better) = better.min_by(|(_, one), (_, other)| one.total_cmp(other)) {
+        return Some(of(rmse, Some(better)));
+    }
+    // With a valve, what carries the named causes is not what is written where that predicts no better.
+    let farthest = all.max(extended.extended_rmse);
+    // What the sensor's noise is of it, no model could do better.
+    let noise = columns.noise_floor().deviation;
+    (farthest.powi(2) - noise.powi(2) > (DEPLOYABLE * stroke).powi(2)).then(|| of(farthest, None))
 }
 
 impl Better {

@@ -197,6 +197,20 @@ fn a_slow_valve_is_told_from_the_muscle() {
 }
 
 #[test]
+fn what_leaves_more_of_the_stroke_than_a_driven_valve_may_is_no_explanation() {
+    // A command in bar beside a pressure in another unit: as if the supply were at a fourteenth of what is asked for.
+    let plant = Plant::new();
+    let right = plant.recorded(&hysteresis(&plant.pressure));
+    let wrong = Columns { input: right.input.iter().map(|p| p / 14.5).collect(), ..right };
+    let diagnosis = diagnosed(&wrong);
+    assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{:?}", names(&diagnosis));
+    let Some(Unexplained::Poor(poor)) = diagnosis.unexplained else {
+        panic!("{:?}", diagnosis.unexplained);
+    };
+    assert!(poor.percent_of_stroke > 10.0, "{poor:?}");
+}
+
+#[test]
 fn a_jump_of_the_zero_is_unexplained_and_said() {
     let plant = Plant::new();
     let jump = |t: f64| if t > 50.0 { 1.5 } else { 0.0 };

@@ -12,6 +12,7 @@ use recording::model_file::names::Names;
 use recording::numbers::legible;
 use recording::numbers::significant;
 use recording::unit::Unit;
+use recording::worth::DEPLOYABLE;
 
 /// The verdict in a sentence.
 pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
@@ -42,13 +43,7 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
             Some(Unexplained::Stuck(Stuck { rows, longest_s })) => format!(
                 "{none}: in {rows} rows the same value is read again while the muscle goes on, for up to {longest_s:.2} s."
             ),
-            Some(Unexplained::Poor(Poor { rmse, percent_of_stroke, better, better_rmse })) => format!(
-                "The operator model is off by {} {unit}, {percent_of_stroke:.1} % of the stroke, and {} by {} {unit}: \
-                 this kind of model does not describe the recording.",
-                legible(*rmse, 3),
-                better.words(),
-                legible(*better_rmse, 3)
-            ),
+            Some(Unexplained::Poor(poor)) => described_poorly(poor, unit),
             Some(Unexplained::NotSimulated) => {
                 format!("{none}: no model with those that fit best can be simulated.")
             }
@@ -72,6 +67,25 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
             }
             None => format!("{none} explains it."),
         },
+    }
+}
+
+/// How far the model that is written is off, and from what that shows.
+fn described_poorly(Poor { rmse, percent_of_stroke, better }: &Poor, unit: Unit) -> String {
+    let off = format!(
+        "The operator model is off by {} {unit}, {percent_of_stroke:.1} % of the stroke",
+        legible(*rmse, 3)
+    );
+    match better {
+        Some((better, rmse)) => format!(
+            "{off}, and {} by {} {unit}: this kind of model does not describe the recording.",
+            better.words(),
+            legible(*rmse, 3)
+        ),
+        None => format!(
+            "{off}, more than the {:.0} % up to which a model may drive a valve: none of the causes explains that.",
+            100.0 * DEPLOYABLE
+        ),
     }
 }
 

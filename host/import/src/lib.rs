@@ -9,6 +9,8 @@
 //! | `parquet` | Parquet | `parquet` |
 //! | `bag` | MCAP, ROS 2's bags | `mcap` |
 //!
+//! `to_parquet` writes Parquet (feature `parquet`).
+//!
 //! Everything else is text, and read as a recording is ([`Table::read`]). What a file is its first
 //! bytes say, not its name.
 //!
@@ -27,6 +29,8 @@ mod number;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod sheet;
+#[cfg(feature = "parquet")]
+pub mod to_parquet;
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -38,6 +42,30 @@ use thiserror::Error;
 
 /// A variable of a file: its name, and a value a row.
 pub type Variable = (String, Vec<f64>);
+
+/// The values of a column that is written.
+#[derive(Clone, Copy, Debug)]
+pub enum Values<'a> {
+    /// Numbers; NaN is none.
+    Numbers(&'a [f64]),
+    /// Words; an empty one is none.
+    Words(&'a [String]),
+}
+
+impl Values<'_> {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Numbers(values) => values.len(),
+            Self::Words(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
 
 /// A file as a table.
 #[derive(Debug)]

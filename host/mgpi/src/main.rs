@@ -16,6 +16,7 @@ mod commands;
 mod error;
 mod live;
 mod output;
+mod parquet;
 
 use std::process::ExitCode;
 

@@ -5,7 +5,7 @@
 //! [`Outputs::commit`] renames them. A command that fails before that leaves nothing behind. One
 //! output may be standard output, named `-`: what is said for people then goes to standard error.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -108,12 +108,26 @@ impl Outputs {
     /// # Errors
     /// The file cannot be written.
     pub fn stage(&mut self, path: &Path, content: &[u8]) -> Result<(), OutputError> {
+        self.stage_by(path, |target| target.write_all(content))
+    }
+
+    /// The same of a content that is not held whole: `write` writes it.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn stage_by(
+        &mut self,
+        path: &Path,
+        write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
         if is_standard(path) {
-            self.standard = content.to_vec();
-            return Ok(());
+            self.standard.clear();
+            return write(&mut self.standard).map_err(unwritable(path));
         }
         let mut file = new_file(directory(path)).map_err(unwritable(path))?;
-        file.write_all(content).map_err(unwritable(path))?;
+        let mut buffered = BufWriter::new(file.as_file_mut());
+        write(&mut buffered).and_then(|()| buffered.flush()).map_err(unwritable(path))?;
+        drop(buffered);
         self.staged.push((file, path.to_owned()));
         Ok(())
     }

@@ -76,3 +76,19 @@ def test_an_array_job_has_the_lines_of_one_run(archive, command, tmp_path):
     subprocess.run(["bash", "-c", join], cwd=tmp_path, check=True)
     wanted = (tmp_path / "whole.csv").read_text().splitlines()
     assert (tmp_path / "results.csv").read_text().splitlines() == [wanted[0], *sorted(wanted[1:])]
+
+
+def test_the_table_as_parquet_has_figures_as_numbers(archive, command, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    few = tmp_path / "recordings"
+    few.mkdir()
+    for name in ("0.csv", "1.csv", "broken.csv"):
+        (few / name).write_text((archive / "recordings" / name).read_text())
+    for output in ("results.csv", "results.parquet"):
+        command("batch", few, "-o", tmp_path / output)
+    ours, text = pandas.read_parquet(tmp_path / "results.parquet"), pandas.read_csv(tmp_path / "results.csv")
+    assert list(ours) == list(text)
+    for name in ("stroke", "written_rmse", "noise_floor"):
+        assert ours[name].dtype == "float64" and ours[name].equals(text[name]), name
+    assert ours["verdict"].isna().tolist() == [False, False, True]
+    assert "touched" in ours["error"][2]

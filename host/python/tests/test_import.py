@@ -328,3 +328,16 @@ def test_holes_are_those_of_the_csv(command, table, tmp_path):
         command("import", tmp_path / file, "--map", MAP, "-o", tmp_path / "rec.csv", "--force")
         ours, theirs = pd.read_csv(tmp_path / "rec.csv"), pd.read_csv(tmp_path / "wanted.csv")
         assert np.array_equal(ours[list(theirs)].to_numpy(), theirs.to_numpy(), equal_nan=True)
+
+
+def test_what_is_written_as_parquet_is_read_by_others_bit_for_bit(command, table, tmp_path):
+    rows = table.copy()
+    rows.loc[200:260, "x"] = np.nan
+    parquet(rows, tmp_path / "rec.parquet")
+    for output in ("ours.parquet", "ours.csv"):
+        command("import", tmp_path / "rec.parquet", "--map", MAP, "-o", tmp_path / output)
+    ours, text = pd.read_parquet(tmp_path / "ours.parquet"), pd.read_csv(tmp_path / "ours.csv")
+    assert list(ours) == list(text) and (ours.dtypes == "float64").all()
+    assert np.array_equal(ours["contraction_mm"].to_numpy(), rows["x"].to_numpy(), equal_nan=True)
+    command("import", tmp_path / "ours.parquet", "-o", tmp_path / "back.csv")
+    assert (tmp_path / "back.csv").read_text() == (tmp_path / "ours.csv").read_text()

@@ -20,8 +20,10 @@ use indicatif::ProgressBar;
 use super::search::Columns;
 use crate::Error;
 use crate::output::{OutputError, Outputs};
+use crate::parquet::{self, is_parquet};
 use diagnosis::diagnosed::{Diagnosed, Examined};
 use diagnosis::{Named, cause::Cause};
+use import::Values;
 use recording::table::Table;
 use recording::{Choice, TOOL};
 
@@ -48,13 +50,24 @@ const HEADER: [&str; 17] = [
     "written_form",
 ];
 
+/// Those of them that are numbers.
+const FIGURES: [&str; 7] = [
+    "rows",
+    "stroke",
+    "plain_rmse",
+    "written_rmse",
+    "heldout_plain_rmse",
+    "heldout_written_rmse",
+    "noise_floor",
+];
+
 /// Diagnoses every recording in a folder, and writes a table of what was found; a run that was
 /// ended goes on where it was.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// The folder; files of it and of its folders that end in .csv, .tsv or .txt
     folder: PathBuf,
-    /// Where the table goes: a line a file
+    /// Where the table goes: a line a file; as Parquet if it ends in .parquet
     #[arg(short = 'o', value_name = "RESULTS.csv")]
     results: PathBuf,
     #[command(flatten)]
@@ -109,9 +122,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     };
     let done: Vec<(Line, bool)> = side_by_side(&files, do_next).map_err(unwritable)?;
     bar.finish_and_clear();
-    let header = HEADER.map(str::to_owned).to_vec();
-    outputs
-        .stage(output, text(std::iter::once(&header).chain(done.iter().map(|(line, _)| line))).as_bytes())?;
+    let lines: Vec<&Line> = done.iter().map(|(line, _)| line).collect();
+    stage(&mut outputs, output, &lines)?;
     outputs.commit()?;
     // Whatever is left of it is in the output.
     let _ = fs::remove_file(&part);
@@ -126,6 +138,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         say!("refused       {}", line[2]);
     }
     Ok(())
+}
+
+/// Stages the table: CSV, or Parquet with figures as numbers.
+fn stage(outputs: &mut Outputs, output: &Path, lines: &[&Line]) -> Result<(), Error> {
+    if !is_parquet(output) {
+        let header = HEADER.map(str::to_owned).to_vec();
+        outputs.stage(output, text([&header].into_iter().chain(lines.iter().copied())).as_bytes())?;
+        return Ok(());
+    }
+    let column = |place: usize| lines.iter().map(|line| line[place].clone()).collect();
+    let words: Vec<Vec<String>> = (0..HEADER.len()).map(column).collect();
+    // What is refused has no figures.
+    let number = |word: &String| word.parse().unwrap_or(f64::NAN);
+    let numbers: Vec<Vec<f64>> = words.iter().map(|words| words.iter().map(number).collect()).collect();
+    let columns: Vec<(&str, Values)> = (0..HEADER.len())
+        .map(|place| match FIGURES.contains(&HEADER[place]) {
+            true => (HEADER[place], Values::Numbers(&numbers[place])),
+            false => (HEADER[place], Values::Words(&words[place])),
+        })
+        .collect();
+    parquet::stage(outputs, output, &columns)
 }
 
 /// Does every file, in the order of the files, as many at once as there are cores. By threads of

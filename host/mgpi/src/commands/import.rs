@@ -1,12 +1,14 @@
 //! `mgpi import`: a recording out of a file of another program.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
 
 use crate::Error;
 use crate::output::Outputs;
-use import::{Imported, Options, read};
+use crate::parquet::{self, is_parquet};
+use import::{Imported, Options, Values, read};
 use recording::numbers::{legible, median, range};
 use recording::table::naming::{Naming, Renamed};
 use recording::table::{Table, VALID};
@@ -29,7 +31,8 @@ pub struct Arguments {
     /// The topic of a bag whose times the recording has [default: that of the output]
     #[arg(long, value_name = "TOPIC")]
     clock: Option<String>,
-    /// Where the recording goes: the mapped variables, and those whose names end in a unit
+    /// Where the recording goes: the mapped variables, and those whose names end in a unit; as
+    /// Parquet if it ends in .parquet
     #[arg(short, long, value_name = "REC.csv")]
     output: Option<PathBuf>,
     /// Overwrite an existing output
@@ -66,8 +69,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         return Ok(());
     };
     let columns = written(&table)?;
-    let text = csv(&columns, table.rows());
-    outputs.stage(output, text.as_bytes())?;
+    if is_parquet(output) {
+        let columns: Vec<(&str, Values)> =
+            columns.iter().map(|(name, values)| (name.as_str(), Values::Numbers(values))).collect();
+        parquet::stage(&mut outputs, output, &columns)?;
+    } else {
+        outputs.stage_by(output, |target| csv(target, &columns, table.rows()))?;
+    }
     outputs.commit()?;
     let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
     say!("{} rows of {} in {}", table.rows(), names.join(", "), output.display());
@@ -104,7 +112,7 @@ fn of_values(values: &[f64]) -> String {
 }
 
 /// The columns that are written: those that are mapped, and those of a known unit; a name each.
-fn written(table: &Table) -> Result<Vec<(String, Vec<f64>)>, Error> {
+fn written(table: &Table) -> Result<Vec<(String, &[f64])>, Error> {
     let mut columns = Vec::new();
     for index in 0..table.columns() {
         let (name, is_named) = (table.our_name(index), table.is_named(index));
@@ -115,22 +123,24 @@ fn written(table: &Table) -> Result<Vec<(String, Vec<f64>)>, Error> {
         let values = table.numbers(index)?;
         // Dates and times of day are counted from the first one.
         let name = if values.are_stamps { format!("time_{}", Unit::S.suffix()) } else { name };
-        columns.push((name, values.numbers.to_vec()));
+        columns.push((name, values.numbers));
     }
     Ok(columns)
 }
 
 /// Numbers so that they read back as the same bits; a missing one is an empty field.
-fn csv(columns: &[(String, Vec<f64>)], rows: usize) -> String {
+fn csv(target: &mut dyn Write, columns: &[(String, &[f64])], rows: usize) -> io::Result<()> {
     let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    let mut text = names.join(",") + "\n";
+    writeln!(target, "{}", names.join(","))?;
     for row in 0..rows {
-        let field = |(_, values): &(String, Vec<f64>)| {
-            let value = values[row];
-            if value.is_nan() { String::new() } else { value.to_string() }
-        };
-        let fields: Vec<String> = columns.iter().map(field).collect();
-        text += &(fields.join(",") + "\n");
+        for (place, (_, values)) in columns.iter().enumerate() {
+            let separator = if place == 0 { "" } else { "," };
+            match values[row] {
+                value if value.is_nan() => write!(target, "{separator}")?,
+                value => write!(target, "{separator}{value}")?,
+            }
+        }
+        writeln!(target)?;
     }
-    text
+    Ok(())
 }

@@ -16,7 +16,7 @@ use recording::model_file::control::Recorded;
 use recording::model_file::{HeldOut, Identification, ModelFile};
 use recording::table::{DataError, Table};
 use recording::unit::Unit;
-use recording::{Choice, Recording};
+use recording::{Choice, Recording, Rest, Source};
 
 /// A recording with the columns that a diagnosis looks at.
 #[derive(Clone, Debug)]
@@ -25,6 +25,8 @@ pub struct Examined {
     pub columns: Columns,
     /// The recording, its input as that of the columns.
     pub recording: Recording,
+    /// The files that it comes from: several, where it is several recordings of one muscle.
+    pub sources: Vec<Source>,
 }
 
 /// A diagnosis, with the model that is written and what it gains.
@@ -121,7 +123,53 @@ impl Examined {
         }
         .with_smooth_input();
         recording.drive.input.values.clone_from(&columns.input);
-        Ok(Self { columns, recording })
+        let sources = vec![recording.source()];
+        Ok(Self { columns, recording, sources })
+    }
+
+    /// Several recordings of one muscle as one, the muscle let down and left at rest between them ([`Rest`]). A column
+    /// beside input and output is used if all have it. Time goes on: a drift or a warm-up acts in the rests too.
+    ///
+    /// # Errors
+    /// There is none, or they do not go together ([`Recording::joined`]).
+    pub fn joined(mut parts: Vec<Self>) -> Result<Self, DataError> {
+        if parts.len() == 1
+            && let Some(one) = parts.pop()
+        {
+            return Ok(one);
+        }
+        let recordings: Vec<Recording> = parts.iter().map(|part| part.recording.clone()).collect();
+        let rest = Rest::between(&recordings);
+        let recording = Recording::joined_at_rest(&recordings, rest)?;
+        let of_all = |of: fn(&Columns) -> Option<&Vec<f64>>, lowest: Option<f64>| -> Option<Vec<f64>> {
+            let mut columns = parts.iter().map(|part| of(&part.columns));
+            let mut all = columns.next().flatten()?.clone();
+            for column in columns {
+                let rests = all.len();
+                Rest::append(&mut all, column?);
+                lowest.into_iter().for_each(|lowest| all[rests..rests + 2].fill(lowest));
+            }
+            Some(all)
+        };
+        let Recording { drive, output, .. } = &recording;
+        let smoothings = || parts.iter().filter_map(|part| part.columns.smoothing);
+        let noisiest = smoothings().max_by(|one, other| one.noise.total_cmp(&other.noise));
+        let columns = Columns {
+            time_s: drive.time_s.clone(),
+            input: drive.input.values.clone(),
+            command: of_all(|columns| columns.command.as_ref(), Some(rest.input)),
+            output: output.values.clone(),
+            scored: drive.scored.clone(),
+            load_n: of_all(|columns| columns.load_n.as_ref(), None),
+            temperature_c: of_all(|columns| columns.temperature_c.as_ref(), None),
+            past_unknown_until_s: recording.left_out.past_unknown_until_s(),
+            smoothing: noisiest,
+            measured_input: noisiest.and(of_all(measured_input, Some(rest.input))),
+            drop_outs: recording.left_out.drop_outs.clone(),
+            ..parts[0].columns
+        };
+        let sources = recordings.iter().map(Recording::source).collect();
+        Ok(Self { columns, recording, sources })
     }
 
     /// Diagnoses it. `given`: an operator model to go on from. `other`: what the gain is counted on
@@ -136,7 +184,7 @@ impl Examined {
         other: Option<Self>,
         progress: &(dyn Fn(f64, &str) + Sync),
     ) -> Result<Diagnosed, NotDiagnosed> {
-        let Self { columns, recording } = &self;
+        let Self { columns, recording, .. } = &self;
         let begin = Instant::now();
         let (diagnosis, extended) = diagnose_and_extend(columns, given, progress)?;
         let seconds = begin.elapsed().as_secs_f64();
@@ -152,6 +200,11 @@ impl Examined {
     }
 }
 
+/// The input as it was measured.
+fn measured_input(columns: &Columns) -> Option<&Vec<f64>> {
+    Some(columns.measured_input.as_ref().unwrap_or(&columns.input))
+}
+
 impl Diagnosed {
     /// The model that is written, as its file has it; what it gains may be told by another
     /// recording.
@@ -159,7 +212,7 @@ impl Diagnosed {
     /// # Errors
     /// The parameters are those of no model.
     pub fn model(&self) -> Result<ModelFile, ParameterError> {
-        let Self { written, examined: Examined { recording, .. }, other, .. } = self;
+        let Self { written, examined: Examined { recording, sources, .. }, other, .. } = self;
         let Extension { parameters, density, extensions } = &written.model;
         let heldout = Some(HeldOut {
             recording: other.as_ref().unwrap_or(recording).source(),
@@ -175,6 +228,12 @@ impl Diagnosed {
             written.termination.to_string(),
             Vec::new(),
         );
+        let identification = match &sources[..] {
+            [first, further @ ..] => {
+                Identification { recording: first.clone(), further: further.to_vec(), ..identification }
+            }
+            [] => identification,
+        };
         Ok(ModelFile {
             input: recording.drive.input.channel.clone(),
             output: recording.output.channel.clone(),

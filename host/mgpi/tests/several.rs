@@ -60,6 +60,32 @@ fn the_files_of_a_model_stand_in_it_and_each_is_held_out_once() {
 }
 
 #[test]
+fn several_recordings_are_diagnosed_as_one_muscle() {
+    for (hidden, verdict, causes) in [("none", "adequate", vec![]), ("load", "explained", vec!["load"])] {
+        let bench = Bench::new();
+        for (seed, name) in [(1, "one.csv"), (2, "other.csv")] {
+            bench.succeeds(&format!(
+                "rig record --protocol ramps --seed {seed} --rate-hz 20 --load-n 2 --hide {hidden} -o {name}"
+            ));
+        }
+        let said = bench.succeeds("diagnose one.csv other.csv -o m.toml --json d.json --report r.html");
+        assert!(said.starts_with(&format!("one.csv + other.csv: {verdict}")), "{said}");
+        let json: Value = serde_json::from_str(&bench.read("d.json")).expect("JSON");
+        let found: Vec<&str> = json["causes"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .filter_map(|cause| cause["name"].as_str())
+            .collect();
+        assert_eq!(found, causes, "{said}");
+        let model = bench.read("m.toml");
+        assert!(model.contains("[[identification.further]]") && model.contains("other.csv"), "{model}");
+        // The file is read as it was written.
+        bench.succeeds("simulate m.toml --input one.csv -o out.csv");
+    }
+}
+
+#[test]
 fn recordings_that_do_not_go_together_are_refused_by_name() {
     let bench = Bench::new();
     record(&bench, "fig8", 1, "one.csv");
@@ -74,6 +100,8 @@ fn recordings_that_do_not_go_together_are_refused_by_name() {
         let message = bench.refuses(&format!("identify one.csv {other} -o m.toml --starts 2"));
         assert!(message.contains(words), "{message}");
     }
+    let message = bench.refuses("diagnose one.csv copy.csv");
+    assert!(message.contains("copy.csv: is the same recording as one.csv"), "{message}");
     let message = bench.refuses("identify one.csv copy.csv -o m.toml --model auto");
     assert!(message.contains("--model auto"), "{message}");
 }

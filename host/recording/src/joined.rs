@@ -1,5 +1,9 @@
-//! Several recordings of one muscle one behind the other, for what is said and drawn of them
-//! together. A model is never driven by that: for it each recording begins from rest.
+//! Several recordings of one muscle one behind the other.
+//!
+//! - [`Recording::joined`]: for what is said and drawn of them together. No model is driven by
+//!   that: for it each recording begins from rest.
+//! - [`Recording::joined_at_rest`]: as one recording that a model may be driven by. Between two of
+//!   them the muscle is let down to the lowest input of all and left there.
 
 use std::path::PathBuf;
 
@@ -10,6 +14,35 @@ use crate::{Drive, Recording, Timing};
 
 /// The pause between two recordings, in steps of the slower one: a gap, for whoever looks at steps.
 const PAUSE_STEPS: f64 = 10.0;
+
+/// What the muscle does between two recordings that become one: it is let down within a gap of
+/// time, and left there. Two rows, which are not scored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    /// The input meanwhile. Input unit.
+    pub input: f64,
+    /// How long it is left. How long it was is not known; with as long a rest as the longest
+    /// recording, what fades within one has faded. Unit: s.
+    pub pause_s: f64,
+}
+
+impl Rest {
+    /// That between these recordings.
+    pub fn between<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> Self {
+        let rest = Self { input: f64::INFINITY, pause_s: 0.0 };
+        recordings.into_iter().fold(rest, |Self { input, pause_s }, Recording { drive, .. }| Self {
+            input: drive.input.values.iter().copied().fold(input, f64::min),
+            pause_s: pause_s.max(drive.time_s.last().copied().unwrap_or_default() - drive.time_s[0]),
+        })
+    }
+
+    /// Puts the values of a column that is not the input behind those before: between them what
+    /// was read last, and what is read next.
+    pub fn append(before: &mut Vec<f64>, after: &[f64]) {
+        before.extend(before.last().copied().into_iter().chain(after.first().copied()));
+        before.extend_from_slice(after);
+    }
+}
 
 impl Recording {
     /// Recordings of one muscle, one behind the other, the times going on. What is not known of
@@ -25,7 +58,21 @@ impl Recording {
         let mut all = first.clone();
         for (place, other) in others.iter().enumerate() {
             other.check_beside(&recordings[..=place])?;
-            all.append(other);
+            all.append(other, None);
+        }
+        Ok(all)
+    }
+
+    /// The same as one recording that a model may be driven by, with this between two of them.
+    ///
+    /// # Errors
+    /// As of [`Self::joined`].
+    pub fn joined_at_rest(recordings: &[Self], rest: Rest) -> Result<Self, DataError> {
+        let [first, others @ ..] = recordings else { return Self::joined(recordings) };
+        let mut all = first.clone();
+        for (place, other) in others.iter().enumerate() {
+            other.check_beside(&recordings[..=place])?;
+            all.append(other, Some(rest));
         }
         Ok(all)
     }
@@ -52,13 +99,23 @@ impl Recording {
         }
     }
 
-    fn append(&mut self, other: &Self) {
+    fn append(&mut self, other: &Self, rest: Option<Rest>) {
         let Drive { file, sha256, time_s, timing, input, scored, notes, .. } = &mut self.drive;
         let file_name = |file: &PathBuf| file.file_name().unwrap_or(file.as_os_str()).display().to_string();
         *file = format!("{} + {}", file_name(file), file_name(&other.drive.file)).into();
         *sha256 = format!("{sha256} + {}", other.drive.sha256);
         let pause_s = PAUSE_STEPS * timing.median_step_s.max(other.drive.timing.median_step_s);
-        let (rows, ends_s) = (time_s.len(), time_s.last().copied().unwrap_or_default());
+        let mut ends_s = time_s.last().copied().unwrap_or_default();
+        if let Some(Rest { input: lowest, pause_s: left_s }) = rest {
+            time_s.extend([ends_s + pause_s, ends_s + pause_s + left_s]);
+            ends_s += pause_s + left_s;
+            input.values.extend([lowest; 2]);
+            scored.extend([false; 2]);
+            Rest::append(&mut self.output.values, &other.output.values);
+        } else {
+            self.output.values.extend_from_slice(&other.output.values);
+        }
+        let rows = time_s.len();
         let later_s = ends_s + pause_s - other.drive.time_s.first().copied().unwrap_or_default();
         time_s.extend(other.drive.time_s.iter().map(|time| time + later_s));
         *timing = Timing::of(time_s);
@@ -66,7 +123,6 @@ impl Recording {
         scored.extend_from_slice(&other.drive.scored);
         let of_file = other.drive.notes.iter().map(|note| format!("{}: {note}", other.drive.file.display()));
         notes.extend(of_file);
-        self.output.values.extend_from_slice(&other.output.values);
         let LeftOut { drop_outs, unknown_past } = &mut self.left_out;
         drop_outs.extend(other.left_out.drop_outs.iter().cloned().map(|mut drop_out| {
             drop_out.samples = drop_out.samples.start + rows..drop_out.samples.end + rows;
@@ -105,6 +161,21 @@ mod tests {
         assert!((all.drive.time_s[4] - 2.3).abs() < 1e-9 && (all.drive.time_s[6] - 2.7).abs() < 1e-9);
         assert_eq!((all.drive.scored.len(), all.drive.timing.gaps), (7, 1));
         assert_eq!(all.drive.file.display().to_string(), "x.csv + y.csv");
+    }
+
+    #[test]
+    fn at_rest_the_muscle_is_let_down_between_and_nothing_of_it_is_scored() {
+        let later = "time_s,pressure_bar,contraction_mm\n5,1,1\n5.2,2,10\n5.4,0.5,3\n";
+        let parts = [recording("a.csv", FIRST), recording("b.csv", later)];
+        let rest = Rest::between(&parts);
+        assert_eq!(rest, Rest { input: 0.0, pause_s: rest.pause_s });
+        assert!((rest.pause_s - 0.4).abs() < 1e-9);
+        let all = Recording::joined_at_rest(&parts, rest).expect("one");
+        assert_eq!(all.drive.input.values, [0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 1.0, 2.0, 0.5]);
+        assert_eq!(all.output.values, [0.0, 8.0, 9.0, 2.0, 2.0, 1.0, 1.0, 10.0, 3.0]);
+        assert_eq!(all.drive.scored.iter().filter(|scored| !**scored).count(), 2);
+        assert!((all.drive.time_s[5] - 2.7).abs() < 1e-9 && (all.drive.time_s[6] - 4.7).abs() < 1e-9);
+        assert!(all.drive.time_s.windows(2).all(|pair| pair[1] > pair[0]));
     }
 
     #[test]

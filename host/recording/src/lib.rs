@@ -32,6 +32,7 @@ pub mod turning;
 pub mod unit;
 pub mod worth;
 
+pub use joined::Rest;
 pub use recording::*;
 
 /// Name and version of this tool, as files and reports carry them.

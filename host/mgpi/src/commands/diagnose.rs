@@ -19,10 +19,10 @@ use report::diagnosed;
 /// Shows what a simulation gets wrong about a recording, and names the cause.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// The recording; load_n, temperature_c and, beside pressure_bar, command_bar are used where
-    /// they are there
-    #[arg(value_name = "REC.csv")]
-    recording: PathBuf,
+    /// The recording, or several of one muscle, between which it is let down and left at rest;
+    /// load_n, temperature_c and, beside pressure_bar, command_bar are used where they are there
+    #[arg(value_name = "REC.csv", required = true)]
+    recordings: Vec<PathBuf>,
     /// Also write the model, extended by the named causes where that is better, for simulate, pil
     /// and the board
     #[arg(short = 'o', value_name = "EXTENDED.toml")]
@@ -53,21 +53,22 @@ pub struct Arguments {
 /// # Errors
 /// The recording is not what it should be or too short, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { recording: file, model_file, model, validate, report, json, .. } = arguments;
-    let inputs: Vec<&Path> = [file].into_iter().chain(validate).chain(model).map(PathBuf::as_path).collect();
+    let Arguments { recordings: files, model_file, model, validate, report, json, .. } = arguments;
+    let inputs: Vec<&Path> = files.iter().chain(validate).chain(model).map(PathBuf::as_path).collect();
     let mut outputs = Outputs::claim(model_file.iter().chain(report).chain(json), &inputs, arguments.force)?;
     let given = model.as_ref().map(|model| ModelFile::read(model)).transpose()?;
     let choice = match &given {
         Some(given) => arguments.columns.choice().like(&given.input, &given.output),
         None => arguments.columns.choice(),
     };
-    let examined = read(file, &choice)?;
+    let examined = read_all(files, &choice, &arguments.columns)?;
     let given = given.map(|file| Operator { parameters: file.parameters, density: file.density });
     let choice = arguments.columns.choice_of(&examined.recording);
     let other = validate.as_ref().map(|file| read(file, &choice)).transpose()?;
+    let name = examined.recording.drive.file.clone();
     let found = with_bar(|progress| examined.diagnosed(given.as_ref(), other, progress));
     let found = found.map_err(|error| match error {
-        NotDiagnosed::Diagnosis(source) => Error::Diagnosis { file: file.clone(), source },
+        NotDiagnosed::Diagnosis(source) => Error::Diagnosis { file: name.clone(), source },
         NotDiagnosed::NotSimulated(file) => Error::NotSimulated(file),
     })?;
     if let Some(model_file) = model_file {
@@ -82,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         outputs.stage(json, format!("{:#}\n", to_json(&found)).as_bytes())?;
     }
     outputs.commit()?;
-    diagnosed_summary::print((file, model_file.as_deref()), &found);
+    diagnosed_summary::print((&name, model_file.as_deref()), &found);
     Ok(())
 }
 
@@ -94,6 +95,19 @@ pub fn read(file: &Path, choice: &Choice) -> Result<Examined, Error> {
     let examined = Examined::of(&choice.table(file)?, choice)?;
     examined.recording.drive.announce();
     Ok(examined)
+}
+
+/// Several recordings as one; the columns of the others are those of the first.
+fn read_all(files: &[PathBuf], choice: &Choice, columns: &Columns) -> Result<Examined, Error> {
+    let mut parts: Vec<Examined> = Vec::new();
+    for file in files {
+        let part = match parts.first() {
+            None => read(file, choice)?,
+            Some(first) => read(file, &columns.choice_of(&first.recording))?,
+        };
+        parts.push(part);
+    }
+    Ok(Examined::joined(parts)?)
 }
 
 /// Works with a bar that shows how far it is, and with what.

@@ -49,7 +49,7 @@ struct Gained<'a> {
 /// The report as an HTML file.
 pub fn to_html(found: &Diagnosed) -> String {
     let Diagnosed { diagnosis, extended, gain, written, examined, other, .. } = found;
-    let Examined { columns, recording } = examined;
+    let Examined { columns, recording, .. } = examined;
     let other = other.as_ref().map(|other| other.drive.file.display().to_string());
     let gained = Some(&Gained { extended, gain, written, other });
     let Recording { drive, output, .. } = recording;

@@ -36,7 +36,7 @@ pub fn model(csv: &[u8], desk: Desk) -> Result<ModelFile> {
     let choice = Choice::default();
     let mut table = Table::parse(file, csv)?;
     table.name(&choice.naming)?;
-    let Examined { columns, recording } = Examined::of(&table, &choice)?;
+    let Examined { columns, recording, .. } = Examined::of(&table, &choice)?;
     let (extension, starts, termination) = match desk {
         Desk::Identify => {
             let options = Options { starts: STARTS, ..Options::default() };

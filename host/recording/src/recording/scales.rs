@@ -1,7 +1,8 @@
 //! Whether command and pressure of one file are on one scale.
 //!
-//! A regulator's pressure settles at its command. Where one is a fixed multiple of the other, and that multiple is the
-//! ratio of two units of pressure, one of the two columns has the wrong unit in its name: it is asked about.
+//! A regulator's pressure settles at its command. Where one is a fixed multiple of the other, and
+//! that multiple is the ratio of two units of pressure, one of the two columns has the wrong unit
+//! in its name: it is asked about.
 
 use super::INPUTS;
 use crate::numbers::quantiles;
@@ -11,8 +12,9 @@ use crate::unit::{Quantity, Unit};
 
 /// Units that regulators, sensors and loggers give pressures in.
 const UNITS: [&str; 6] = ["bar", "kpa", "psi", "mpa", "mbar", "pa"];
-/// Regulators' gains are off by 1 % of their span, and a lag or a dead band takes a few hundredths of a swing; the
-/// nearest ratios of two units, 0.1 of bar to MPa and 0.069 of bar to psi, are 45 % apart.
+/// How far a ratio may be off that of two units, as a logarithm. Regulators' gains are off by 1 %
+/// of their span, and a lag or a dead band takes a few hundredths of a swing; the nearest ratios of
+/// two units, 0.1 of bar to MPa and 0.069 of bar to psi, are 45 % apart.
 const NEAR: f64 = 0.15;
 /// Of a column's values this share is left out at either end.
 const ENDS: f64 = 0.05;
@@ -57,10 +59,12 @@ impl Span {
     }
 }
 
-/// Asks where the pressure beside a command is in another unit than its column says, or the command is.
+/// Asks where the pressure beside a command is in another unit than its column says, or the command
+/// is.
 ///
 /// # Errors
-/// One of the two is a multiple of the other that is the ratio of two units, and no option says the unit.
+/// One of the two is a multiple of the other that is the ratio of two units, and no option says the
+/// unit.
 pub fn check(table: &Table) -> Result<(), DataError> {
     let [pressure, command] = INPUTS.map(|name| Span::of(table, name));
     let Some((pressure, command)) = pressure.zip(command) else { return Ok(()) };

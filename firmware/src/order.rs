@@ -86,7 +86,13 @@ fn installation(configuration: &Configuration) -> Result<Order, Refusal> {
         return Err(Refusal::Version(VERSION));
     }
     let parameters = &configuration.tracking;
-    let tracking = BoardTracking::try_new(parameters).map_err(Refusal::from)?;
+    // Looked at where it was made, and moved once: each move more takes the stack of a controller.
+    let made = BoardTracking::try_new(parameters);
+    let tracking = made.as_ref().map_err(|error| Refusal::from(*error))?;
     let survey = survey(&parameters.model, tracking.inverse()).map_err(Refusal::from)?;
-    Ok(Order::Install(Installation { tracking, survey, period_s: parameters.period_s }))
+    let period_s = parameters.period_s;
+    match made {
+        Ok(tracking) => Ok(Order::Install(Installation { tracking, survey, period_s })),
+        Err(error) => Err(error.into()),
+    }
 }

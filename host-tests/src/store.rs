@@ -40,7 +40,7 @@ pub fn calibration() -> Calibration {
 /// # Panics
 /// The paper's model is not valid.
 pub fn full_set() -> Parameters {
-    fn full<const L: usize>() -> heapless::Vec<f32, L> {
+    fn full<const L: usize>() -> model_core::List<f32, L> {
         (1..=L).map(|i| 0.123_456_79 * i as f32).collect()
     }
     let model = ModelParameters::Cascade(CascadeParameters {

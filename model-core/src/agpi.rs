@@ -38,7 +38,7 @@ const PIECES: u8 = 64;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct AgpiParameters<T, const N: usize> {
     /// The envelope γ_r of rising inputs.

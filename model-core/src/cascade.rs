@@ -49,7 +49,7 @@ use crate::turning_points::TurningPoints;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct CascadeParameters<T, const N: usize, const M: usize> {
     /// The envelope γ.

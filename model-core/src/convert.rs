@@ -1,8 +1,7 @@
 //! Numbers and lists in another number type or capacity, and numbers from another origin.
 
-use heapless::Vec;
-
 use crate::error::{Check, ParameterError, Requirement};
+use crate::list::List;
 use crate::real::Real;
 
 /// The nearest number of the other type.
@@ -22,8 +21,8 @@ pub(crate) fn counted_from<T: Real>(value: T, origin: f64) -> T {
 pub(crate) fn list<T: Real, U: Real, const N: usize>(
     parameter: &'static str,
     list: &[T],
-) -> Result<Vec<U, N>, ParameterError> {
-    let mut converted = Vec::new();
+) -> Result<List<U, N>, ParameterError> {
+    let mut converted = List::new();
     for &value in list {
         let too_many = |_| Check::new(parameter, "").length(list.len(), Requirement::AtMost(N as f64));
         converted.push(number(value)).map_err(too_many)?;

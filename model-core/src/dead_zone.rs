@@ -19,20 +19,19 @@
 //! outward, all positive: then the curve is strictly increasing and its inverse exact. (The paper's
 //! equation (23) does not ask for it; without it a fit can be non-invertible.)
 
-use heapless::Vec;
-
 use crate::convert;
 use crate::curve::MonotoneCurve;
 use crate::error::{Check, ParameterError, Requirement};
+use crate::list::List;
 use crate::real::Real;
 
 /// Raw parameters of at most `M` dead zones.
 ///
 /// ```
-/// use heapless::Vec;
+/// use model_core::List;
 /// use model_core::dead_zone::{DeadZoneParameters, DeadZones};
 ///
-/// let list = |numbers: [f64; 2]| Vec::<f64, 2>::from_iter(numbers);
+/// let list = |numbers: [f64; 2]| List::<f64, 2>::from_iter(numbers);
 /// let mut zones = DeadZoneParameters { thresholds: list([0.0, 1.0]), weights: list([20.0, -5.0]), offset: 0.0 };
 /// assert_eq!(DeadZones::try_new(&zones)?.smallest_slope(), 15.0); // flatter beyond 1, but rising
 ///
@@ -44,13 +43,13 @@ use crate::real::Real;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct DeadZoneParameters<T, const M: usize> {
     /// Thresholds d: strictly increasing, one of them 0. Unit: that of u (1).
-    pub thresholds: Vec<T, M>,
+    pub thresholds: List<T, M>,
     /// Weights w, as many as thresholds. Unit: output unit.
-    pub weights: Vec<T, M>,
+    pub weights: List<T, M>,
     /// Output at u = 0. Unit: output unit.
     pub offset: T,
 }
@@ -62,7 +61,7 @@ impl<T: Real, const M: usize> DeadZoneParameters<T, M> {
     /// The capacity `M` is 0.
     pub fn line(gain: T, offset: T) -> Result<Self, ParameterError> {
         let list = |value| {
-            let mut list = Vec::new();
+            let mut list = List::new();
             let too_many = |_| Check::new("dead zones", "").length(1, Requirement::AtMost(M as f64));
             list.push(value).map_err(too_many).map(|()| list)
         };
@@ -130,7 +129,7 @@ impl<T: Real, const M: usize> DeadZones<T, M> {
         // From 0 outward to the left: each knot with its output and the slopes on its two sides.
         let central = zone(zero).map_or(T::ZERO, |(_, _, weight)| weight);
         let (mut point, mut slope) = ((T::ZERO, offset), central);
-        let mut left: Vec<(usize, (T, T), T), M> = Vec::new();
+        let mut left: List<(usize, (T, T), T), M> = List::new();
         for (i, threshold, weight) in (0..zero).rev().filter_map(zone) {
             point = (threshold, point.1 + slope * (threshold - point.0));
             // Fewer than M: it fits.

@@ -40,7 +40,7 @@ const TOLERANCE: f64 = 1e-10;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct EgpiParameters<T, const N: usize> {
     /// A.

@@ -18,7 +18,7 @@ pub const DEGREE: usize = 3;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct MemorylessParameters<T> {
     /// δ₁ … δ₃.

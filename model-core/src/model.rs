@@ -72,7 +72,7 @@ impl fmt::Display for Kind {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub enum ModelParameters<T, const N: usize, const M: usize> {
     /// CPI, SGPI, MPI or MGPI.

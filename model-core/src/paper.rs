@@ -5,11 +5,10 @@
 //! j/10 max(u): as j = 1 … 10 the weight w₀ of equation (20) would be 0. max(u) is taken over 0 to
 //! 6 bar, the range of Fig. 8.
 
-use heapless::Vec;
-
 use crate::dead_zone::DeadZoneParameters;
 use crate::envelope::{Envelope, EnvelopeParameters, TanhEnvelope, TanhParameters};
 use crate::error::ParameterError;
+use crate::list::List;
 use crate::mgpi::MgpiParameters;
 use crate::play::{PlayBank, PlayParameters};
 
@@ -47,8 +46,8 @@ pub fn mgpi() -> Result<MgpiParameters<f64, SIZE, SIZE>, ParameterError> {
     let bank = PlayBank::try_new(&plays)?;
     let mut state = bank.rest_state(envelope.value(0.0));
     let u_max = bank.advance(&mut state, envelope.value(PRESSURE_MAX_BAR));
-    let thresholds: Vec<f64, SIZE> = (0..SIZE).map(|j| j as f64 / SIZE as f64 * u_max).collect();
-    let weights: Vec<f64, SIZE> = WEIGHTS.iter().map(|w| w * MUSCLE_LENGTH_MM).collect();
+    let thresholds = List::from(core::array::from_fn(|j| j as f64 / SIZE as f64 * u_max));
+    let weights = List::from(WEIGHTS.map(|weight| weight * MUSCLE_LENGTH_MM));
     Ok(MgpiParameters {
         envelope: EnvelopeParameters::Tanh(ENVELOPE),
         plays,

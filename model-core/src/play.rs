@@ -25,12 +25,11 @@
 //! q and every partial sum q + p₁ + … + pᵢ positive: then u is strictly increasing in v from every
 //! state, and the inverse is exact. Single weights may be negative (those of an inverse are).
 
-use heapless::Vec;
-
 use crate::curve::Segment;
 use crate::direction::Target;
 use crate::error::{Check, InputError, ParameterError, Requirement, finite_input};
 use crate::few_plays::{FEW_PLAYS, FewPlays};
+use crate::list::List;
 use crate::loading_curve::LoadingCurve;
 use crate::play_state::Memory;
 use crate::range::Range;
@@ -201,12 +200,12 @@ impl<T: Real, const N: usize> PlayBank<T, N> {
     }
 
     /// The outputs of the plays, by rising threshold.
-    pub fn outputs(&self, state: &PlayState<T, N>) -> Vec<T, N> {
-        let mut outputs: Vec<T, N> = Vec::new();
+    pub fn outputs(&self, state: &PlayState<T, N>) -> List<T, N> {
+        let mut outputs = List::new();
         let state = match state.memory() {
             Memory::Few(few) => {
-                outputs.extend(few.iter().take(self.len()).copied());
-                return outputs;
+                // There are no more plays than places.
+                return List::try_from_iter(few.iter().take(self.len()).copied()).unwrap_or_default();
             }
             Memory::Many(many) => many,
         };

@@ -1,9 +1,8 @@
 //! The raw parameters of a bank of plays, see [`crate::play`].
 
-use heapless::Vec;
-
 use crate::convert;
 use crate::error::{Check, ParameterError, Requirement};
+use crate::list::List;
 use crate::real::Real;
 
 /// Raw parameters of a bank of at most `N` plays.
@@ -22,15 +21,15 @@ use crate::real::Real;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct PlayParameters<T, const N: usize> {
     /// Weight of the direct term. Unit: 1, above 0.
     pub q: T,
     /// Thresholds r, strictly increasing and above 0. Unit: that of the inner coordinate (1).
-    pub thresholds: Vec<T, N>,
+    pub thresholds: List<T, N>,
     /// Weights p, as many as thresholds. Unit: 1.
-    pub weights: Vec<T, N>,
+    pub weights: List<T, N>,
 }
 
 impl<T: Real, const N: usize> PlayParameters<T, N> {
@@ -40,7 +39,7 @@ impl<T: Real, const N: usize> PlayParameters<T, N> {
     /// # Errors
     /// `count` is above the capacity `N`.
     pub fn exponential(count: usize, q: T, rho: T, tau: T, alpha: T) -> Result<Self, ParameterError> {
-        let mut parameters = Self { q, thresholds: Vec::new(), weights: Vec::new() };
+        let mut parameters = Self { q, thresholds: List::new(), weights: List::new() };
         let too_many = |_| Check::new("plays", "").length(count, Requirement::AtMost(N as f64));
         for i in 1..=count {
             let threshold = alpha * T::from_f64(i as f64);

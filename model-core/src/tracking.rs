@@ -70,7 +70,7 @@ pub enum Mode {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct TrackingParameters<T, const N: usize, const M: usize> {
     /// The muscle's model, input in bar, output in mm.

@@ -3,7 +3,7 @@
 use crate::real::Real;
 
 /// A point that the input has turned at, or where it stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Turn<T> {
     /// Input.
@@ -115,10 +115,10 @@ impl<T: serde::Serialize, const N: usize> serde::Serialize for TurnStack<T, N> {
 #[cfg(feature = "serde")]
 impl<'a, T: Real + serde::Deserialize<'a>, const N: usize> serde::Deserialize<'a> for TurnStack<T, N> {
     fn deserialize<D: serde::Deserializer<'a>>(deserializer: D) -> Result<Self, D::Error> {
-        let turns = heapless::Vec::<Turn<T>, N>::deserialize(deserializer)?;
+        let turns = crate::list::List::<Turn<T>, N>::deserialize(deserializer)?;
         let mut stack = Self::new();
         // There are as many places.
-        turns.into_iter().all(|turn| stack.push(turn));
+        turns.iter().all(|turn| stack.push(*turn));
         Ok(stack)
     }
 }

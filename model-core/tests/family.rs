@@ -1,7 +1,6 @@
 //! What holds for single members of the family: kinds, states at rest, steps of the fixed point,
 //! refusals.
 
-use heapless::Vec as List;
 use model_core::agpi::{Agpi, AgpiParameters};
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::egpi::{Egpi, EgpiParameters};
@@ -9,8 +8,8 @@ use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters, TanhPa
 use model_core::memoryless::MemorylessParameters;
 use model_core::play::PlayParameters;
 use model_core::{
-    Hysteresis, InverseHysteresis, Invertible, Kind, Model, ModelParameters, cpi, mgpi::Mgpi, mpi, paper,
-    sgpi,
+    Hysteresis, InverseHysteresis, Invertible, Kind, List, Model, ModelParameters, cpi, mgpi::Mgpi, mpi,
+    paper, sgpi,
 };
 use proptest::prelude::*;
 

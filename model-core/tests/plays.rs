@@ -2,8 +2,8 @@
 
 mod reference;
 
-use model_core::Real;
 use model_core::play::{PlayBank, PlayParameters};
+use model_core::{List, Real};
 use proptest::prelude::*;
 use reference::PlainBank;
 
@@ -13,11 +13,8 @@ const N: usize = 40;
 fn plays<T: Real>() -> impl Strategy<Value = PlayParameters<T, N>> {
     (0.1..2.0, prop::collection::vec((0.005..0.2, 0.5..1.5), 0..N)).prop_map(|(q, steps)| {
         let (mut threshold, mut slope) = (0.0, q);
-        let mut parameters = PlayParameters {
-            q: T::from_f64(q),
-            thresholds: heapless::Vec::new(),
-            weights: heapless::Vec::new(),
-        };
+        let mut parameters =
+            PlayParameters { q: T::from_f64(q), thresholds: List::new(), weights: List::new() };
         for (step, factor) in steps {
             threshold += step;
             parameters.thresholds.push(T::from_f64(threshold)).expect("fits");

@@ -57,8 +57,8 @@ fn every_broken_parameter_is_refused() {
         assert_eq!(refusal(spoil).parameter, name);
     }
     let mut empty = paper::mgpi().expect("valid");
-    empty.dead_zones.thresholds.clear();
-    empty.dead_zones.weights.clear();
+    empty.dead_zones.thresholds.truncate(0);
+    empty.dead_zones.weights.truncate(0);
     assert_eq!(Mgpi::try_new(&empty).expect_err("no dead zone").parameter, "dead zones");
 }
 

@@ -127,7 +127,7 @@ mod tests {
     const NUMBER: f32 = 0.123_456_79;
 
     /// A full list.
-    fn full<const L: usize>() -> heapless::Vec<f32, L> {
+    fn full<const L: usize>() -> model_core::List<f32, L> {
         core::iter::repeat_n(NUMBER, L).collect()
     }
 

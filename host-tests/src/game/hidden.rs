@@ -113,7 +113,7 @@ pub fn with_hidden(
         "creep" => {
             let fraction = get("fraction_per_decade")?;
             let time_constants_s = hidden.get("time_constants_s")?.as_array()?.iter().map(Value::as_f64);
-            let time_constants_s = time_constants_s.collect::<Option<heapless::Vec<f64, _>>>()?;
+            let time_constants_s = time_constants_s.collect::<Option<model_core::List<f64, _>>>()?;
             let fractions = time_constants_s.iter().map(|_| fraction).collect();
             all.creep.as_ref()?;
             all.creep = Some(CreepParameters { time_constants_s, fractions });

@@ -5,6 +5,7 @@ use super::problem::Problem as Reduced;
 use super::*;
 use crate::progress::Planned;
 use levenberg_marquardt::LeastSquaresProblem;
+use model_core::List;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::{EnvelopeParameters, TanhParameters};
 use model_core::mgpi::MgpiParameters;
@@ -35,8 +36,7 @@ fn truth_parameters(beta: f64) -> HostParameters {
     let (a, b): (f64, f64) = (2.2, -0.4);
     let (g0, g1) = (b.tanh(), (a + b).tanh());
     let weights = [0.9, 0.06, 0.03, 0.01];
-    let mut plays =
-        PlayParameters { q: 0.4, thresholds: heapless::Vec::new(), weights: heapless::Vec::new() };
+    let mut plays = PlayParameters { q: 0.4, thresholds: List::new(), weights: List::new() };
     let sum: f64 = (1..=4).map(|i| f64::exp(-beta * f64::from(i))).sum();
     let mut u_max = 0.4;
     for i in 1..=weights.len() {

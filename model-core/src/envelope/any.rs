@@ -16,7 +16,7 @@ pub const KNOTS: usize = 32;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 // Boxing the knots needs a heap, which the board does not have.
 #[allow(clippy::large_enum_variant)]

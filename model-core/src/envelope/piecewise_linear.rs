@@ -4,21 +4,20 @@
 //! with twelve free knots); it also costs an atanh each tick, where this one costs a search among
 //! the knots.
 
-use heapless::Vec;
-
 use crate::curve::MonotoneCurve;
 use crate::envelope::Envelope;
 use crate::error::{Check, ParameterError, Requirement};
+use crate::list::List;
 use crate::range::Range;
 use crate::real::Real;
 
 /// Raw parameters: the knots, at least two, both coordinates strictly increasing.
 ///
 /// ```
-/// use heapless::Vec;
+/// use model_core::List;
 /// use model_core::envelope::{PiecewiseLinear, PiecewiseLinearParameters};
 ///
-/// let list = |numbers: [f64; 3]| Vec::<f64, 4>::from_iter(numbers);
+/// let list = |numbers: [f64; 3]| List::<f64, 4>::from_iter(numbers);
 /// let flat = PiecewiseLinearParameters { inputs: list([0.0, 1.0, 2.0]), values: list([0.0, 1.0, 1.0]) };
 /// assert!(PiecewiseLinear::try_new(&flat).is_err()); // a level piece has no inverse
 /// ```
@@ -26,22 +25,22 @@ use crate::real::Real;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct PiecewiseLinearParameters<T, const K: usize> {
     /// Inputs of the knots. Input unit.
-    pub inputs: Vec<T, K>,
+    pub inputs: List<T, K>,
     /// The envelope there. Unit: 1.
-    pub values: Vec<T, K>,
+    pub values: List<T, K>,
 }
 
 /// A validated envelope of at most `K` knots; outside them the end segments go on.
 ///
 /// ```
-/// use heapless::Vec;
+/// use model_core::List;
 /// use model_core::envelope::{Envelope, PiecewiseLinear, PiecewiseLinearParameters};
 ///
-/// let list = |numbers: [f64; 3]| Vec::<f64, 4>::from_iter(numbers);
+/// let list = |numbers: [f64; 3]| List::<f64, 4>::from_iter(numbers);
 /// let knots = PiecewiseLinearParameters { inputs: list([0.0, 1.0, 6.0]), values: list([0.0, 2.0, 3.0]) };
 /// let envelope = PiecewiseLinear::try_new(&knots)?;
 /// assert_eq!(envelope.value(0.5), 1.0);

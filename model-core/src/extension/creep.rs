@@ -13,10 +13,9 @@
 //! # The inverse
 //! Explicit: all dₖ are affine in the next move of y₀, and Σ cₖ < 1.
 
-use heapless::Vec;
-
 use crate::convert;
 use crate::error::{Check, ParameterError, Requirement};
+use crate::list::List;
 use crate::real::Real;
 
 use super::sum::Sum;
@@ -30,14 +29,14 @@ pub const CREEP_ELEMENTS: usize = 6;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct CreepParameters<T> {
     /// τ, strictly increasing. Unit: s, above 0.
-    pub time_constants_s: Vec<T, CREEP_ELEMENTS>,
+    pub time_constants_s: List<T, CREEP_ELEMENTS>,
     /// c, as many as time constants: the share of a move that comes late by each. At least 0,
     /// together below 1.
-    pub fractions: Vec<T, CREEP_ELEMENTS>,
+    pub fractions: List<T, CREEP_ELEMENTS>,
 }
 
 impl<T: Real> CreepParameters<T> {
@@ -56,7 +55,7 @@ pub(super) struct Creep<T> {
 }
 
 /// What a step of time makes of an element.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct ElementStep<T> {
     fraction: T,
@@ -71,10 +70,10 @@ struct ElementStep<T> {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub(super) struct CreepStep<T> {
-    elements: Vec<ElementStep<T>, CREEP_ELEMENTS>,
+    elements: List<ElementStep<T>, CREEP_ELEMENTS>,
     /// The part of the next move that comes late.
     late: T,
     /// How far y₀ has to move for y to move by 1.
@@ -132,7 +131,7 @@ impl<T: Real> Creep<T> {
             share: relaxation::share(dt, time_constant_s),
             mean: relaxation::mean(dt, time_constant_s),
         };
-        let mut elements = Vec::<_, CREEP_ELEMENTS>::new();
+        let mut elements = List::<_, CREEP_ELEMENTS>::new();
         for pair in time_constants_s.iter().zip(fractions) {
             // Both lists have the same room.
             let _ = elements.push(element(pair));

@@ -29,7 +29,7 @@ pub(super) struct Effects<T> {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub(super) struct EffectsStep<T> {
     pub(super) valve: ValveStep<T>,
@@ -44,7 +44,7 @@ pub(super) struct EffectsStep<T> {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub(super) struct EffectsMemory<T> {
     pub(super) valve: ValveMemory<T>,

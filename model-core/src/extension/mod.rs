@@ -54,6 +54,7 @@ pub mod profile;
 pub mod rate_dependent_thresholds;
 pub mod rate_dependent_width;
 mod relaxation;
+mod ring;
 mod root;
 pub mod schedule;
 pub mod site;
@@ -99,7 +100,7 @@ pub use warm_up::WarmUpParameters;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 #[allow(missing_docs, reason = "the fields are the effects of the module's table")]
 pub struct ExtensionParameters<T> {

@@ -39,7 +39,7 @@ pub(super) struct OutputEffects<T> {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub(super) struct OutputStep<T> {
     balance: Option<BalanceStep<T>>,
@@ -53,7 +53,7 @@ pub(super) struct OutputStep<T> {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub(super) struct OutputMemory<T> {
     balance: BalanceMemory<T>,

@@ -1,10 +1,9 @@
 //! How strong an effect is over the contraction: piecewise linear through a few knots, constant
 //! outside them.
 
-use heapless::Vec;
-
 use crate::convert;
 use crate::error::{Check, ParameterError, Requirement};
+use crate::list::List;
 use crate::real::Real;
 
 /// The most knots of a profile.
@@ -18,19 +17,20 @@ const LARGEST: f64 = 1e9;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct ProfileParameters<T> {
     /// Contractions, strictly increasing. Output unit.
-    pub knots: Vec<T, PROFILE_KNOTS>,
+    pub knots: List<T, PROFILE_KNOTS>,
     /// The strength at each knot. Unit: that of the effect.
-    pub values: Vec<T, PROFILE_KNOTS>,
+    pub values: List<T, PROFILE_KNOTS>,
 }
 
 impl<T: Real> ProfileParameters<T> {
     /// The same strength at every contraction.
     pub fn constant(value: T) -> Self {
-        let list = |number| Vec::from_iter([number]);
+        // One fits.
+        let list = |number| List::try_from_iter([number]).unwrap_or_default();
         Self { knots: list(T::ZERO), values: list(value) }
     }
 
@@ -54,10 +54,10 @@ struct Piece<T> {
 /// A validated profile.
 ///
 /// ```
-/// use heapless::Vec;
+/// use model_core::List;
 /// use model_core::extension::profile::{Profile, ProfileParameters};
 ///
-/// let list = |numbers: [f64; 2]| Vec::from_iter(numbers);
+/// let list = |numbers: [f64; 2]| List::from_iter(numbers);
 /// let profile = ProfileParameters { knots: list([0.0, 100.0]), values: list([1.0, 3.0]) };
 /// let profile = Profile::try_new(&profile, "viscous_lag", "bar s/mm")?;
 /// assert!((profile.value(50.0) - 2.0).abs() < 1e-12); // straight between knots

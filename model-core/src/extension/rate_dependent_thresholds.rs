@@ -47,7 +47,7 @@ const LARGEST: f64 = 1e9;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct RateDependentThresholdsParameters<T> {
     /// a. Unit: 1, above 0, at most 4.

@@ -23,7 +23,7 @@ use super::sliding::{Sliding, SlidingStep};
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct RateDependentWidthParameters<T> {
     /// r: half the way over which the friction turns round. Input unit, above 0.

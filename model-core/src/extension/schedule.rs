@@ -21,7 +21,7 @@ const FARTHEST: f64 = 1e6;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct ScheduleParameters<T> {
     /// The value at which the model needs no correction. Unit: N, or °C.

@@ -8,12 +8,11 @@
 //! ahead. The controller keeps it for its feedback as long as the delay lasts, see
 //! [`crate::tracking`].
 
-use heapless::Deque;
-
 use crate::convert;
 use crate::error::{Check, InputError, ParameterError};
 use crate::real::Real;
 
+use super::ring::Ring;
 use super::sum::Sum;
 
 /// How many samples a delay can last, at most.
@@ -44,16 +43,16 @@ impl<T: Real> TransportDelayParameters<T> {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub(super) struct DelayLine<T> {
-    samples: Deque<(T, T), DELAY_SAMPLES>,
+    samples: Ring<(T, T), DELAY_SAMPLES>,
     now: Sum<T>,
 }
 
 impl<T: Real> DelayLine<T> {
     pub(super) fn new() -> Self {
-        Self { samples: Deque::new(), now: Sum::default() }
+        Self { samples: Ring::new(), now: Sum::default() }
     }
 
     /// Makes room for the sample after a step of `dt`.
@@ -70,9 +69,9 @@ impl<T: Real> DelayLine<T> {
         self.now.add(dt);
         let then = self.now.value() - delay_s;
         // Room has been made.
-        let _ = self.samples.push_back((self.now.value(), value));
+        self.samples.push((self.now.value(), value));
         self.forget_before(then);
-        let Some(&(time, old)) = self.samples.front() else { return value };
+        let Some(&(time, old)) = self.samples.get(0) else { return value };
         match self.samples.get(1) {
             Some(&(next_time, next)) if time <= then => {
                 old + (next - old) * ((then - time) / (next_time - time))
@@ -85,7 +84,7 @@ impl<T: Real> DelayLine<T> {
     fn forget_before(&mut self, time: T) {
         for _ in 0..DELAY_SAMPLES {
             match self.samples.get(1) {
-                Some(&(next_time, _)) if next_time <= time => self.samples.pop_front(),
+                Some(&(next_time, _)) if next_time <= time => self.samples.forget_oldest(),
                 _ => break,
             };
         }

@@ -16,7 +16,7 @@ use super::term::Term;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "T: serde::Serialize + serde::de::DeserializeOwned")
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
 )]
 pub struct WarmUpParameters<T> {
     /// λ: the travel after which 1/e is left. Output unit, above 0.

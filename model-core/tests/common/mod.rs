@@ -4,7 +4,6 @@
 //! [`family`].
 #![allow(dead_code, reason = "each file of tests uses a part of it")]
 
-use heapless::Vec as List;
 use model_core::agpi::AgpiParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::egpi::EgpiParameters;
@@ -12,7 +11,7 @@ use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters, TanhPa
 use model_core::memoryless::MemorylessParameters;
 use model_core::mgpi::MgpiParameters;
 use model_core::play::PlayParameters;
-use model_core::{Hysteresis, HysteresisState, Model, ModelParameters, Range, Real, cpi, mpi, sgpi};
+use model_core::{Hysteresis, HysteresisState, List, Model, ModelParameters, Range, Real, cpi, mpi, sgpi};
 use proptest::prelude::*;
 
 /// Capacity of plays and dead zones.

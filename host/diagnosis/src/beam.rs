@@ -30,7 +30,7 @@ const LEAST: f64 = 0.02;
 const PROMISED: f64 = 1.0 / 6.0;
 /// The evidence that an effect has to have for it.
 pub const EVIDENCE: f64 = 0.12;
-/// The same of a delay, a lag, a mass: where there is none they gain nothing, since no misfit of shape looks like them.
+/// The same for a delay, a lag or a mass: a misfit of the model's shape hardly ever looks like one of these, so less evidence will do.
 const EVIDENCE_OF_FAST: f64 = 0.08;
 /// What the held-out error alone has to gain.
 const GAIN: f64 = 0.05;
@@ -43,7 +43,7 @@ const MORE_OF_FAST: f64 = 0.05;
 const BETTER: f64 = 0.05;
 /// The least share of the square of the first error that a cause beside others explains.
 const SHARE: f64 = 0.03;
-/// What it has to gain if it explains less: a cause that takes away that much of what is left is none of its remains.
+/// What it has to gain if it explains less: a cause that removes so much of the remaining error is not just the rest of another cause.
 const MUCH: f64 = 0.3;
 /// The same of a delay, a lag, a mass, see [`EVIDENCE_OF_FAST`].
 const MUCH_OF_FAST: f64 = 0.13;

@@ -131,7 +131,7 @@ impl Examined {
     /// beside input and output is used if all have it. Time goes on: a drift or a warm-up acts in the rests too.
     ///
     /// # Errors
-    /// There is none, or they do not go together ([`Recording::joined`]).
+    /// The list is empty, or the recordings do not go together ([`Recording::joined`]).
     pub fn joined(mut parts: Vec<Self>) -> Result<Self, DataError> {
         if parts.len() == 1
             && let Some(one) = parts.pop()

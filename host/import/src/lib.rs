@@ -46,9 +46,9 @@ pub type Variable = (String, Vec<f64>);
 /// The values of a column that is written.
 #[derive(Clone, Copy, Debug)]
 pub enum Values<'a> {
-    /// Numbers; NaN is none.
+    /// Numbers; NaN stands for a missing one.
     Numbers(&'a [f64]),
-    /// Words; an empty one is none.
+    /// Words; an empty one stands for a missing one.
     Words(&'a [String]),
 }
 

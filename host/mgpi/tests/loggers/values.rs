@@ -59,7 +59,8 @@ fn a_column_that_is_asked_for_in_a_unit_is_converted() {
     reads(text, "--input pressure_bar --output contraction_mm", USUAL, &notes);
 }
 
-/// A file with a command whose values are so many times bar, and a pressure that follows it.
+/// A file with a pressure that follows a command; the array says how many of each column's unit are
+/// one bar.
 fn commanded(pressure: &str, [input, command]: [f64; 2], follow: impl Fn(f64) -> f64) -> String {
     let header = format!("time_s,{pressure},command_bar,contraction_mm");
     file(&header, |_, [t, p, x]| format!("{t},{},{},{x}", follow(p) * input, p * command))

@@ -7,7 +7,7 @@ use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters};
 use model_core::play::PlayParameters;
 use model_core::{ModelParameters, TrackingParameters};
-use wire::{Calibration, Line};
+use wire::{Calibration, Input, Inputs, Line, Signal};
 
 /// The set with a number in it, by which sets can be told apart.
 pub fn numbered(number: u32, mut set: Parameters) -> Parameters {
@@ -32,6 +32,7 @@ pub fn calibration() -> Calibration {
         supply: line(420.0, 320.75),
         command: line(3.5, 400.5),
         day: 20_783,
+        inputs: Inputs::STANDARD,
     }
 }
 
@@ -55,6 +56,8 @@ pub fn full_set() -> Parameters {
         preconditioned: true,
     });
     let tracking = TrackingParameters { model, ..paper_parameters().expect("valid") };
-    let calibration = Some(Sealed::new(Calibration { day: 100_000, ..calibration() }));
+    let input = Input { signal: Signal::Current, pin_v: 2.987_654_3, low: -1.234_567_9, high: 123.456_79 };
+    let inputs = Inputs { pressure: input, contraction: input, supply: input };
+    let calibration = Some(Sealed::new(Calibration { day: 100_000, inputs, ..calibration() }));
     Parameters { tracking: Some(tracking), calibration, ..Parameters::FACTORY }
 }

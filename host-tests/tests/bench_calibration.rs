@@ -82,3 +82,40 @@ fn a_reading_is_asked_for_and_a_word_is_no_number() {
     assert!(output.status.success(), "{said}");
     assert!(said.contains("\"four\" is no number") && said.contains("written and read back"), "{said}");
 }
+
+#[test]
+fn a_sensor_of_4_to_20_ma_is_told_shown_backed_up_and_brought_back() {
+    let bench = Bench::new();
+    let said = bench.succeeds("calibrate pressure --input current --burden-ohm 150 --range 0,10");
+    assert!(said.contains("ratiometric -> 4 to 20 mA over 150.0 ohm for 0 to 10 bar"), "{said}");
+    let shown = || bench.status()["inputs"]["pressure"].clone();
+    assert_eq!(shown(), "4 to 20 mA over 150.0 ohm for 0 to 10 bar");
+    bench.succeeds("backup -o current.toml");
+    bench.succeeds("calibrate pressure --input ratiometric");
+    assert_eq!(shown(), "ratiometric");
+    assert_comes_to(&bench, 0.0);
+    bench.succeeds("restore current.toml");
+    assert_eq!(shown(), "4 to 20 mA over 150.0 ohm for 0 to 10 bar");
+}
+
+#[test]
+fn an_input_that_cannot_be_is_refused_by_value_and_limits_and_nothing_changes() {
+    let bench = Bench::new();
+    for (arguments, said) in [
+        (
+            "--input current --burden-ohm 200 --range 0,10",
+            "its pin has 4 V at the end of its range, must be 1 to 3.11",
+        ),
+        ("--input voltage --divider 0.3 --range 0,6", "its range ends at 6, must be at least 8.5"),
+        ("--input current --burden-ohm 150 --range 10,0", "its range is 10 to 0, must rise"),
+        ("--input current --range 0,10", "--burden-ohm"),
+        ("--input voltage --divider 0.3", "--range"),
+        ("--input ratiometric --range 0,10", "no --range"),
+    ] {
+        let message = bench.refuses(&format!("calibrate pressure {arguments}"));
+        assert!(message.contains(said), "{arguments}: {message}");
+    }
+    let message = bench.refuses("calibrate regulator --input current --burden-ohm 150 --range 0,10");
+    assert!(message.contains("the regulator is no input"), "{message}");
+    assert_eq!(bench.status()["inputs"]["pressure"], "ratiometric");
+}

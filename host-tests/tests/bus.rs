@@ -60,10 +60,12 @@ fn every_written_register_reads_as_it_was_written_at_both_limits_and_refuses_wha
         Id::UploadOrder,
         Id::BusTake,
         Id::CalibrationChecksum,
+        Id::InputsChecksum,
     ];
     for register in &TABLE {
         let Access::Write(min, max) = register.access else { continue };
-        if special.contains(&register.id) || fields::CALIBRATION.contains(&register.id) {
+        let is_part = fields::CALIBRATION.contains(&register.id) || fields::INPUTS.contains(&register.id);
+        if special.contains(&register.id) || is_part {
             continue;
         }
         for number in [min, max] {

@@ -12,7 +12,7 @@ fn control() -> Control {
 
 /// As it stands in a record.
 fn bytes(sealed: &Sealed) -> Vec<u8> {
-    postcard::to_slice(sealed, &mut [0; 64]).expect("fits").to_vec()
+    postcard::to_slice(sealed, &mut [0; 128]).expect("fits").to_vec()
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::registers::{Id, Value, checksum, fields};
+use crate::input::{Inputs, checksum_of};
+use crate::registers::{Id, Value, fields};
 
 /// A straight line between a quantity and a converter's code.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,27 +37,24 @@ pub struct Calibration {
     pub command: Line,
     /// Days from 1970-01-01 to the last change; 0 on a board that nobody has calibrated.
     pub day: u32,
+    /// How the sensors are connected.
+    pub inputs: Inputs,
 }
 
 impl Calibration {
-    /// The CRC-32 (ISO-HDLC) over all that stands before it in the registers, as bytes there.
+    /// The CRC-32 (ISO-HDLC) over all that stands before it in the registers, as bytes there; the
+    /// inputs have one of their own.
     pub fn checksum(&self) -> u32 {
-        let mut bytes = heapless::Vec::<u8, { 4 * fields::CALIBRATION.len() }>::new();
-        for id in fields::CALIBRATION {
-            let value = fields::of_calibration(&mut self.clone(), id).map(|field| field.get());
-            for word in value.iter().flat_map(|value: &Value| value.words()) {
-                // There is room for two words each.
-                let _ = bytes.extend_from_slice(&word.to_be_bytes());
-            }
-        }
-        checksum(&bytes)
+        checksum_of(&fields::CALIBRATION, |id| self.value(id))
     }
 
     /// Its value at a register of the group "Calibration".
     pub fn value(&self, id: Id) -> Option<Value> {
         match id {
             Id::CalibrationChecksum => Some(Value::U32(self.checksum())),
-            _ => fields::of_calibration(&mut self.clone(), id).map(|field| field.get()),
+            _ => fields::of_calibration(&mut self.clone(), id)
+                .map(|field| field.get())
+                .or_else(|| self.inputs.value(id)),
         }
     }
 }
@@ -76,7 +74,14 @@ mod tests {
     #[test]
     fn every_number_of_a_calibration_is_part_of_its_checksum() {
         let line = Line { zero_code: 1.0, codes_per_unit: 2.0 };
-        let of = Calibration { pressure: line, contraction: line, supply: line, command: line, day: 3 };
+        let of = Calibration {
+            pressure: line,
+            contraction: line,
+            supply: line,
+            command: line,
+            day: 3,
+            inputs: Inputs::STANDARD,
+        };
         for id in fields::CALIBRATION {
             let mut other = of;
             let field = fields::of_calibration(&mut other, id).expect("a register of the group");

@@ -27,6 +27,7 @@ mod bus_parameters;
 mod calibration;
 pub mod fault;
 mod frame;
+mod input;
 mod message;
 mod protection;
 pub mod registers;
@@ -36,6 +37,7 @@ pub use bus_parameters::{BusParameters, Parity};
 pub use calibration::{Calibration, Line};
 pub use fault::{FAULTS, Fault};
 pub use frame::{FRAME_BYTES, FrameError, Receiver, encode};
+pub use input::{Input, Inputs, Signal};
 pub use message::{
     BoardParameters, BoardTracking, Configuration, DEAD_ZONES, Flags, Hello, PLAYS, Refusal, Request,
     Response, Scaling, State, TickReply, TickRequest, VERSION, text,

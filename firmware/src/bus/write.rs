@@ -371,7 +371,11 @@ fn line(
     Ok(())
 }
 
-/// What the sensors have shown: as a whole or not at all.
+fn other_sum() -> Refusal {
+    Refusal::parameter(format_args!("the checksum is not that of the calibration"))
+}
+
+/// What the sensors have shown, or how they are connected: as a whole or not at all.
 #[inline(never)]
 fn calibration(
     session: &mut Session,
@@ -383,27 +387,46 @@ fn calibration(
         // No two boards have the same sensors.
         return Err(Exception::DeviceBusy);
     }
-    let mut calibration = node.control(|control| control.scalings.calibration());
-    let (mut count, mut checksum) = (0, None);
+    let before = node.control(|control| control.scalings);
+    let mut calibration = before.calibration();
+    let (mut lines, mut inputs, mut checksum) = (0, 0, None);
     for Assignment { id, value, .. } in values {
-        count += 1;
         match (id, value) {
-            (Id::CalibrationChecksum, Value::U32(sum)) => checksum = Some(sum),
+            (Id::CalibrationChecksum | Id::InputsChecksum, Value::U32(sum)) => checksum = Some((id, sum)),
             _ => {
-                fields::of_calibration(&mut calibration, id).into_iter().for_each(|field| field.set(value));
+                if let Some(field) = fields::of_calibration(&mut calibration, id) {
+                    lines += 1;
+                    field.set(value);
+                } else if let Some(field) = fields::of_inputs(&mut calibration.inputs, id) {
+                    inputs += 1;
+                    field.set(value);
+                }
             }
         }
     }
-    let sealed = checksum.and_then(|checksum| Sealed::under(calibration, checksum));
-    let done = if count != fields::CALIBRATION.len() + 1 {
-        Err(Refusal::parameter(format_args!("a calibration is written as a whole, in one write")))
-    } else if sealed.is_none() {
-        Err(Refusal::parameter(format_args!("the checksum is not that of the calibration")))
-    } else {
-        Scalings::calibrated(&calibration)
-            .and_then(|scalings| node.control(|control| control.calibrate(&scalings)))
+    let (all_lines, all_inputs) = (fields::CALIBRATION.len(), fields::INPUTS.len());
+    let scalings = match checksum {
+        Some((Id::CalibrationChecksum, sum)) if (lines, inputs) == (all_lines, 0) => {
+            if sum == calibration.checksum() { Scalings::calibrated(&calibration) } else { Err(other_sum()) }
+        }
+        Some((_, sum)) if (lines, inputs) == (0, all_inputs) => {
+            if sum == calibration.inputs.checksum() {
+                before.connected(&calibration.inputs)
+            } else {
+                Err(other_sum())
+            }
+        }
+        _ => Err(Refusal::parameter(format_args!("a calibration is written as a whole, in one write"))),
     };
-    done.map_err(|refusal| session.refuse(refusal))?;
+    let done = scalings.and_then(|scalings| {
+        node.control(|control| control.calibrate(&scalings).map(|()| control.scalings.calibration()))
+    });
+    let kept = done.map_err(|refusal| session.refuse(refusal))?;
+    let sealed = match checksum {
+        // That of the host goes with it, to the moment at which it is used.
+        Some((Id::CalibrationChecksum, sum)) => Sealed::under(kept, sum),
+        _ => Some(Sealed::new(kept)),
+    };
     let parameters = Parameters { calibration: sealed, ..node.parameters().clone() };
     node.keep(parameters).map_err(|_| session.refuse(Refusal::NotStored))
 }

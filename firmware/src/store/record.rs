@@ -3,8 +3,8 @@
 //! # Layouts
 //! | layout | set |
 //! |---|---|
-//! | 2, 3 | [`super::previous`] |
-//! | 4 | [`Parameters`] |
+//! | 2, 3, 4 | [`super::previous`] |
+//! | 5 | [`Parameters`] |
 //!
 //! A change of [`Parameters`], or of anything in it, is a new layout: [`LAYOUT`] is raised, and the
 //! struct as it was joins those before it.
@@ -13,15 +13,15 @@ use serde::de::DeserializeOwned;
 
 use super::LoadError;
 use super::parameters::Parameters;
-use super::previous::{self, Unsealed, WithoutBus};
+use super::previous::{self, Ratiometric, Unsealed, WithoutBus};
 
 /// Number of the layout that is written.
-pub const LAYOUT: u16 = 4;
+pub const LAYOUT: u16 = 5;
 
 /// The longest record: model and gains fit in a frame of the bus, the limits of the plant in 96
-/// bytes, the bus's parameters in 12, a calibration in 43. Unit: byte, a multiple of the flash's
-/// word.
-pub const RECORD_BYTES: usize = (wire::FRAME_BYTES + 160).next_multiple_of(32);
+/// bytes, the bus's parameters in 12, a calibration with the inputs in 87. Unit: byte, a multiple
+/// of the flash's word.
+pub const RECORD_BYTES: usize = (wire::FRAME_BYTES + 204).next_multiple_of(32);
 
 /// A record that was read.
 pub struct Record {
@@ -59,6 +59,7 @@ pub fn decode(bytes: &[u8]) -> Option<Record> {
     let (sequence, layout, set) = head(bytes)?;
     let parameters = match layout {
         LAYOUT => whole(set),
+        previous::RATIOMETRIC => whole::<Ratiometric>(set).map(Parameters::from),
         previous::UNSEALED => whole::<Unsealed>(set).map(Parameters::from),
         previous::WITHOUT_BUS => whole::<WithoutBus>(set).map(Parameters::from),
         other => Err(LoadError::Layout(other)),

@@ -12,24 +12,30 @@ use wire::Calibration;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sealed {
     calibration: Calibration,
-    /// As in [`Calibration::checksum`].
-    checksum: u32,
+    /// Of the lines and of the inputs, as in [`Calibration::checksum`] and
+    /// [`wire::Inputs::checksum`].
+    checksums: [u32; 2],
 }
 
 impl Sealed {
     /// A calibration under the checksum that has come with it; `None` where that is another's.
     pub fn under(calibration: Calibration, checksum: u32) -> Option<Self> {
-        let sealed = Self { calibration, checksum };
-        sealed.open().is_some().then_some(sealed)
+        Some(Self::found(calibration, checksum)).filter(|sealed| sealed.open().is_some())
+    }
+
+    /// A calibration as it was found under a checksum of its lines, right or not.
+    pub(super) fn found(calibration: Calibration, checksum: u32) -> Self {
+        Self { calibration, checksums: [checksum, calibration.inputs.checksum()] }
     }
 
     /// A calibration that nothing has happened to yet.
     pub fn new(calibration: Calibration) -> Self {
-        Self { calibration, checksum: calibration.checksum() }
+        Self::found(calibration, calibration.checksum())
     }
 
-    /// The calibration; `None` where it is not the one that the checksum was made of.
+    /// The calibration; `None` where it is not the one that the checksums were made of.
     pub fn open(&self) -> Option<&Calibration> {
-        (self.calibration.checksum() == self.checksum).then_some(&self.calibration)
+        let Self { calibration, checksums } = self;
+        ([calibration.checksum(), calibration.inputs.checksum()] == *checksums).then_some(calibration)
     }
 }

@@ -1,10 +1,12 @@
-//! Gains, limits, the bus's parameters and calibrations as registers: which field stands behind
-//! which.
+//! Gains, limits, the bus's parameters, calibrations and inputs as registers: which field stands
+//! behind which.
 
 use model_core::TrackingParameters;
 
 use super::{Id, Value};
-use crate::{BoardParameters, BusParameters, Calibration, OnModelFault, Parity, Protection};
+use crate::{
+    BoardParameters, BusParameters, Calibration, Input, Inputs, OnModelFault, Parity, Protection, Signal,
+};
 
 /// A field that a register reads and writes.
 #[derive(Debug)]
@@ -19,6 +21,8 @@ pub enum Field<'a> {
     Unit(&'a mut u8),
     /// A parity.
     Parity(&'a mut Parity),
+    /// What a sensor puts out.
+    Signal(&'a mut Signal),
 }
 
 impl Field<'_> {
@@ -31,6 +35,7 @@ impl Field<'_> {
             Self::OnModelFault(OnModelFault::FeedbackOnly) => Value::U16(1),
             Self::Unit(unit) => Value::U16((**unit).into()),
             Self::Parity(parity) => Value::U16(parity.number()),
+            Self::Signal(signal) => Value::U16(signal.number()),
         }
     }
 
@@ -44,6 +49,9 @@ impl Field<'_> {
             (Self::Unit(unit), Value::U16(value)) => *unit = u8::try_from(value).unwrap_or(*unit),
             (Self::Parity(parity), Value::U16(value)) => {
                 *parity = Parity::of_number(value).unwrap_or(*parity);
+            }
+            (Self::Signal(signal), Value::U16(value)) => {
+                *signal = Signal::of_number(value).unwrap_or(*signal);
             }
             _ => {}
         }
@@ -173,7 +181,7 @@ pub const CALIBRATION: [Id; 9] = [
 
 /// The field of one of [`CALIBRATION`].
 pub fn of_calibration(calibration: &mut Calibration, id: Id) -> Option<Field<'_>> {
-    let Calibration { pressure, contraction, supply, command, day } = calibration;
+    let Calibration { pressure, contraction, supply, command, day, .. } = calibration;
     Some(match id {
         Id::CalibratedPressureZero => Field::Quantity(&mut pressure.zero_code),
         Id::CalibratedPressureGain => Field::Quantity(&mut pressure.codes_per_unit),
@@ -185,5 +193,38 @@ pub fn of_calibration(calibration: &mut Calibration, id: Id) -> Option<Field<'_>
         Id::CalibratedCommandGain => Field::Quantity(&mut command.codes_per_unit),
         Id::CalibrationDay => Field::Whole(day),
         _ => return None,
+    })
+}
+
+/// The registers of [`Inputs`]; behind them stands their checksum.
+pub const INPUTS: [Id; 12] = [
+    Id::PressureInput,
+    Id::PressureInputPin,
+    Id::PressureInputLow,
+    Id::PressureInputHigh,
+    Id::ContractionInput,
+    Id::ContractionInputPin,
+    Id::ContractionInputLow,
+    Id::ContractionInputHigh,
+    Id::SupplyInput,
+    Id::SupplyInputPin,
+    Id::SupplyInputLow,
+    Id::SupplyInputHigh,
+];
+
+/// The field of one of [`INPUTS`].
+pub fn of_inputs(inputs: &mut Inputs, id: Id) -> Option<Field<'_>> {
+    let place = INPUTS.iter().position(|input| *input == id)?;
+    let input = match place / 4 {
+        0 => &mut inputs.pressure,
+        1 => &mut inputs.contraction,
+        _ => &mut inputs.supply,
+    };
+    let Input { signal, pin_v, low, high } = input;
+    Some(match place % 4 {
+        0 => Field::Signal(signal),
+        1 => Field::Quantity(pin_v),
+        2 => Field::Quantity(low),
+        _ => Field::Quantity(high),
     })
 }

@@ -98,8 +98,9 @@ pub const GROUPS: [Group; 11] = [
     Group {
         address: 0x0A00,
         title: "Calibration",
-        doc: "What two points a sensor have shown (`mgpi calibrate`), kept without power apart from the model. All registers \
-              are written at once, with a checksum that fits; each line may differ from the scaling of the standard sensor by \
+        doc: "What two points a sensor have shown, and how the sensors are connected (`mgpi calibrate`), kept without power \
+              apart from the model. The registers up to a checksum are written at once, with one that fits. A sensor whose input \
+              changes begins by the line of its range; each line may differ from that, or from the standard sensor's, by \
               a fifth of its gain downwards, a quarter upwards, and a tenth of its span at zero. Refused with exception 6 while \
               the valve is driven, else with 3, and `message` says why.",
     },
@@ -149,6 +150,8 @@ const READ: Access = Access::Read;
 /// Codes of 0 and per unit that a converter of 12 bits has anything to do with.
 const ZERO: Access = Access::Write(-4_095.0, 4_095.0);
 const GAIN: Access = Access::Write(1.0, 4_095.0);
+/// Ends of a sensor's range that anybody has.
+const RANGE: Access = Access::Write(-10_000.0, 10_000.0);
 
 const fn write(min: f64, max: f64) -> Access {
     Access::Write(min, max)
@@ -284,6 +287,19 @@ table! {
     0x0A0E CalibratedCommandGain "calibrated_command_codes_per_bar" F32 [1] "code/bar" GAIN, "Scaling of the same";
     0x0A10 CalibrationDay "calibration_day" U32 [1] "" write(0.0, 100_000.0), "Days from 1970-01-01 to the calibration; 0 where there was none";
     0x0A12 CalibrationChecksum "calibration_checksum" U32 [1] "" DOUBLE_WORD, "CRC-32 (ISO-HDLC) over the registers of this group before it";
+    0x0A20 PressureInput "pressure_input" U16 [1] "" write(0.0, 2.0), "Sensor of the pressure: 0 ratiometric, 1 4 to 20 mA, 2 0 to 10 V";
+    0x0A21 PressureInputPin "pressure_input_pin_v" F32 [1] "V" write(0.0, 24.0), "Voltage at its pin by 20 mA (0.02 times the resistor) or 10 V (10 times the divider); 0 of a ratiometric one";
+    0x0A23 PressureInputLow "pressure_input_low_bar" F32 [1] "bar" RANGE, "What it shows at 4 mA or 0 V; 0 of a ratiometric one";
+    0x0A25 PressureInputHigh "pressure_input_high_bar" F32 [1] "bar" RANGE, "What it shows at 20 mA or 10 V; 0 of a ratiometric one";
+    0x0A27 ContractionInput "contraction_input" U16 [1] "" write(0.0, 2.0), "Sensor of the contraction: 0 ratiometric, 1 4 to 20 mA, 2 0 to 10 V";
+    0x0A28 ContractionInputPin "contraction_input_pin_v" F32 [1] "V" write(0.0, 24.0), "Voltage at its pin by 20 mA (0.02 times the resistor) or 10 V (10 times the divider); 0 of a ratiometric one";
+    0x0A2A ContractionInputLow "contraction_input_low_mm" F32 [1] "mm" RANGE, "What it shows at 4 mA or 0 V; 0 of a ratiometric one";
+    0x0A2C ContractionInputHigh "contraction_input_high_mm" F32 [1] "mm" RANGE, "What it shows at 20 mA or 10 V; 0 of a ratiometric one";
+    0x0A2E SupplyInput "supply_input" U16 [1] "" write(0.0, 2.0), "Sensor of the pressure before the valve: 0 ratiometric, 1 4 to 20 mA, 2 0 to 10 V";
+    0x0A2F SupplyInputPin "supply_input_pin_v" F32 [1] "V" write(0.0, 24.0), "Voltage at its pin by 20 mA (0.02 times the resistor) or 10 V (10 times the divider); 0 of a ratiometric one";
+    0x0A31 SupplyInputLow "supply_input_low_bar" F32 [1] "bar" RANGE, "What it shows at 4 mA or 0 V; 0 of a ratiometric one";
+    0x0A33 SupplyInputHigh "supply_input_high_bar" F32 [1] "bar" RANGE, "What it shows at 20 mA or 10 V; 0 of a ratiometric one";
+    0x0A35 InputsChecksum "inputs_checksum" U32 [1] "" DOUBLE_WORD, "CRC-32 (ISO-HDLC) over the twelve registers before it";
 }
 
 /// Places of the queue are told in a register.

@@ -1,9 +1,9 @@
 //! Registers of a board as tables of a backup: each by its name, which has its unit.
 
 use toml::{Table, Value as Toml};
-use wire::registers::fields::{self, BUS, CALIBRATION, CONTROLLER};
+use wire::registers::fields::{self, BUS, CALIBRATION, CONTROLLER, INPUTS};
 use wire::registers::{Access, Id, Kind, Register, TABLE, Value};
-use wire::{BoardParameters, BusParameters, Calibration, Line, Protection};
+use wire::{BoardParameters, BusParameters, Calibration, Inputs, Line, Protection};
 
 use recording::model_file::section::{KeyError, Section};
 
@@ -52,8 +52,12 @@ pub fn of_bus(bus: &BusParameters) -> Table {
 
 /// What the sensors have shown as a table.
 pub fn of_calibration(calibration: &Calibration) -> Table {
-    let mut calibration = *calibration;
-    table(&CALIBRATION, |id| fields::of_calibration(&mut calibration, id).map(|field| field.get()))
+    let mut registers = CALIBRATION.to_vec();
+    // Older programs know none but the standard sensors.
+    if calibration.inputs != Inputs::STANDARD {
+        registers.extend(INPUTS);
+    }
+    table(&registers, |id| calibration.value(id))
 }
 
 /// Registers by their names.
@@ -82,11 +86,23 @@ pub fn to_bus(mut section: Section) -> Result<BusParameters, KeyError> {
 /// As for [`to_bus`].
 pub fn to_calibration(mut section: Section) -> Result<Calibration, KeyError> {
     let line = Line { zero_code: 0.0, codes_per_unit: 1.0 };
-    let mut calibration =
-        Calibration { pressure: line, contraction: line, supply: line, command: line, day: 0 };
+    let mut calibration = Calibration {
+        pressure: line,
+        contraction: line,
+        supply: line,
+        command: line,
+        day: 0,
+        inputs: Inputs::STANDARD,
+    };
     for id in CALIBRATION {
         let value = value_within(&mut section, id.register())?;
         fields::of_calibration(&mut calibration, id).into_iter().for_each(|field| field.set(value));
+    }
+    if section.has(Id::PressureInput.register().name) {
+        for id in INPUTS {
+            let value = value_within(&mut section, id.register())?;
+            fields::of_inputs(&mut calibration.inputs, id).into_iter().for_each(|field| field.set(value));
+        }
     }
     section.finish()?;
     Ok(calibration)

@@ -5,7 +5,7 @@ use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use wire::registers::{Command, Id, Value, fields};
-use wire::{Calibration, Line, State};
+use wire::{Calibration, Input, Inputs, Line, Signal, State};
 
 use super::board::Board;
 use super::client::BusError;
@@ -63,6 +63,16 @@ impl Part {
         }
     }
 
+    /// How its sensor is connected; none of the regulator.
+    pub const fn input(self, inputs: &mut Inputs) -> Option<&mut Input> {
+        match self {
+            Self::Pressure => Some(&mut inputs.pressure),
+            Self::Contraction => Some(&mut inputs.contraction),
+            Self::Supply => Some(&mut inputs.supply),
+            Self::Regulator => None,
+        }
+    }
+
     /// Its line.
     pub const fn line(self, calibration: &mut Calibration) -> &mut Line {
         match self {
@@ -105,14 +115,77 @@ pub fn read_if_kept(board: &mut Board) -> Result<Option<Calibration>, BusError> 
 pub fn read(board: &mut Board) -> Result<Calibration, BusError> {
     let block = board.read(Id::CalibratedPressureZero, Id::CalibrationChecksum)?;
     let line = Line { zero_code: 0.0, codes_per_unit: 1.0 };
+    let inputs = read_inputs(board)?.unwrap_or(Inputs::STANDARD);
     let mut calibration =
-        Calibration { pressure: line, contraction: line, supply: line, command: line, day: 0 };
+        Calibration { pressure: line, contraction: line, supply: line, command: line, day: 0, inputs };
     for id in fields::CALIBRATION {
         if let (Some(field), Some(value)) = (fields::of_calibration(&mut calibration, id), block.value(id)) {
             field.set(value);
         }
     }
     Ok(calibration)
+}
+
+/// How its sensors are connected; `None` of one whose firmware is older than these registers, and
+/// knows ratiometric sensors only.
+///
+/// # Errors
+/// No answer.
+pub fn read_inputs(board: &mut Board) -> Result<Option<Inputs>, BusError> {
+    let block = match board.read(Id::PressureInput, Id::InputsChecksum) {
+        Err(error) if error.exception().is_some() => return Ok(None),
+        block => block?,
+    };
+    let mut inputs = Inputs::STANDARD;
+    for id in fields::INPUTS {
+        if let (Some(field), Some(value)) = (fields::of_inputs(&mut inputs, id), block.value(id)) {
+            field.set(value);
+        }
+    }
+    Ok(Some(inputs))
+}
+
+/// Tells the board how its sensors are connected, and lets it keep that; it is read back. A sensor
+/// whose connection changes begins by the line of its range.
+///
+/// # Errors
+/// It refuses, or has others afterwards.
+pub fn connect(board: &mut Board, inputs: &Inputs) -> Result<(), BoardError> {
+    write_registers(board, Id::PressureInput, &fields::INPUTS, Id::InputsChecksum, |id| inputs.value(id))?;
+    if read_inputs(board)? == Some(*inputs) { Ok(()) } else { Err(BoardError::CalibrationReadBack) }
+}
+
+/// How a sensor is connected, in words. `unit`: of the sensor.
+pub fn in_words(input: &Input, unit: &str) -> String {
+    let Input { signal, pin_v, low, high } = *input;
+    match signal {
+        Signal::Ratiometric => "ratiometric".to_owned(),
+        Signal::Current => {
+            format!("4 to 20 mA over {:.1} ohm for {low} to {high} {unit}", f64::from(pin_v) / 20e-3)
+        }
+        Signal::Voltage => {
+            format!("0 to 10 V by a divider of {:.3} for {low} to {high} {unit}", pin_v / 10.0)
+        }
+    }
+}
+
+/// Writes registers and the checksum behind them at once.
+fn write_registers(
+    board: &mut Board,
+    first: Id,
+    registers: &[Id],
+    checksum: Id,
+    value: impl Fn(Id) -> Option<Value>,
+) -> Result<(), BoardError> {
+    let ids = registers.iter().copied().chain([checksum]);
+    let words: Vec<u16> =
+        ids.filter_map(value).flat_map(|value: Value| value.words().collect::<Vec<_>>()).collect();
+    match board.write(first, &words) {
+        Err(error) if error.exception().is_some() => {
+            Err(BoardError::Calibration { error, message: message(board)? })
+        }
+        done => Ok(done?),
+    }
 }
 
 /// Lets the board take lines and keep them, dated today; they are read back.
@@ -123,23 +196,17 @@ pub fn write_today(board: &mut Board, calibration: &Calibration) -> Result<(), B
     write(board, &Calibration { day: today(), ..*calibration })
 }
 
-/// Lets the board take a calibration as it is, and keep it; it is read back.
+/// Lets the board take a calibration as it is, sensors connected otherwise first, and keep it; it
+/// is read back.
 ///
 /// # Errors
 /// It refuses, or has others afterwards.
 pub fn write(board: &mut Board, calibration: &Calibration) -> Result<(), BoardError> {
-    let words: Vec<u16> = fields::CALIBRATION
-        .into_iter()
-        .chain([Id::CalibrationChecksum])
-        .filter_map(|id| calibration.value(id))
-        .flat_map(|value: Value| value.words().collect::<Vec<_>>())
-        .collect();
-    match board.write(Id::CalibratedPressureZero, &words) {
-        Err(error) if error.exception().is_some() => {
-            return Err(BoardError::Calibration { error, message: message(board)? });
-        }
-        done => done?,
+    if read(board)?.inputs != calibration.inputs {
+        connect(board, &calibration.inputs)?;
     }
+    let first = Id::CalibratedPressureZero;
+    write_registers(board, first, &fields::CALIBRATION, Id::CalibrationChecksum, |id| calibration.value(id))?;
     if read(board)? == *calibration { Ok(()) } else { Err(BoardError::CalibrationReadBack) }
 }
 

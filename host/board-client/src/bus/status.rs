@@ -4,10 +4,11 @@ use model_core::Mode;
 use serde_json::{Value, json};
 use wire::fault::table::{Row, TABLE};
 use wire::registers::{Id, mode};
-use wire::{FAULTS, Fault, State};
+use wire::{FAULTS, Fault, Inputs, State};
 
 use super::about::About;
 use super::board::{Block, Board, Identity};
+use super::calibration::{in_words, read_inputs};
 use super::client::BusError;
 use super::error::row;
 use super::reached::{InWords, Reached};
@@ -21,6 +22,8 @@ pub struct Status {
     now: Block,
     /// What the board reads of itself; none of one whose firmware is older.
     own: Option<Block>,
+    /// How its sensors are connected; none of one whose firmware is older.
+    inputs: Option<Inputs>,
     mode: Block,
     gains: Block,
     /// How often each fault that the board knows has occurred since the start, by its number less
@@ -77,6 +80,7 @@ impl Status {
                 Err(error) if error.exception().is_some() => None,
                 own => Some(own?),
             },
+            inputs: read_inputs(board)?,
             mode: board.read(Id::Mode, Id::Mode)?,
             gains: board.read(Id::Kp, Id::Kd)?,
             counts: board.read_run(Id::FaultCounts)?,
@@ -140,6 +144,15 @@ impl Status {
         ];
         lines.extend(self.about.iter().flat_map(About::in_words));
         lines.extend(self.reached.map(|Reached { kept, .. }| format!("bus         {}", InWords(&kept))));
+        lines.extend(self.inputs.map(|inputs| {
+            let Inputs { pressure, contraction, supply } = inputs;
+            format!(
+                "inputs      pressure {}, contraction {}, supply {}",
+                in_words(&pressure, "bar"),
+                in_words(&contraction, "mm"),
+                in_words(&supply, "bar")
+            )
+        }));
         lines.extend(self.difference().map(|difference| format!("versions    {difference}")));
         match (self.now.whole(Id::Fault), self.fault().and_then(row)) {
             (0, _) => lines.push("fault       none".to_owned()),
@@ -202,6 +215,10 @@ impl Status {
                 number => self.fault().and_then(row).map_or_else(|| json!({"number": number}), told),
             },
             "record": self.record.map(|Recorded { number, tick }| json!({"fault": name(number), "tick": tick})),
+            "inputs": self.inputs.map(|Inputs { pressure, contraction, supply }| json!({
+                "pressure": in_words(&pressure, "bar"), "contraction": in_words(&contraction, "mm"),
+                "supply": in_words(&supply, "bar"),
+            })),
             "occurred": self.occurred().map(|(row, count)| {
                 let mut fault = told(row);
                 fault["count"] = count.into();

@@ -1,4 +1,5 @@
-//! `mgpi calibrate`: two points a sensor, and the regulator against its sensor.
+//! `mgpi calibrate`: two points a sensor, and the regulator against its sensor; or how a sensor is
+//! connected.
 
 use std::io::{self, BufRead};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
@@ -6,12 +7,14 @@ use std::thread;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use wire::{Line, State};
+use wire::{Input, Line, Signal, State};
 
 use super::deploy::demand_rest;
 use super::port::PortArguments;
 use crate::Error;
-use board_client::bus::calibration::{Part, Point, drive, point, read, write_today};
+use board_client::bus::calibration::{
+    Part, Point, connect, drive, in_words, point, read, read_inputs, write_today,
+};
 use board_client::bus::{Board, BoardError};
 
 /// While somebody reads a gauge, a sign of life each.
@@ -37,6 +40,9 @@ enum What {
 /// The regulator needs no reading: calibrate the pressure first. The lines are held against those
 /// of the standard sensor, written with the date and a checksum, and read back; the board keeps
 /// them without power, whatever model is deployed.
+///
+/// With --input nothing moves: the board is told how a sensor is connected. Its line is then that
+/// of the sensor's range, until two points are taken.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// What is calibrated
@@ -53,8 +59,85 @@ pub struct Arguments {
     /// Say what the lines would be, and write nothing
     #[arg(long)]
     dry_run: bool,
+    /// Take no points: the sensor of this input puts out that
+    #[arg(long, value_enum, value_name = "SIGNAL", conflicts_with_all = ["low", "high", "readings"])]
+    input: Option<Puts>,
+    /// What the sensor shows at 4 and 20 mA, or at 0 and 10 V, as 0,10
+    #[arg(long, value_name = "LOW,HIGH", value_parser = pair, requires = "input")]
+    range: Option<[f64; 2]>,
+    /// Resistor from the input to ground, for 4 to 20 mA
+    #[arg(long, value_name = "OHM", requires = "input")]
+    burden_ohm: Option<f64>,
+    /// Share of the sensor's voltage that its input gets, for 0 to 10 V
+    #[arg(long, value_name = "SHARE", requires = "input")]
+    divider: Option<f64>,
     #[command(flatten)]
     port: PortArguments,
+}
+
+/// What a sensor puts out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Puts {
+    /// A share of the board's 3.3 V, as the standard sensors
+    Ratiometric,
+    /// 4 to 20 mA
+    Current,
+    /// 0 to 10 V
+    Voltage,
+}
+
+/// The highest current and voltage of a sensor's range. Unit: A, V.
+const CURRENT_A: f64 = 20e-3;
+const VOLTAGE_V: f64 = 10.0;
+
+impl Arguments {
+    /// How the sensor is connected, by what was given of it.
+    fn connection(&self, puts: Puts) -> Result<Input, Error> {
+        let Self { range, burden_ohm, divider, .. } = self;
+        let (signal, pin_v) = match (puts, burden_ohm, divider) {
+            (Puts::Ratiometric, None, None) if range.is_none() => return Ok(Input::RATIOMETRIC),
+            (Puts::Current, Some(ohm), None) => (Signal::Current, CURRENT_A * ohm),
+            (Puts::Voltage, None, Some(share)) => (Signal::Voltage, VOLTAGE_V * share),
+            (Puts::Ratiometric, ..) => {
+                return Err(Error::Usage(
+                    "a ratiometric sensor has no --range, --burden-ohm, --divider".into(),
+                ));
+            }
+            (Puts::Current, ..) => {
+                return Err(Error::Usage(
+                    "a current needs --burden-ohm, the resistor, and no --divider".into(),
+                ));
+            }
+            (Puts::Voltage, ..) => {
+                return Err(Error::Usage("a voltage needs --divider, as 0.3, and no --burden-ohm".into()));
+            }
+        };
+        let [low, high] =
+            range.ok_or_else(|| Error::Usage("the sensor's --range is needed, as 0,10".to_owned()))?;
+        Ok(Input { signal, pin_v: pin_v as f32, low: low as f32, high: high as f32 })
+    }
+}
+
+/// Tells the board how a sensor is connected.
+fn tell_connection(board: &mut Board, part: Part, input: Input, dry_run: bool) -> Result<(), Error> {
+    let Some(mut inputs) = read_inputs(board).map_err(BoardError::from)? else {
+        return Err(Error::Usage(
+            "the board's firmware knows ratiometric sensors only: flash the firmware of this release"
+                .to_owned(),
+        ));
+    };
+    let Some(place) = part.input(&mut inputs) else {
+        return Err(Error::Usage("the regulator is no input".to_owned()));
+    };
+    let before = std::mem::replace(place, input);
+    say!("input     {} -> {}", in_words(&before, part.unit()), in_words(&input, part.unit()));
+    if dry_run {
+        say!("nothing has been changed (--dry-run)");
+        return Ok(());
+    }
+    connect(board, &inputs)?;
+    say!("written and read back; the board keeps it without power. Take two points next");
+    Ok(())
 }
 
 /// Calibrates.
@@ -63,15 +146,19 @@ pub struct Arguments {
 /// The points are too close, do not settle, or make a line that no working sensor has; the board
 /// refuses or does not answer. The valve is vented then, and the lines are as before.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { what, low, high, readings, dry_run, port } = arguments;
+    let Arguments { what, low, high, readings, dry_run, input, port, .. } = arguments;
     let part = match what {
         What::Pressure => Part::Pressure,
         What::Contraction => Part::Contraction,
         What::Supply => Part::Supply,
         What::Regulator => Part::Regulator,
     };
+    let connection = input.map(|puts| arguments.connection(puts)).transpose()?;
     let mut board = port.open()?;
     demand_rest(&mut board)?;
+    if let Some(input) = connection {
+        return tell_connection(&mut board, part, input, *dry_run);
+    }
     let mut reader = Reader { given: readings.map(Vec::from).unwrap_or_default().into_iter(), lines: None };
     let taken = points(&mut board, part, [*low, *high], &mut reader);
     // Whatever has happened.

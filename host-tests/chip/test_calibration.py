@@ -119,6 +119,14 @@ class Calibration(ChipCase):
         chip.run(5e-3)
         self.assertAlmostEqual(master.get("pressure_bar"), 4.0, delta=0.01)
 
+    def test_contraction_and_supply_have_inputs_of_their_own(self):
+        chip, master = self.started()
+        connect(master, STANDARD, (VOLTAGE, 3.0, 0.0, 150.0), (CURRENT, 20e-3 * BURDEN_OHM, 0.0, 16.0))
+        chip.board.voltages.update({1: 1.5, 10: 12e-3 * BURDEN_OHM})
+        chip.run(5e-3)
+        self.assertAlmostEqual(master.get("contraction_mm"), 75.0, delta=0.1)
+        self.assertAlmostEqual(master.get("supply_bar"), 8.0, delta=0.02)
+
     def test_an_input_that_cannot_be_or_comes_damaged_or_in_part_is_refused_and_none_is_kept(self):
         chip, master = self.started()
         for how in (

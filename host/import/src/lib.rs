@@ -34,9 +34,11 @@ pub mod to_parquet;
 
 use std::fs::{self, File};
 use std::io::Read;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use recording::table::naming::Renamed;
+use recording::table::outline::Outline;
 use recording::table::{DataError, Table};
 use thiserror::Error;
 
@@ -58,6 +60,14 @@ impl Values<'_> {
         match self {
             Self::Numbers(values) => values.len(),
             Self::Words(values) => values.len(),
+        }
+    }
+
+    /// Those of some rows.
+    pub fn part(&self, rows: Range<usize>) -> Self {
+        match self {
+            Self::Numbers(values) => Self::Numbers(&values[rows]),
+            Self::Words(values) => Self::Words(&values[rows]),
         }
     }
 
@@ -135,6 +145,39 @@ const TIME_COLUMN: &str = "time_s";
 /// As many bytes as tell what a file is: MATLAB's files say their version at the end of these.
 const HEAD: usize = 128;
 
+/// What a file is by its first bytes.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Npy,
+    Parquet,
+    Mat,
+    Mat73,
+    Hdf5,
+    Bag,
+    Sqlite,
+    /// A ZIP archive or an old spreadsheet.
+    Archive,
+    Text,
+}
+
+impl Kind {
+    fn of(file: &Path) -> Result<Self, Problem> {
+        let mut head = Vec::new();
+        File::open(file)?.take(HEAD as u64).read_to_end(&mut head)?;
+        Ok(match &head[..] {
+            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Self::Npy,
+            [b'P', b'A', b'R', b'1', ..] => Self::Parquet,
+            [b'M', b'A', b'T', b'L', b'A', b'B', ..] if is_of_version_7_3(&head) => Self::Mat73,
+            [b'M', b'A', b'T', b'L', b'A', b'B', ..] => Self::Mat,
+            [0x89, b'H', b'D', b'F', ..] => Self::Hdf5,
+            [0x89, b'M', b'C', b'A', b'P', ..] => Self::Bag,
+            head if head.starts_with(b"SQLite format 3") => Self::Sqlite,
+            [b'P', b'K', 3 | 5, ..] | [0xd0, 0xcf, 0x11, 0xe0, ..] => Self::Archive,
+            _ => Self::Text,
+        })
+    }
+}
+
 /// Reads a file of whatever kind.
 ///
 /// # Errors
@@ -143,36 +186,50 @@ pub fn read(file: &Path, options: &Options) -> Result<Imported, ImportError> {
     if recording::input::is_standard(file) {
         return text(file);
     }
-    let file = &part(file).map_err(|problem| ImportError::File { file: file.to_owned(), problem })?;
-    let of_file = |problem| ImportError::File { file: file.to_owned(), problem };
-    let mut head = Vec::new();
-    let unreadable = |error: std::io::Error| of_file(error.into());
-    File::open(file).map_err(unreadable)?.take(HEAD as u64).read_to_end(&mut head).map_err(unreadable)?;
-    let whole = || fs::read(file).map_err(unreadable);
-    let variables = match &head[..] {
-        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::array(&stem(file), &whole()?),
-        [b'P', b'A', b'R', b'1', ..] => parquet_file(file),
-        [b'M', b'A', b'T', b'L', b'A', b'B', ..] if is_of_version_7_3(&head) => {
-            return hdf5_file(file, true).map_err(of_file)?.table(file);
-        }
-        [b'M', b'A', b'T', b'L', b'A', b'B', ..] => mat::variables(&whole()?),
-        [0x89, b'H', b'D', b'F', ..] => return hdf5_file(file, false).map_err(of_file)?.table(file),
-        [0x89, b'M', b'C', b'A', b'P', ..] => return bag_file(file, options).map_err(of_file)?.table(file),
-        head if head.starts_with(b"SQLite format 3") => Err(Problem::Sqlite),
-        [b'P', b'K', 3 | 5, ..] | [0xd0, 0xcf, 0x11, 0xe0, ..] => {
+    let file = &part(file).map_err(of(file))?;
+    let whole = || fs::read(file).map_err(|error| of(file)(error.into()));
+    let variables = match Kind::of(file).map_err(of(file))? {
+        Kind::Npy => npy::array(&stem(file), &whole()?),
+        Kind::Parquet => parquet_file(file),
+        Kind::Mat => mat::variables(&whole()?),
+        Kind::Mat73 => return hdf5_file(file, true).map_err(of(file))?.table(file),
+        Kind::Hdf5 => return hdf5_file(file, false).map_err(of(file))?.table(file),
+        Kind::Bag => return bag_file(file, options).map_err(of(file))?.table(file),
+        Kind::Sqlite => Err(Problem::Sqlite),
+        Kind::Archive => {
             let bytes = whole()?;
             match npy::is_archive(&bytes) {
                 true => npy::archive(&bytes),
                 false => {
-                    let text = sheet::text(bytes, options.sheet).map_err(of_file)?;
+                    let text = sheet::text(bytes, options.sheet).map_err(of(file))?;
                     let table = Table::parse(file, text.as_bytes())?;
                     return Ok(Imported { table, left_out: Vec::new(), notes: Vec::new() });
                 }
             }
         }
-        _ => return text(file),
+        Kind::Text => return text(file),
     };
-    of_one_length(variables.map_err(of_file)?).map_err(of_file)?.table(file)
+    of_one_length(variables.map_err(of(file))?).map_err(of(file))?.table(file)
+}
+
+/// The outline of a file of text, whose rows are then read in blocks; `None` of any other file, and
+/// of what can be read once only.
+///
+/// # Errors
+/// See [`ImportError`].
+pub fn outline(file: &Path) -> Result<Option<Outline<'_>>, ImportError> {
+    if recording::input::is_standard(file) || !file.is_file() {
+        return Ok(None);
+    }
+    match Kind::of(file).map_err(of(file))? {
+        Kind::Text => Ok(Outline::of(file)?),
+        _ => Ok(None),
+    }
+}
+
+/// That there is a problem with a file.
+fn of(file: &Path) -> impl Fn(Problem) -> ImportError {
+    |problem| ImportError::File { file: file.to_owned(), problem }
 }
 
 /// What a file holds.

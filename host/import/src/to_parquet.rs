@@ -25,50 +25,85 @@ const LEVELS: [i16; 2] = [0, 1];
 /// # Errors
 /// The target takes no more.
 pub fn write(target: impl Write + Send, columns: &[(&str, Values)]) -> io::Result<()> {
-    groups(target, columns).map_err(|error| match error {
-        // A full disk is said as that.
+    let mut writer = Writer::new(target, columns)?;
+    let rows = columns.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
+    for first in (0..rows).step_by(GROUP) {
+        let last = rows.min(first + GROUP);
+        let group: Vec<Values> = columns.iter().map(|(_, values)| values.part(first..last)).collect();
+        writer.group(&group)?;
+    }
+    writer.close()
+}
+
+/// Writes columns a group of rows at a time.
+pub struct Writer<W: Write + Send>(SerializedFileWriter<W>);
+
+impl<W: Write + Send> Writer<W> {
+    /// Begins a file of columns with these names, whose values are of these kinds; the values are
+    /// not written.
+    ///
+    /// # Errors
+    /// The target takes no more.
+    pub fn new(target: W, columns: &[(&str, Values)]) -> io::Result<Self> {
+        Self::begin(target, columns).map_err(full)
+    }
+
+    fn begin(target: W, columns: &[(&str, Values)]) -> Result<Self, ParquetError> {
+        let fields = columns.iter().map(|(name, values)| {
+            let (physical, logical) = match values {
+                Values::Numbers(_) => (Physical::DOUBLE, None),
+                Values::Words(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+            };
+            let field = Type::primitive_type_builder(name, physical).with_repetition(Repetition::OPTIONAL);
+            field.with_logical_type(logical).build().map(Arc::new)
+        });
+        let schema =
+            Type::group_type_builder("recording").with_fields(fields.collect::<Result<_, _>>()?).build()?;
+        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        SerializedFileWriter::new(target, Arc::new(schema), Arc::new(properties)).map(Self)
+    }
+
+    /// Writes a group of rows, as many of each column.
+    ///
+    /// # Errors
+    /// The target takes no more.
+    pub fn group(&mut self, columns: &[Values]) -> io::Result<()> {
+        self.add(columns).map_err(full)
+    }
+
+    fn add(&mut self, columns: &[Values]) -> Result<(), ParquetError> {
+        let mut group = self.0.next_row_group()?;
+        for values in columns {
+            match values {
+                Values::Numbers(values) => {
+                    add::<DoubleType, _>(&mut group, values, |value| (!value.is_nan()).then_some(*value))?
+                }
+                Values::Words(values) => add::<ByteArrayType, _>(&mut group, values, |value| {
+                    (!value.is_empty()).then(|| ByteArray::from(value.as_bytes().to_vec()))
+                })?,
+            }
+        }
+        group.close().map(drop)
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// The target takes no more.
+    pub fn close(self) -> io::Result<()> {
+        self.0.close().map(drop).map_err(full)
+    }
+}
+
+/// A full disk is said as that.
+fn full(error: ParquetError) -> io::Error {
+    match error {
         ParquetError::External(error) => match error.downcast::<io::Error>() {
             Ok(error) => *error,
             Err(error) => io::Error::other(error),
         },
         error => io::Error::other(error),
-    })
-}
-
-fn groups(target: impl Write + Send, columns: &[(&str, Values)]) -> Result<(), ParquetError> {
-    let fields = columns.iter().map(|(name, values)| {
-        let (physical, logical) = match values {
-            Values::Numbers(_) => (Physical::DOUBLE, None),
-            Values::Words(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-        };
-        let field = Type::primitive_type_builder(name, physical).with_repetition(Repetition::OPTIONAL);
-        field.with_logical_type(logical).build().map(Arc::new)
-    });
-    let schema =
-        Type::group_type_builder("recording").with_fields(fields.collect::<Result<_, _>>()?).build()?;
-    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-    let mut writer = SerializedFileWriter::new(target, Arc::new(schema), Arc::new(properties))?;
-    let rows = columns.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
-    for first in (0..rows).step_by(GROUP) {
-        let of_group = first..rows.min(first + GROUP);
-        let mut group = writer.next_row_group()?;
-        for (_, values) in columns {
-            match values {
-                Values::Numbers(values) => {
-                    add::<DoubleType, _>(&mut group, &values[of_group.clone()], |value| {
-                        (!value.is_nan()).then_some(*value)
-                    })?
-                }
-                Values::Words(values) => {
-                    add::<ByteArrayType, _>(&mut group, &values[of_group.clone()], |value| {
-                        (!value.is_empty()).then(|| ByteArray::from(value.as_bytes().to_vec()))
-                    })?
-                }
-            }
-        }
-        group.close()?;
     }
-    writer.close().map(drop)
 }
 
 /// Writes the rows of one column of a group; `known` is None where one is missing.

@@ -52,15 +52,7 @@ impl Recording {
     /// There is none; one has another input or output than the first, or another unit of it; one
     /// comes twice.
     pub fn joined(recordings: &[Self]) -> Result<Self, DataError> {
-        let [first, others @ ..] = recordings else {
-            return Err(Place::file("recordings".as_ref()).error(DataProblem::Empty));
-        };
-        let mut all = first.clone();
-        for (place, other) in others.iter().enumerate() {
-            other.check_beside(&recordings[..=place])?;
-            all.append(other, None);
-        }
-        Ok(all)
+        Self::one_behind_the_other(recordings, None)
     }
 
     /// The same as one recording that a model may be driven by, with this between two of them.
@@ -68,11 +60,17 @@ impl Recording {
     /// # Errors
     /// As of [`Self::joined`].
     pub fn joined_at_rest(recordings: &[Self], rest: Rest) -> Result<Self, DataError> {
-        let [first, others @ ..] = recordings else { return Self::joined(recordings) };
+        Self::one_behind_the_other(recordings, Some(rest))
+    }
+
+    fn one_behind_the_other(recordings: &[Self], between: Option<Rest>) -> Result<Self, DataError> {
+        let [first, others @ ..] = recordings else {
+            return Err(Place::file("recordings".as_ref()).error(DataProblem::Empty));
+        };
         let mut all = first.clone();
         for (place, other) in others.iter().enumerate() {
             other.check_beside(&recordings[..=place])?;
-            all.append(other, Some(rest));
+            all.append(other, between);
         }
         Ok(all)
     }

@@ -1,18 +1,21 @@
 //! `mgpi import`: a recording out of a file of another program.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use crate::Error;
 use crate::output::Outputs;
-use crate::parquet::{self, is_parquet};
-use import::{Imported, Options, Values, read};
+use crate::parquet::{Sink, is_parquet, write_blocks};
+use import::{Imported, Options, read};
 use recording::numbers::{legible, median, range};
 use recording::table::naming::{Naming, Renamed};
-use recording::table::{Table, VALID};
+use recording::table::{Store, Table, VALID};
 use recording::unit::Unit;
+
+/// Rows that are written together: a megabyte of a column.
+const BLOCK: usize = 1 << 17;
 
 /// Makes a recording of a file of another program: NumPy (npy, npz), MATLAB (mat), HDF5, Parquet,
 /// spreadsheets (xlsx, xls, xlsb, ods), bags of ROS 2 (mcap), text. Without -o it lists what is in
@@ -47,6 +50,18 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { file, map, sheet, clock, output, force } = arguments;
     let mut outputs = Outputs::claim(output, &[file], *force)?;
+    let naming = Naming { columns: map.clone(), ..Naming::default() };
+    // Text is not held, since a night of it may be larger than the memory.
+    if let Some(output) = output
+        && let Some(mut outline) = import::outline(file)?
+    {
+        outline.table.name(&naming)?;
+        let columns = written(&outline.table)?;
+        columns.stage(&mut outputs, output, |sink| outline.blocks(&columns.places, BLOCK, sink))?;
+        outputs.commit()?;
+        columns.say(outline.table.rows(), output);
+        return Ok(());
+    }
     let options = Options { sheet: sheet.as_deref(), columns: map, clock: clock.as_deref() };
     let Imported { mut table, left_out, notes } = read(file, &options)?;
     notes.iter().for_each(|note| say!("{note}"));
@@ -60,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
             )));
         }
     }
-    table.name(&Naming { columns: map.clone(), ..Naming::default() })?;
+    table.name(&naming)?;
     let Some(output) = output else {
         list(&table);
         for (name, count) in &left_out {
@@ -69,16 +84,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         return Ok(());
     };
     let columns = written(&table)?;
-    if is_parquet(output) {
-        let columns: Vec<(&str, Values)> =
-            columns.iter().map(|(name, values)| (name.as_str(), Values::Numbers(values))).collect();
-        parquet::stage(&mut outputs, output, &columns)?;
-    } else {
-        outputs.stage_by(output, |target| csv(target, &columns, table.rows()))?;
-    }
+    let numbers = columns.places.iter().map(|&place| Ok(table.numbers(place)?.numbers));
+    let numbers: Vec<&[f64]> = numbers.collect::<Result<_, Error>>()?;
+    columns.stage(&mut outputs, output, |sink| {
+        (0..table.rows()).step_by(BLOCK).try_for_each(|first| {
+            let last = table.rows().min(first + BLOCK);
+            sink(&numbers.iter().map(|numbers| &numbers[first..last]).collect::<Vec<_>>())
+        })
+    })?;
     outputs.commit()?;
-    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    say!("{} rows of {} in {}", table.rows(), names.join(", "), output.display());
+    columns.say(table.rows(), output);
     Ok(())
 }
 
@@ -111,29 +126,56 @@ fn of_values(values: &[f64]) -> String {
     format!("{} to {}{holes}{step}", legible(low, 4), legible(high, 4))
 }
 
-/// The columns that are written: those that are mapped, and those of a known unit; a name each.
-fn written(table: &Table) -> Result<Vec<(String, &[f64])>, Error> {
-    let mut columns = Vec::new();
+/// The columns that are written, each with its place in the table and its name.
+struct Written {
+    places: Vec<usize>,
+    names: Vec<String>,
+}
+
+/// The columns that are written: those that are mapped, and those of a known unit.
+fn written<S: Store>(table: &Table<S>) -> Result<Written, Error> {
+    let (mut places, mut names) = (Vec::new(), Vec::new());
     for index in 0..table.columns() {
         let (name, is_named) = (table.our_name(index), table.is_named(index));
         let has_unit = is_named || table.unit_of(index).is_ok_and(|unit| unit.is_some());
         if !has_unit && name != VALID && !table.time_column().is_ok_and(|time| time == index) {
             continue;
         }
-        let values = table.numbers(index)?;
         // Dates and times of day are counted from the first one.
-        let name = if values.are_stamps { format!("time_{}", Unit::S.suffix()) } else { name };
-        columns.push((name, values.numbers));
+        let are_stamps = table.are_stamps(index)?;
+        places.push(index);
+        names.push(if are_stamps { format!("time_{}", Unit::S.suffix()) } else { name });
     }
-    Ok(columns)
+    Ok(Written { places, names })
+}
+
+impl Written {
+    /// Stages the output, of which `blocks` gives some rows at a time.
+    fn stage(
+        &self,
+        outputs: &mut Outputs,
+        output: &Path,
+        blocks: impl FnOnce(&mut Sink) -> io::Result<()>,
+    ) -> Result<(), Error> {
+        outputs.stage_by(output, |target| match is_parquet(output) {
+            true => write_blocks(target, &self.names, blocks),
+            false => {
+                writeln!(target, "{}", self.names.join(","))?;
+                blocks(&mut |columns| csv(target, columns))
+            }
+        })?;
+        Ok(())
+    }
+
+    fn say(&self, rows: usize, output: &Path) {
+        say!("{rows} rows of {} in {}", self.names.join(", "), output.display());
+    }
 }
 
 /// Numbers so that they read back as the same bits; a missing one is an empty field.
-fn csv(target: &mut dyn Write, columns: &[(String, &[f64])], rows: usize) -> io::Result<()> {
-    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    writeln!(target, "{}", names.join(","))?;
-    for row in 0..rows {
-        for (place, (_, values)) in columns.iter().enumerate() {
+fn csv(target: &mut dyn Write, columns: &[&[f64]]) -> io::Result<()> {
+    for row in 0..columns.first().map_or(0, |numbers| numbers.len()) {
+        for (place, values) in columns.iter().enumerate() {
             let separator = if place == 0 { "" } else { "," };
             match values[row] {
                 value if value.is_nan() => write!(target, "{separator}")?,

@@ -1,5 +1,7 @@
 //! The fields of a column.
 
+use std::fmt;
+
 use super::DataProblem;
 use super::cell::{Cell, may_be_thousands};
 use super::heading::Heading;
@@ -14,13 +16,44 @@ pub struct Values<'a> {
     pub are_stamps: bool,
 }
 
+/// Where the numbers of a column go.
+pub trait Store: Default + fmt::Debug {
+    /// Takes the next one.
+    fn push(&mut self, number: f64);
+
+    /// Leaves out those from this row on.
+    fn truncate(&mut self, rows: usize);
+}
+
+impl Store for Vec<f64> {
+    fn push(&mut self, number: f64) {
+        self.push(number);
+    }
+
+    fn truncate(&mut self, rows: usize) {
+        self.truncate(rows);
+    }
+}
+
+/// Keeps no number: where it matters only what a column is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unkept;
+
+impl Store for Unkept {
+    fn push(&mut self, _: f64) {}
+
+    fn truncate(&mut self, _: usize) {}
+}
+
 /// A column, whose fields may be anything.
 #[derive(Debug)]
-pub struct Column {
+pub struct Column<S = Vec<f64>> {
     pub heading: Heading,
     may_have_comma: bool,
     /// Ends with the first field that is no value: nobody can use what comes behind.
-    numbers: Vec<f64>,
+    numbers: S,
+    /// Whether a field has been anything but a hole.
+    has_value: bool,
     clock: Option<Clock>,
     bad: Option<(usize, Bad)>,
     comma: Option<(usize, String)>,
@@ -37,25 +70,38 @@ enum Bad {
 }
 
 impl Column {
-    pub fn new(heading: Heading, may_have_comma: bool) -> Self {
-        Self {
-            heading,
-            may_have_comma,
-            numbers: Vec::new(),
-            clock: None,
-            bad: None,
-            comma: None,
-            has_decimal_commas: false,
-            has_points: false,
-        }
-    }
-
     /// A column of numbers, NaN where one is missing.
     pub fn of_numbers(heading: Heading, values: &[f64]) -> Self {
         let infinite = values.iter().position(|value| value.is_infinite());
         let bad = infinite.map(|row| (row, Bad::Infinite(values[row].to_string())));
         let numbers = values[..infinite.unwrap_or(values.len())].to_vec();
         Self { numbers, bad, ..Self::new(heading, false) }
+    }
+
+    /// The numbers, one a row, as far as they are any.
+    pub fn numbers(&self) -> &[f64] {
+        &self.numbers
+    }
+
+    /// Forgets the numbers, and goes on.
+    pub fn clear(&mut self) {
+        self.numbers.clear();
+    }
+}
+
+impl<S: Store> Column<S> {
+    pub fn new(heading: Heading, may_have_comma: bool) -> Self {
+        Self {
+            heading,
+            may_have_comma,
+            numbers: S::default(),
+            has_value: false,
+            clock: None,
+            bad: None,
+            comma: None,
+            has_decimal_commas: false,
+            has_points: false,
+        }
     }
 
     /// Adds the field of a row.
@@ -84,7 +130,10 @@ impl Column {
             Cell::Text => self.stamp(field).or_else(|| flag(&self.heading, field)),
         };
         match value {
-            Some(value) => self.numbers.push(value),
+            Some(value) => {
+                self.has_value |= !value.is_nan();
+                self.numbers.push(value);
+            }
             None => {
                 self.bad.get_or_insert_with(|| (row, Bad::Text(field.to_owned())));
             }
@@ -93,7 +142,7 @@ impl Column {
 
     /// Seconds since the first stamp; the first field that is no hole says how stamps are written.
     fn stamp(&mut self, field: &str) -> Option<f64> {
-        if self.clock.is_none() && self.numbers.iter().all(|value| value.is_nan()) {
+        if self.clock.is_none() && !self.has_value {
             self.clock = Clock::of(field);
         }
         self.clock.as_ref()?.seconds(field)
@@ -110,13 +159,13 @@ impl Column {
         self.bad.take_if(|(row, _)| *row >= rows);
     }
 
-    /// The values.
+    /// Whether they are dates or times of day.
     ///
     /// # Errors
     /// The first row whose field is no value, and why.
-    pub fn values(&self) -> Result<Values<'_>, (usize, DataProblem)> {
+    pub fn are_stamps(&self) -> Result<bool, (usize, DataProblem)> {
         match self.bad.clone() {
-            None => Ok(Values { numbers: &self.numbers, are_stamps: self.clock.is_some() }),
+            None => Ok(self.clock.is_some()),
             Some((row, Bad::Infinite(value))) => Err((row, DataProblem::NotFinite { value })),
             Some((row, Bad::Ragged { found, expected })) => {
                 Err((row, DataProblem::Ragged { found, expected }))

@@ -1,61 +1,150 @@
 //! From bytes to text: UTF-8, UTF-16, and Windows-1252 as the last resort.
 
-use std::borrow::Cow;
+use std::io::Read;
 
-use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
+use encoding_rs::{Decoder, DecoderResult, Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 
 use super::DataProblem;
 
+/// How many bytes are looked at together.
+const PIECE: usize = 1 << 20;
 /// How many bytes tell UTF-16 without a mark from what is no text.
 const LOOKED_AT: usize = 64;
 
-/// The text of a file without its byte-order mark, and what was done to get it.
-pub fn text(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<String>), DataProblem> {
-    match Encoding::for_bom(bytes) {
-        Some((encoding, mark)) if encoding != UTF_8 => return utf_16(encoding, &bytes[mark..]),
-        Some((_, mark)) => return utf_8(&bytes[mark..]),
-        None => {}
+/// How a file is written.
+#[derive(Clone, Copy, Debug)]
+pub struct Written {
+    /// Its encoding.
+    pub encoding: &'static Encoding,
+    /// What has to be said of that.
+    pub note: Option<&'static str>,
+}
+
+/// Looks through all of a file, and shows each piece of it to `see` on the way.
+///
+/// # Errors
+/// It cannot be read, or is no text.
+pub fn of(mut bytes: impl Read, mut see: impl FnMut(&[u8])) -> Result<Written, DataProblem> {
+    let mut piece = Vec::with_capacity(PIECE);
+    let mut read = |piece: &mut Vec<u8>| {
+        piece.clear();
+        let count = bytes.by_ref().take(PIECE as u64).read_to_end(piece);
+        see(piece);
+        count.map_err(DataProblem::Unreadable)
+    };
+    read(&mut piece)?;
+    let found = utf_16(&piece);
+    let mut looked = Looked::new(found.unwrap_or(UTF_8));
+    while !piece.is_empty() {
+        looked.at(&piece);
+        read(&mut piece)?;
     }
-    let begin = &bytes[..bytes.len().min(LOOKED_AT) & !1];
+    looked.written()
+}
+
+/// The kind of UTF-16 that a file's beginning is, by its mark or since every other byte is 0.
+fn utf_16(begin: &[u8]) -> Option<&'static Encoding> {
+    if let Some((encoding, _)) = Encoding::for_bom(begin) {
+        return (encoding != UTF_8).then_some(encoding);
+    }
+    let begin = &begin[..begin.len().min(LOOKED_AT) & !1];
     let zeros = |place: usize| begin.len() >= 2 && begin.iter().skip(place).step_by(2).all(|&byte| byte == 0);
     match (zeros(0), zeros(1)) {
-        (false, true) => utf_16(UTF_16LE, bytes),
-        (true, false) => utf_16(UTF_16BE, bytes),
-        _ => utf_8(bytes),
+        (false, true) => Some(UTF_16LE),
+        (true, false) => Some(UTF_16BE),
+        _ => None,
     }
 }
 
-fn utf_16(
+/// What has been seen of a file.
+struct Looked {
     encoding: &'static Encoding,
-    bytes: &[u8],
-) -> Result<(Cow<'static, str>, Option<String>), DataProblem> {
-    let (text, had_errors) = encoding.decode_without_bom_handling(bytes);
-    if had_errors || text.contains('\0') {
-        return Err(DataProblem::NotUtf16);
-    }
-    Ok((text.into_owned().into(), Some("the file was read as UTF-16".to_owned())))
+    decoder: Decoder,
+    /// The piece as a text.
+    text: String,
+    /// How many bytes have been looked at.
+    bytes: usize,
+    /// Where the first byte of 0 is.
+    nul: Option<usize>,
+    /// Where what is not in the encoding begins, at the latest.
+    malformed: Option<usize>,
+    /// Control characters, which are in no text of any encoding.
+    has_controls: bool,
 }
 
-fn utf_8(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<String>), DataProblem> {
-    if let Some(offset) = bytes.iter().position(|&byte| byte == 0) {
-        return Err(DataProblem::Nul { offset });
+impl Looked {
+    fn new(encoding: &'static Encoding) -> Self {
+        let decoder = encoding.new_decoder_with_bom_removal();
+        let text = String::new();
+        Self { encoding, decoder, text, bytes: 0, nul: None, malformed: None, has_controls: false }
     }
-    let offset = match std::str::from_utf8(bytes) {
-        Ok(text) => return Ok((text.into(), None)),
-        Err(error) => error.valid_up_to(),
-    };
-    // What has control characters is no text in any encoding.
-    let is_control = |byte: &u8| *byte < b' ' && !matches!(byte, b'\t' | b'\r' | b'\n') || *byte == 0x7f;
-    match WINDOWS_1252.decode_without_bom_handling_and_without_replacement(bytes) {
-        Some(text) if !bytes.iter().any(is_control) => {
-            Ok((text, Some("the file is not UTF-8 and was read as Windows-1252".to_owned())))
+
+    fn at(&mut self, piece: &[u8]) {
+        if self.encoding == UTF_8 {
+            let is_control =
+                |byte: &u8| *byte < b' ' && !matches!(byte, b'\t' | b'\r' | b'\n') || *byte == 0x7f;
+            self.has_controls |= piece.iter().any(is_control);
+            let nul = || piece.iter().position(|&byte| byte == 0).map(|place| self.bytes + place);
+            self.nul = self.nul.or_else(nul);
         }
-        _ => Err(DataProblem::NotUtf8 { offset }),
+        if self.malformed.is_none() {
+            self.decode(piece, false);
+        }
+        self.bytes += piece.len();
+    }
+
+    fn decode(&mut self, piece: &[u8], is_last: bool) {
+        let mut rest = piece;
+        loop {
+            self.text.clear();
+            self.text.reserve(PIECE);
+            let (result, read) =
+                self.decoder.decode_to_string_without_replacement(rest, &mut self.text, is_last);
+            rest = &rest[read..];
+            // UTF-16 with a mark that says otherwise is no text either.
+            let has_nul = self.encoding != UTF_8 && self.text.contains('\0');
+            match result {
+                DecoderResult::Malformed(length, behind) => {
+                    let seen = self.bytes + piece.len() - rest.len();
+                    self.malformed = Some(seen.saturating_sub(usize::from(length + behind)));
+                    return;
+                }
+                _ if has_nul => {
+                    self.malformed = Some(self.bytes);
+                    return;
+                }
+                DecoderResult::InputEmpty => return,
+                DecoderResult::OutputFull => {}
+            }
+        }
+    }
+
+    /// How the file is written, when all of it has been looked at.
+    fn written(mut self) -> Result<Written, DataProblem> {
+        if let Some(offset) = self.nul {
+            return Err(DataProblem::Nul { offset });
+        }
+        if self.malformed.is_none() {
+            self.decode(&[], true);
+        }
+        match (self.malformed, self.encoding == UTF_8) {
+            (None, true) => Ok(Written { encoding: UTF_8, note: None }),
+            (None, false) => {
+                Ok(Written { encoding: self.encoding, note: Some("the file was read as UTF-16") })
+            }
+            (Some(_), false) => Err(DataProblem::NotUtf16),
+            (Some(offset), true) if self.has_controls => Err(DataProblem::NotUtf8 { offset }),
+            (Some(_), true) => Ok(Written {
+                encoding: WINDOWS_1252,
+                note: Some("the file is not UTF-8 and was read as Windows-1252"),
+            }),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::pieces::Pieces;
     use super::*;
 
     #[test]
@@ -72,11 +161,34 @@ mod tests {
             ([&[0xfe, 0xff], &big[..]].concat(), true),
             (latin, true),
         ] {
-            let (found, note) = text(&bytes).expect("a text");
-            assert_eq!((&*found, note.is_some()), (wanted, is_noted));
+            assert_eq!(text(&bytes).expect("a text"), (wanted.to_owned(), is_noted));
         }
         let ascii: Vec<u8> = "time_s\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
         assert_eq!(text(&ascii).expect("a text").0, "time_s\n");
+    }
+
+    /// The first piece, and whether something is said of the encoding.
+    fn text(bytes: &[u8]) -> Result<(String, bool), DataProblem> {
+        let Written { encoding, note } = of(bytes, |_| {})?;
+        let mut pieces = Pieces::of(Box::new(bytes), encoding);
+        pieces.advance().map_err(DataProblem::Unreadable)?;
+        Ok((pieces.text().to_owned(), note.is_some()))
+    }
+
+    #[test]
+    fn what_is_no_text_is_found_in_any_piece() {
+        let mut bytes = vec![b'a'; 3 * PIECE];
+        let place = 2 * PIECE + 7;
+        bytes[place] = 0;
+        assert!(matches!(text(&bytes), Err(DataProblem::Nul { offset }) if offset == place));
+        bytes[place] = 0xff;
+        assert!(text(&bytes).expect("Windows-1252").1);
+        bytes[5] = 1;
+        assert!(matches!(text(&bytes), Err(DataProblem::NotUtf8 { offset }) if offset == place));
+        // A letter of two bytes on both sides of where a piece ends.
+        let mut bytes = vec![b'a'; PIECE - 1];
+        bytes.extend("µa".bytes());
+        assert!(!text(&bytes).expect("UTF-8").1);
     }
 
     #[test]

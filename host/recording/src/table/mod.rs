@@ -12,6 +12,8 @@
 //! | file | what it does |
 //! |---|---|
 //! | `encoding` | UTF-8, UTF-16, Windows-1252 |
+//! | `pieces` | the text, a piece at a time |
+//! | `outline` | what a table's columns are, and its rows a block at a time |
 //! | `lines` | comments, blank lines, ends of lines; line numbers |
 //! | `layout` | separator, header, lines above it, row of units |
 //! | `heading` | a column's name and its unit |
@@ -21,7 +23,9 @@
 //! | `rows` | which rows are left out or brought together |
 //!
 //! # Limits
-//! The whole file is held in memory while it is read, and 8 bytes a field of numbers.
+//! A file is read twice, to see how it is written and to take its numbers, of which 8 bytes a field
+//! are held; of an [`Outline`] none. What can be read once only, a pipe, is held whole while it is
+//! read. The header has to be in the first megabyte.
 
 mod cell;
 pub mod clock;
@@ -32,6 +36,8 @@ mod heading;
 mod layout;
 mod lines;
 pub mod naming;
+pub mod outline;
+mod pieces;
 pub mod rows;
 mod stamp;
 
@@ -39,15 +45,16 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use crate::input;
 use crate::unit::Quantity;
-use cell::Cell;
 use column::Column;
-pub use column::Values;
+pub use column::{Store, Unkept, Values};
 pub use error::{DataError, DataProblem, Place};
 use heading::Heading;
-use layout::Layout;
-use lines::{Stream, number};
+use lines::number;
+#[cfg(doc)]
+use outline::Outline;
+use outline::Text;
+use pieces::Source;
 
 /// The column of ones and zeros, the only name without a unit.
 pub const VALID: &str = "valid";
@@ -64,24 +71,17 @@ pub const VALID: &str = "valid";
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Table {
+pub struct Table<S = Vec<f64>> {
     file: PathBuf,
     sha256: String,
     /// What was done that a strict reader would not.
     notes: Vec<String>,
     /// None of columns in memory.
     header_line: Option<usize>,
-    columns: Vec<Column>,
+    columns: Vec<Column<S>>,
     rows: usize,
     /// Where the line numbers of rows jump: how many rows come before, and the line of the row.
     jumps: Vec<(usize, usize)>,
-}
-
-/// A row with more fields than the header.
-#[derive(Clone, Copy, Debug)]
-struct Wide {
-    row: usize,
-    fields: usize,
 }
 
 impl Table {
@@ -90,9 +90,9 @@ impl Table {
     /// # Errors
     /// The file cannot be read, or is no table.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let bytes =
-            input::bytes(path).map_err(|error| Place::file(path).error(DataProblem::Unreadable(error)))?;
-        Self::parse(path, &bytes)
+        let source =
+            Source::of(path).map_err(|error| Place::file(path).error(DataProblem::Unreadable(error)))?;
+        Text::of(path, source)?.table()
     }
 
     /// Reads the contents of a file; `file` is its name in messages.
@@ -100,40 +100,7 @@ impl Table {
     /// # Errors
     /// The contents are no table.
     pub fn parse(file: &Path, bytes: &[u8]) -> Result<Self, DataError> {
-        let refuse = |problem| Place::file(file).error(problem);
-        let (text, encoding) = encoding::text(bytes).map_err(refuse)?;
-        let Layout { separator, header_line, headings, header, rows, notes } =
-            Layout::of(&text).map_err(|problem| match problem {
-                DataProblem::NoHeader { .. } => Place { line: Some(1), ..Place::file(file) }.error(problem),
-                other => refuse(other),
-            })?;
-        let mut table = Self {
-            file: file.to_owned(),
-            sha256: sha256_hex(bytes),
-            notes: encoding.into_iter().chain(notes).collect(),
-            header_line: Some(header_line),
-            columns: headings.into_iter().map(|heading| Column::new(heading, separator != b',')).collect(),
-            rows: 0,
-            jumps: Vec::new(),
-        };
-        let mut filler =
-            Filler { table: &mut table, header: &header, repeated: 0, wide: None, whole: None, cut: 0 };
-        if separator == b' ' {
-            rows.for_each(|line| filler.push(line.number, line.text.split_whitespace()));
-        } else {
-            let mut reader = csv::ReaderBuilder::new()
-                .has_headers(false)
-                .flexible(true)
-                .delimiter(separator)
-                .from_reader(Stream::of(rows));
-            let mut record = csv::StringRecord::new();
-            while reader.read_record(&mut record).map_err(|error| refuse(DataProblem::Csv(error)))? {
-                let place = record.position().map_or(1, csv::Position::line) as usize - 1;
-                filler.push(reader.get_ref().number(place), record.iter().map(str::trim));
-            }
-        }
-        filler.finish()?;
-        Ok(table)
+        Text::of(file, Source::Bytes(bytes))?.table()
     }
 
     /// A table of columns that are in memory: each a name and a value a row, NaN where one is
@@ -179,6 +146,51 @@ impl Table {
         })
     }
 
+    /// A column's values, one a row; NaN where one is missing.
+    ///
+    /// # Errors
+    /// A field is no number, is infinite, or has a comma that may mean two things.
+    pub fn numbers(&self, index: usize) -> Result<Values<'_>, DataError> {
+        let are_stamps = self.are_stamps(index)?;
+        Ok(Values { numbers: self.columns[index].numbers(), are_stamps })
+    }
+
+    /// The values of the first of our own columns that the file has, with its name; none is
+    /// missing.
+    ///
+    /// # Errors
+    /// The file has none of the columns, or a field is no finite number.
+    pub fn first_column<'a>(&self, names: &[&'a str]) -> Result<(&'a str, &[f64]), DataError> {
+        for &name in names {
+            if let Some(found) = self.find(name)? {
+                let values = self.numbers(found.index)?.numbers;
+                if let Some(row) = values.iter().position(|value| value.is_nan()) {
+                    return Err(self.place(row, name).error(DataProblem::Hole));
+                }
+                return Ok((name, values));
+            }
+        }
+        Err(self.missing(&names.join(" or "), String::new()))
+    }
+
+    /// What a strict reader says of any column.
+    pub fn strictly(&self) -> Result<(), DataError> {
+        for (index, column) in self.columns.iter().enumerate() {
+            let at = || self.heading_place(index);
+            if !column.heading.is_ours() {
+                let note = format!("{} is not a name in small letters with its unit", column.heading.shown());
+                return Err(at().error(DataProblem::Mended(note)));
+            }
+            let values = self.numbers(index)?;
+            if let Some(row) = values.numbers.iter().position(|value| value.is_nan()) {
+                return Err(self.place(row, column.heading.shown()).error(DataProblem::Hole));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<S: Store> Table<S> {
     /// The file, as it was named.
     pub fn file(&self) -> &Path {
         &self.file
@@ -247,16 +259,16 @@ impl Table {
         }
     }
 
-    /// A column's values, one a row; NaN where one is missing.
+    /// Whether a column's values are dates or times of day.
     ///
     /// # Errors
     /// A field is no number, is infinite, or has a comma that may mean two things.
-    pub fn numbers(&self, index: usize) -> Result<Values<'_>, DataError> {
+    pub fn are_stamps(&self, index: usize) -> Result<bool, DataError> {
         let column = &self.columns[index];
         let at = |row, problem| self.place(row, column.heading.shown()).error(problem);
-        let values = column.values().map_err(|(row, problem)| at(row, problem))?;
+        let are_stamps = column.are_stamps().map_err(|(row, problem)| at(row, problem))?;
         // Decimal commas are one habit of all that was measured.
-        let is_measured = |&(place, peer): &(usize, &Column)| {
+        let is_measured = |&(place, peer): &(usize, &Column<S>)| {
             peer.is_numeric() && (place == index || peer.heading.known().is_some())
         };
         let peers = || self.columns.iter().enumerate().filter(is_measured).map(|(_, peer)| peer);
@@ -268,7 +280,7 @@ impl Table {
                 return Err(at(row, DataProblem::CommaAndPoint { value }));
             }
         }
-        Ok(values)
+        Ok(are_stamps)
     }
 
     /// That numbers have decimal commas, if those of one of the columns do.
@@ -277,46 +289,12 @@ impl Table {
         indices.iter().any(has_commas).then(|| "numbers were read with decimal commas".to_owned())
     }
 
-    /// The values of the first of our own columns that the file has, with its name; none is
-    /// missing.
-    ///
-    /// # Errors
-    /// The file has none of the columns, or a field is no finite number.
-    pub fn first_column<'a>(&self, names: &[&'a str]) -> Result<(&'a str, &[f64]), DataError> {
-        for &name in names {
-            if let Some(found) = self.find(name)? {
-                let values = self.numbers(found.index)?.numbers;
-                if let Some(row) = values.iter().position(|value| value.is_nan()) {
-                    return Err(self.place(row, name).error(DataProblem::Hole));
-                }
-                return Ok((name, values));
-            }
-        }
-        Err(self.missing(&names.join(" or "), String::new()))
-    }
-
     /// That there is no such column; `cure` says how to name it, and begins with a semicolon if it
     /// is not empty.
     pub fn missing(&self, wanted: &str, cure: String) -> DataError {
         let present: Vec<&str> = self.columns.iter().map(|column| column.heading.shown()).collect();
         let (wanted, present) = (wanted.to_owned(), present.join(", "));
         Place::file(&self.file).error(DataProblem::MissingColumn { wanted, present, cure })
-    }
-
-    /// What a strict reader says of any column.
-    pub fn strictly(&self) -> Result<(), DataError> {
-        for (index, column) in self.columns.iter().enumerate() {
-            let at = || self.heading_place(index);
-            if !column.heading.is_ours() {
-                let note = format!("{} is not a name in small letters with its unit", column.heading.shown());
-                return Err(at().error(DataProblem::Mended(note)));
-            }
-            let values = self.numbers(index)?;
-            if let Some(row) = values.numbers.iter().position(|value| value.is_nan()) {
-                return Err(self.place(row, column.heading.shown()).error(DataProblem::Hole));
-            }
-        }
-        Ok(())
     }
 
     /// The columns that no reader uses, since they have no unit: as they are shown to people.
@@ -334,90 +312,6 @@ impl Table {
         let of_it = headings.filter(move |heading| heading.measures(quantity));
         of_it.map(|heading| (heading.stem.as_str(), heading.shown()))
     }
-}
-
-/// Puts rows into a table.
-struct Filler<'a> {
-    table: &'a mut Table,
-    header: &'a [String],
-    /// How often the header came again.
-    repeated: usize,
-    /// The first row with more numbers than the header has names.
-    wide: Option<Wide>,
-    /// The last row with as many fields as the first one, and how many those are.
-    whole: Option<(usize, usize)>,
-    /// Rows since then that begin with a number.
-    cut: usize,
-}
-
-impl Filler<'_> {
-    fn push<'f>(&mut self, line: usize, fields: impl Iterator<Item = &'f str> + Clone) {
-        let table = &mut *self.table;
-        if fields.clone().eq(self.header.iter().map(String::as_str)) {
-            self.repeated += 1;
-            return;
-        }
-        let row = table.rows;
-        if number(&table.jumps, row) != line {
-            table.jumps.push((row, line));
-        }
-        table.rows += 1;
-        let (mut found, mut has_more, mut begins_with_number) = (0, false, false);
-        for (place, field) in fields.enumerate() {
-            found = place + 1;
-            begins_with_number |= place == 0 && Cell::of(field, true).is_number();
-            match table.columns.get_mut(place) {
-                Some(column) => column.push(row, field),
-                None => has_more |= Cell::of(field, true).is_number(),
-            }
-        }
-        let expected = table.columns.len();
-        for column in table.columns.iter_mut().skip(found) {
-            column.push_missing(row, found, expected);
-        }
-        if has_more {
-            self.wide.get_or_insert(Wide { row, fields: found });
-        }
-        let width = self.whole.map_or(found, |(_, width)| width);
-        if width <= found && found <= expected.max(width) + 1 && !has_more {
-            (self.whole, self.cut) = (Some((row, width)), 0);
-        } else {
-            self.cut += usize::from(begins_with_number);
-        }
-    }
-
-    fn finish(self) -> Result<(), DataError> {
-        let Self { table, repeated, wide, whole, cut, .. } = self;
-        let ends = whole.map_or(table.rows, |(row, _)| row + 1);
-        // At the end of a file a row may be cut off, and lines that are no rows may follow.
-        if ends < table.rows && cut <= 1 && wide.is_none() {
-            let (first, left) = (number(&table.jumps, ends), table.rows - ends);
-            table
-                .notes
-                .push(format!("{left} incomplete lines at the end, from line {first} on, were left out"));
-            table.columns.iter_mut().for_each(|column| column.truncate(ends));
-            table.rows = ends;
-        }
-        if repeated > 0 {
-            table.notes.push(format!("the header came again {repeated} times and was skipped"));
-        }
-        if let Some(Wide { row, fields: found }) = wide {
-            let expected = table.columns.len();
-            let place = Place { line: Some(number(&table.jumps, row)), ..Place::file(&table.file) };
-            return Err(place.error(match found > expected + 1 && found <= 2 * expected {
-                true => DataProblem::SplitNumbers { found, expected },
-                false => DataProblem::Ragged { found, expected },
-            }));
-        }
-        match table.rows {
-            0 => Err(Place::file(&table.file).error(DataProblem::NoRows)),
-            _ => Ok(()),
-        }
-    }
-}
-
-fn sha256_hex(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

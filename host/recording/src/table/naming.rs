@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use super::column::Store;
 use super::heading::Heading;
 use super::{DataError, DataProblem, Table};
 use crate::unit::{Channel, Meaning, Quantity, Unit};
@@ -87,7 +88,7 @@ fn unit_of(text: &str) -> Result<Unit, String> {
     Unit::of_symbol(text.trim()).ok_or_else(unknown)
 }
 
-impl Table {
+impl<S: Store> Table<S> {
     /// Gives columns the names and units that the user says.
     ///
     /// # Errors

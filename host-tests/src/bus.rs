@@ -66,6 +66,13 @@ impl BusBoard {
         Self::with(Box::leak(Box::default()), Box::leak(Box::default()))
     }
 
+    /// A board that has been told its number.
+    pub fn of_number(unit: u8) -> Self {
+        let mut board = Self::new();
+        board.node.parameters.bus.unit = unit;
+        board
+    }
+
     /// A board with the paper's model.
     ///
     /// # Panics

@@ -29,10 +29,22 @@ impl DeskBench {
     /// # Panics
     /// There is no directory for it, or no model.
     pub fn disturbed(disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static) -> Self {
+        Self::at(Desk::new(PACE, disturb))
+    }
+
+    /// Boards of these numbers on one line.
+    ///
+    /// # Panics
+    /// There is no directory for it, or no model.
+    pub fn line(units: &[u8]) -> Self {
+        Self::at(Desk::line(PACE, units, |_, bytes| bytes))
+    }
+
+    fn at(desk: Desk) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let model = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/paper-tables-1-2.toml");
         std::fs::copy(model, directory.path().join("paper.toml")).expect("the paper's model");
-        Self { desk: Desk::new(PACE, disturb), directory }
+        Self { desk, directory }
     }
 
     /// A command with the port behind it.

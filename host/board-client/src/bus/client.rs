@@ -164,6 +164,8 @@ impl Heartbeat {
     }
 }
 
+/// The number that all boards listen to.
+const BROADCAST: u8 = 0;
 /// A frame's checksum.
 const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_MODBUS);
 /// Functions that read, and that write and read.
@@ -206,6 +208,11 @@ impl Client {
         Ok(Self { port, address, ended: Instant::now(), heartbeat: None })
     }
 
+    /// Asks the board of another number from now on.
+    pub fn turn_to(&mut self, unit: u8) {
+        self.address.unit = unit;
+    }
+
     /// From now on says so often that this program lives; `None`: no more. `last`: the number that
     /// the board was told before.
     pub fn beat_each(&mut self, each: Option<Duration>, last: u16) {
@@ -219,6 +226,14 @@ impl Client {
     /// # Errors
     /// No answer, or a refusal.
     pub fn read(&mut self, address: u16, count: u16) -> Result<Vec<u16>, BusError> {
+        self.read_in(address, count, TRIES)
+    }
+
+    /// The same, with so many tries.
+    ///
+    /// # Errors
+    /// No answer, or a refusal.
+    pub fn read_in(&mut self, address: u16, count: u16, tries: usize) -> Result<Vec<u16>, BusError> {
         let mut request = self.request();
         let mut frame = Vec::new();
         let made = request.generate_get_holdings(address, count, &mut frame);
@@ -227,7 +242,7 @@ impl Client {
         let expected = SHORTEST + 2 * usize::from(count);
         let question =
             Question { request: &request, frame: &frame, is_reading: true, expected, words: &question };
-        let answer = self.ask(&question, TRIES, self.address.limit)?;
+        let answer = self.ask(&question, tries, self.address.limit)?;
         let mut values = Vec::with_capacity(count.into());
         let damaged = |problem| self.damaged(problem);
         request.parse_u16(&answer, &mut values).map_err(damaged)?;
@@ -265,6 +280,20 @@ impl Client {
             words: &question,
         };
         self.ask(&question, tries, limit).map(drop)
+    }
+
+    /// Writes values for all boards on the line, none of which answers: whoever has to be sure
+    /// writes them more than once.
+    ///
+    /// # Errors
+    /// The port cannot be used.
+    pub fn write_all(&mut self, address: u16, values: &[u16]) -> Result<(), PortError> {
+        let mut frame = Vec::new();
+        let mut request = ModbusRequest::new(BROADCAST, ModbusProto::Rtu);
+        if request.generate_set_holdings_bulk(address, values, &mut frame).is_ok() {
+            self.exchange(&frame, 0, self.address.limit)?;
+        }
+        Ok(())
     }
 
     fn request(&self) -> ModbusRequest {
@@ -351,11 +380,19 @@ impl Client {
         Ok(answer)
     }
 
-    /// Takes the late answers to a question that was asked more than once.
-    fn forget(&mut self) -> Result<(), PortError> {
-        let mut buffer = [0; 256];
-        while self.port.receive(&mut buffer, Instant::now() + LATE)? > 0 {}
-        Ok(())
+    /// Takes what still comes behind an answer, as to a question that was asked more than once;
+    /// how many bytes.
+    ///
+    /// # Errors
+    /// The port cannot be used.
+    pub fn forget(&mut self) -> Result<usize, PortError> {
+        let (mut buffer, mut late) = ([0; 256], 0);
+        loop {
+            match self.port.receive(&mut buffer, Instant::now() + LATE)? {
+                0 => return Ok(late),
+                count => late += count,
+            }
+        }
     }
 
     /// What comes until an answer is whole: as long as expected, or an exception. What came until

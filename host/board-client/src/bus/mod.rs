@@ -9,6 +9,7 @@
 //! | [`about`] | which board it is, and what its firmware was built from |
 //! | [`calibration`] | sensors and regulator against a gauge |
 //! | [`reached`] | number, rate and parity that it keeps |
+//! | [`scan`] | which boards are on a line; all of them vented |
 //! | [`settings`] | gains and limits of a new configuration: which stay, which change |
 //! | [`upload`] | a configuration to the board, and back |
 //! | [`play`] | set points streamed ahead, ticks recorded, to the end or a stop |
@@ -28,6 +29,7 @@ pub mod play;
 pub mod port;
 pub mod reached;
 pub mod recording;
+pub mod scan;
 pub mod settings;
 pub mod status;
 pub mod upload;

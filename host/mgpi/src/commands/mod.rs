@@ -32,6 +32,7 @@ mod recorded;
 pub mod report;
 pub mod restore;
 pub mod rig;
+pub mod scan;
 mod search;
 mod show;
 pub mod simulate;
@@ -77,6 +78,7 @@ enum Command {
     Track(track::Arguments),
     Status(status::Arguments),
     Bus(bus::Arguments),
+    Scan(scan::Arguments),
     Calibrate(calibrate::Arguments),
     Watch(watch::Arguments),
     /// The simulated muscle: recordings, references and a plant to try everything without hardware
@@ -114,6 +116,7 @@ impl CommandLine {
             Command::Track(arguments) => track::run(&arguments),
             Command::Status(arguments) => status::run(&arguments),
             Command::Bus(arguments) => bus::run(&arguments),
+            Command::Scan(arguments) => scan::run(&arguments),
             Command::Calibrate(arguments) => calibrate::run(&arguments),
             Command::Watch(arguments) => watch::run(&arguments),
             Command::Rig(command) => rig::run(&command),

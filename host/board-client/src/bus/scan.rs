@@ -1,8 +1,8 @@
 //! Which boards are on a line, and all of them vented.
 //!
 //! Each number is asked for a register. Who answers is then asked for the rest. Two boards of one
-//! number answer at once: their bytes damage each other, or come one answer behind the other. A line
-//! that is disturbed looks the same, so that the answer says both.
+//! number answer at once: their bytes damage each other, or come one answer behind the other. A
+//! line that is disturbed looks the same, so that the answer says both.
 
 use std::ops::RangeInclusive;
 use std::thread;

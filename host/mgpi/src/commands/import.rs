@@ -146,6 +146,16 @@ fn written<S: Store>(table: &Table<S>) -> Result<Written, Error> {
         places.push(index);
         names.push(if are_stamps { format!("time_{}", Unit::S.suffix()) } else { name });
     }
+    if places.is_empty() {
+        let shown: Vec<&str> = (0..table.columns()).map(|index| table.shown(index)).collect();
+        return Err(Error::Usage(format!(
+            "{}: no column has a unit, so that nothing would be written; --map says which is which: --map \
+             time={}:s,pressure=…; there are {}",
+            table.file().display(),
+            shown[0],
+            shown.join(", ")
+        )));
+    }
     Ok(Written { places, names })
 }
 

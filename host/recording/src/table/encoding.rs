@@ -6,6 +6,8 @@ use encoding_rs::{Decoder, DecoderResult, Encoding, UTF_8, UTF_16BE, UTF_16LE, W
 
 use super::DataProblem;
 
+/// The byte-order mark of UTF-8.
+const UTF_8_MARK: &[u8] = b"\xef\xbb\xbf";
 /// How many bytes are looked at together.
 const PIECE: usize = 1 << 20;
 /// How many bytes tell UTF-16 without a mark from what is no text.
@@ -16,6 +18,8 @@ const LOOKED_AT: usize = 64;
 pub struct Written {
     /// Its encoding.
     pub encoding: &'static Encoding,
+    /// So many bytes before the text are a mark that the encoding does not know.
+    pub mark: usize,
     /// What has to be said of that.
     pub note: Option<&'static str>,
 }
@@ -33,13 +37,13 @@ pub fn of(mut bytes: impl Read, mut see: impl FnMut(&[u8])) -> Result<Written, D
         count.map_err(DataProblem::Unreadable)
     };
     read(&mut piece)?;
-    let found = utf_16(&piece);
-    let mut looked = Looked::new(found.unwrap_or(UTF_8));
+    let mut looked = Looked::new(utf_16(&piece).unwrap_or(UTF_8));
+    let is_marked = piece.starts_with(UTF_8_MARK);
     while !piece.is_empty() {
         looked.at(&piece);
         read(&mut piece)?;
     }
-    looked.written()
+    looked.written(is_marked)
 }
 
 /// The kind of UTF-16 that a file's beginning is, by its mark or since every other byte is 0.
@@ -120,7 +124,7 @@ impl Looked {
     }
 
     /// How the file is written, when all of it has been looked at.
-    fn written(mut self) -> Result<Written, DataProblem> {
+    fn written(mut self, is_marked: bool) -> Result<Written, DataProblem> {
         if let Some(offset) = self.nul {
             return Err(DataProblem::Nul { offset });
         }
@@ -128,14 +132,15 @@ impl Looked {
             self.decode(&[], true);
         }
         match (self.malformed, self.encoding == UTF_8) {
-            (None, true) => Ok(Written { encoding: UTF_8, note: None }),
+            (None, true) => Ok(Written { encoding: UTF_8, mark: 0, note: None }),
             (None, false) => {
-                Ok(Written { encoding: self.encoding, note: Some("the file was read as UTF-16") })
+                Ok(Written { encoding: self.encoding, mark: 0, note: Some("the file was read as UTF-16") })
             }
             (Some(_), false) => Err(DataProblem::NotUtf16),
             (Some(offset), true) if self.has_controls => Err(DataProblem::NotUtf8 { offset }),
             (Some(_), true) => Ok(Written {
                 encoding: WINDOWS_1252,
+                mark: if is_marked { UTF_8_MARK.len() } else { 0 },
                 note: Some("the file is not UTF-8 and was read as Windows-1252"),
             }),
         }
@@ -159,6 +164,7 @@ mod tests {
             ([b"\xef\xbb\xbf", wanted.as_bytes()].concat(), false),
             ([&[0xff, 0xfe], &little[..]].concat(), true),
             ([&[0xfe, 0xff], &big[..]].concat(), true),
+            ([b"\xef\xbb\xbf", &latin[..]].concat(), true),
             (latin, true),
         ] {
             assert_eq!(text(&bytes).expect("a text"), (wanted.to_owned(), is_noted));
@@ -169,10 +175,10 @@ mod tests {
 
     /// The first piece, and whether something is said of the encoding.
     fn text(bytes: &[u8]) -> Result<(String, bool), DataProblem> {
-        let Written { encoding, note } = of(bytes, |_| {})?;
-        let mut pieces = Pieces::of(Box::new(bytes), encoding);
+        let written = of(bytes, |_| {})?;
+        let mut pieces = Pieces::of(Box::new(&bytes[written.mark..]), written.encoding);
         pieces.advance().map_err(DataProblem::Unreadable)?;
-        Ok((pieces.text().to_owned(), note.is_some()))
+        Ok((pieces.text().to_owned(), written.note.is_some()))
     }
 
     #[test]

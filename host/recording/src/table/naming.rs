@@ -133,17 +133,19 @@ impl<S: Store> Table<S> {
         self.position(name)?.ok_or_else(|| self.missing(name, String::new()))
     }
 
-    /// The column of a name: as it stands in the file, as we write it, or without its unit.
+    /// The column of a name: as it stands in the file, as we write it, or without its unit, in the
+    /// end in letters of any size.
     ///
     /// # Errors
     /// There are two.
     pub(super) fn position(&self, name: &str) -> Result<Option<usize>, DataError> {
         let wanted = Heading::of(name);
-        let ways: [&dyn Fn(&Heading) -> bool; 4] = [
+        let ways: [&dyn Fn(&Heading) -> bool; 5] = [
             &|heading| heading.raw == wanted.raw && !heading.is_named,
             &|heading| heading.name() == wanted.raw,
             &|heading| heading.name() == wanted.name() && !heading.name().is_empty(),
             &|heading| heading.stem == wanted.raw && !heading.stem.is_empty(),
+            &|heading| heading.stem == wanted.stem && wanted.unit.is_none() && !heading.stem.is_empty(),
         ];
         for is_it in ways {
             let is_it = |&index: &usize| {

@@ -4,7 +4,6 @@
 use std::io;
 use std::path::Path;
 
-use encoding_rs::Encoding;
 use sha2::{Digest, Sha256};
 
 use super::cell::Cell;
@@ -98,7 +97,7 @@ fn changed() -> io::Error {
 pub(super) struct Text<'a> {
     file: &'a Path,
     source: Source<'a>,
-    encoding: &'static Encoding,
+    written: encoding::Written,
     sha256: String,
     notes: Vec<String>,
     separator: u8,
@@ -113,11 +112,10 @@ impl<'a> Text<'a> {
     /// Looks through a text, and finds its header.
     pub fn of(file: &'a Path, source: Source<'a>) -> Result<Self, DataError> {
         let refuse = |problem| Place::file(file).error(problem);
-        let open = || source.open().map_err(|error| refuse(DataProblem::Unreadable(error)));
+        let open = |skipped| source.open(skipped).map_err(|error| refuse(DataProblem::Unreadable(error)));
         let mut hash = Sha256::new();
-        let encoding::Written { encoding, note } =
-            encoding::of(open()?, |bytes| hash.update(bytes)).map_err(refuse)?;
-        let mut pieces = Pieces::of(open()?, encoding);
+        let written = encoding::of(open(0)?, |bytes| hash.update(bytes)).map_err(refuse)?;
+        let mut pieces = Pieces::of(open(written.mark)?, written.encoding);
         pieces.advance().map_err(|error| refuse(DataProblem::Unreadable(error)))?;
         let begin = pieces.text();
         let Layout { separator, header_line, headings, header, rows, notes } =
@@ -127,10 +125,10 @@ impl<'a> Text<'a> {
             })?;
         let (left, lines) = rows.position();
         let before = (begin.len() - left, lines);
-        let notes = note.map(str::to_owned).into_iter().chain(notes).collect();
+        let notes = written.note.map(str::to_owned).into_iter().chain(notes).collect();
         drop(pieces);
         let sha256 = hexadecimal(&hash.finalize());
-        Ok(Self { file, source, encoding, sha256, notes, separator, header_line, headings, header, before })
+        Ok(Self { file, source, written, sha256, notes, separator, header_line, headings, header, before })
     }
 
     /// The table.
@@ -157,7 +155,8 @@ impl<'a> Text<'a> {
 
     /// Gives every row to `taker`, as long as that takes any.
     fn rows(&self, taker: &mut impl Taker) -> Result<(), DataProblem> {
-        let mut pieces = Pieces::of(self.source.open().map_err(DataProblem::Unreadable)?, self.encoding);
+        let bytes = self.source.open(self.written.mark).map_err(DataProblem::Unreadable)?;
+        let mut pieces = Pieces::of(bytes, self.written.encoding);
         pieces.advance().map_err(DataProblem::Unreadable)?;
         let mut lines = Stream::of(pieces, self.before.0, self.before.1);
         if self.separator == b' ' {

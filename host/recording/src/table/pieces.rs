@@ -46,16 +46,18 @@ impl<'a> Source<'a> {
         Ok(metadata.is_file().then_some(Self::File(file, metadata.len())))
     }
 
-    /// The bytes from the first one on.
+    /// The bytes behind the first `skipped` ones.
     ///
     /// # Errors
     /// The file cannot be opened.
-    pub fn open(&self) -> io::Result<Box<dyn Read + '_>> {
-        Ok(match self {
+    pub fn open(&self, skipped: usize) -> io::Result<Box<dyn Read + '_>> {
+        let mut bytes: Box<dyn Read + '_> = match self {
             Self::File(file, length) => Box::new(File::open(file)?.take(*length)),
             Self::Bytes(bytes) => Box::new(*bytes),
             Self::Read(bytes) => Box::new(bytes.as_slice()),
-        })
+        };
+        io::copy(&mut bytes.by_ref().take(skipped as u64), &mut io::sink())?;
+        Ok(bytes)
     }
 }
 

@@ -39,6 +39,7 @@ pub mod scaling;
 pub mod state_machine;
 pub mod store;
 pub mod timing;
+pub mod update;
 pub mod watchdog;
 
 pub use board::{AcquisitionError, AdcCode, Board, DacCode, Samples};
@@ -47,3 +48,4 @@ pub use control::{Control, TickClock};
 pub use faults::black_box::BlackBox;
 pub use lock_step::LockStepBoard;
 pub use order::{Order, prepare};
+pub use report::FIRMWARE_VERSION;

@@ -7,9 +7,13 @@ use crate::control::Control;
 use crate::identity::Identity;
 use crate::order::prepare;
 use crate::store::{Parameters, SaveError};
+use crate::update::Images;
 
 /// What a request works on.
 pub trait Node {
+    /// What it has of images; [`crate::update::NoImages`] where it takes none.
+    type Images: Images;
+
     /// Works on the control, between two ticks; a tick that is due waits meanwhile.
     fn control<R>(&mut self, work: impl FnOnce(&mut Control) -> R) -> R;
 
@@ -24,6 +28,9 @@ pub trait Node {
     /// # Errors
     /// It is kept until power is lost only.
     fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError>;
+
+    /// The images in its flash, if it takes new ones over the bus.
+    fn images(&mut self) -> Option<&mut Self::Images>;
 }
 
 /// Carries a request out: prepared outside the control's lock, and kept if it changes what the

@@ -27,6 +27,7 @@ mod bus_parameters;
 mod calibration;
 pub mod fault;
 mod frame;
+pub mod image;
 mod input;
 mod message;
 mod protection;

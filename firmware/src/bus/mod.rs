@@ -39,6 +39,7 @@ use wire::BusParameters;
 use wire::registers::FRAME_BYTES;
 
 use crate::node::Node;
+use crate::update::{self, Images};
 use receiver::Receiver;
 use session::Session;
 pub use timing::Timing;
@@ -71,6 +72,11 @@ impl Bus {
     /// Takes a received byte, or `None` if none has come, at a moment of a clock that wraps; to be
     /// called at least every few ticks. Answers what is to be sent.
     pub fn take(&mut self, byte: Option<u8>, moment: u32, node: &mut impl Node) -> &[u8] {
+        update::look(&mut self.session.update, self.session.frames > 0, node);
+        if self.session.update.restarts && self.asked.is_none() {
+            // The answer has left: who sends does not ask.
+            node.images().into_iter().for_each(|images| images.restart());
+        }
         if byte.is_some() {
             // Who speaks again does not wait for the answer any more.
             self.asked = None;

@@ -4,6 +4,8 @@
 //! is read at once belongs together. The values are picked from it outside the lock.
 
 use heapless::Vec;
+use wire::image::Head;
+use wire::registers::UPLOAD_REGISTERS;
 use wire::registers::{
     CAPTURE_SAMPLES, Exception, Id, Register, SAMPLE_REGISTERS, STREAM_POINTS, TRACE_ENTRY_REGISTERS,
     UPLOAD_BYTES, VERSION, Value, mode_number, pack_bytes, pack_sample, pack_trace_entry, state_number,
@@ -18,6 +20,7 @@ use crate::node::Node;
 use crate::report::{FIRMWARE_VERSION, Outputs};
 use crate::scaling::Scalings;
 use crate::store::LAYOUT;
+use crate::update::Images;
 use wire::BoardParameters;
 use wire::registers::fields::{CONTROLLER, of_bus, of_controller, of_protection};
 
@@ -48,6 +51,16 @@ enum View {
     /// As it is kept.
     Bus(BusParameters),
     Calibration(Calibration),
+    /// None where no images are taken.
+    Update(Option<Updating>),
+}
+
+/// What is read of an update.
+struct Updating {
+    place: u16,
+    trial: u16,
+    kind: u16,
+    window: [u8; 2 * UPLOAD_REGISTERS as usize],
 }
 
 /// Writes the values of registers into `words`, big-endian, from an address on.
@@ -94,6 +107,7 @@ fn view(session: &Session, address: u16, node: &mut impl Node) -> View {
         7 => node.control(|control| capture(control, session.capture_from)),
         8 => View::Upload,
         9 => View::Bus(node.parameters().bus),
+        11 => View::Update(node.images().map(|images| updating(session, images))),
         _ => View::Calibration(node.control(|control| control.scalings.calibration())),
     }
 }
@@ -101,6 +115,21 @@ fn view(session: &Session, address: u16, node: &mut impl Node) -> View {
 fn controller(tracking: &BoardParameters) -> [Value; CONTROLLER.len()] {
     let mut tracking = tracking.clone();
     CONTROLLER.map(|id| of_controller(&mut tracking, id).map_or(Value::F32(0.0), |field| field.get()))
+}
+
+// Not inlined: the other readings do not need its stack.
+#[inline(never)]
+fn updating(session: &Session, images: &impl Images) -> Updating {
+    let running = images.running();
+    let mut window = [0; 2 * UPLOAD_REGISTERS as usize];
+    let stands = images.read(running.other()).get(session.update.offset as usize..).unwrap_or_default();
+    window.iter_mut().zip(stands).for_each(|(byte, stands)| *byte = *stands);
+    Updating {
+        place: running.number(),
+        trial: session.update.trial(images).number(),
+        kind: Head::of(images.read(running)).map_or(0, |head| head.linked.kind),
+        window,
+    }
 }
 
 fn capture(control: &Control, from: u32) -> View {
@@ -153,6 +182,7 @@ fn value(session: &Session, view: &View, id: Id, index: u16) -> Value {
             }),
         },
         View::Upload => upload(session, id, index),
+        View::Update(updating) => update(session, updating.as_ref(), id, index),
         View::Calibration(calibration) => calibration.value(id).unwrap_or(Value::U16(0)),
         View::Bus(bus) => match id {
             Id::BusTake => Value::U16(0),
@@ -254,6 +284,23 @@ fn upload(session: &Session, id: Id, index: u16) -> Value {
         Id::UploadOffset => Value::U16(session.upload.offset),
         Id::UploadWindow => Value::U16(session.upload.word(index)),
         Id::Message => Value::U16(pack_bytes(session.message.as_bytes()).nth(index.into()).unwrap_or(0)),
+        _ => Value::U16(0),
+    }
+}
+
+fn update(session: &Session, updating: Option<&Updating>, id: Id, index: u16) -> Value {
+    let of = |get: fn(&Updating) -> u16| Value::U16(updating.map_or(0, get));
+    match id {
+        Id::UpdateResult => Value::U16(session.update.result.number()),
+        Id::UpdatePlace => of(|updating| updating.place),
+        Id::UpdateTrial => of(|updating| updating.trial),
+        Id::UpdateKind => of(|updating| updating.kind),
+        Id::UpdateNext => Value::U32(session.update.written()),
+        Id::UpdateOffset => Value::U32(session.update.offset),
+        Id::UpdateWindow => {
+            let mut words = updating.into_iter().flat_map(|updating| pack_bytes(&updating.window));
+            Value::U16(words.nth(index.into()).unwrap_or(0))
+        }
         _ => Value::U16(0),
     }
 }

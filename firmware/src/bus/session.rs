@@ -7,6 +7,7 @@ use wire::{Refusal, text};
 
 use super::listening::Listening;
 use super::upload::Upload;
+use crate::update::Update;
 
 /// What earlier requests have left.
 #[derive(Debug)]
@@ -22,6 +23,7 @@ pub struct Session {
     pub takes_line: bool,
     pub upload: Upload,
     pub result: UploadResult,
+    pub update: Update,
     /// Why a request was refused, where there is more to say than by the exception.
     pub message: String<100>,
     pub frames: u32,
@@ -46,6 +48,7 @@ impl Session {
             takes_line: false,
             upload: Upload::new(),
             result: UploadResult::None,
+            update: Update::new(),
             message: String::new(),
             frames: 0,
             refused: 0,

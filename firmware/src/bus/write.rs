@@ -7,8 +7,8 @@
 use heapless::Vec;
 use model_core::Mode;
 use wire::registers::{
-    Access, Command, Exception, Id, MOST_WRITTEN, Register, STREAM_POINTS, StreamOrder, UploadOrder,
-    UploadResult, Value, fields, mode,
+    Access, Command, Exception, Id, MOST_WRITTEN, Register, STREAM_POINTS, StreamOrder, UpdateOrder,
+    UpdateResult, UploadOrder, UploadResult, Value, fields, mode,
 };
 use wire::{BoardParameters, CaptureOrder, Configuration, Refusal, Request, Response, State, VERSION};
 
@@ -108,6 +108,7 @@ pub fn write(
         8 => upload(session, values, node),
         9 => line(session, values, audience, node),
         10 => calibration(session, values, audience, node),
+        11 => update(session, values, audience, node),
         _ => Err(Exception::IllegalAddress),
     }
 }
@@ -429,4 +430,52 @@ fn calibration(
     };
     let parameters = Parameters { calibration: sealed, ..node.parameters().clone() };
     node.keep(parameters).map_err(|_| session.refuse(Refusal::NotStored))
+}
+
+/// A new image: a block of it, or what is to be done with it.
+#[inline(never)]
+fn update(
+    session: &mut Session,
+    values: impl Iterator<Item = Assignment>,
+    audience: Audience,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    let (mut order, mut takes_older, mut offset, mut first) = (UpdateOrder::None, false, None, None);
+    let mut bytes = Vec::<u8, { 2 * MOST_WRITTEN as usize }>::new();
+    for Assignment { id, index, value } in values {
+        match (id, value) {
+            (Id::UpdateOrder, Value::U16(number)) => order = UpdateOrder::of_number(number).unwrap_or(order),
+            (Id::UpdateOlder, value) => takes_older = value == Value::U16(1),
+            (Id::UpdateWindow, Value::U16(word)) => {
+                first.get_or_insert(index);
+                // A write has no more.
+                let _ = bytes.extend_from_slice(&word.to_be_bytes());
+            }
+            (_, Value::U32(value)) => offset = Some(value),
+            _ => {}
+        }
+    }
+    let state = node.control(|control| control.state());
+    if state.is_driven() || audience == Audience::All {
+        return Err(Exception::DeviceBusy);
+    }
+    let revision = node.identity().hardware_revision;
+    let images = node.images().ok_or(Exception::DeviceFailure)?;
+    let update = &mut session.update;
+    if let Some(first) = first {
+        // A block says where it belongs.
+        let offset = offset.filter(|_| first == 0).ok_or(Exception::IllegalValue)?;
+        update.write(images, offset, &bytes)?;
+    }
+    update.offset = offset.unwrap_or(update.offset);
+    match order {
+        UpdateOrder::None => Ok(()),
+        UpdateOrder::Begin => update.begin(images),
+        UpdateOrder::Take => update.take(images, revision, takes_older),
+        UpdateOrder::Restart if update.result == UpdateResult::Taken => {
+            update.restarts = true;
+            Ok(())
+        }
+        UpdateOrder::Restart => Err(Exception::DeviceBusy),
+    }
 }

@@ -75,6 +75,8 @@ pub enum SaveError {
     Flash(NorFlashErrorKind),
     /// What was written does not read back: the flash is worn out.
     NotKept,
+    /// The firmware is on trial: the one before may not be able to read what this one writes.
+    OnTrial,
 }
 
 /// The store in a flash whose first two sectors are its own.
@@ -99,6 +101,11 @@ impl<F: NorFlash> ParameterStore<F> {
     /// The flash.
     pub fn flash(&self) -> &F {
         self.sectors.flash()
+    }
+
+    /// The flash, to be changed beyond the sectors of the store.
+    pub fn flash_mut(&mut self) -> &mut F {
+        self.sectors.flash_mut()
     }
 
     /// The flash, given back.

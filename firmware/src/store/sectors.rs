@@ -61,6 +61,10 @@ impl<F: NorFlash> Sectors<F> {
         &self.0
     }
 
+    pub fn flash_mut(&mut self) -> &mut F {
+        &mut self.0
+    }
+
     pub fn into_flash(self) -> F {
         self.0
     }

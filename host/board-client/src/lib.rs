@@ -10,6 +10,7 @@
 //! | [`pil`] | that firmware in a loop with a plant, tick by tick |
 //! | `child` | programs that are started, and end with us |
 //! | [`stop`] | the request to stop |
+//! | [`update`] | a new image to a board |
 //! | [`part`] | logs that grow, and are kept if the run breaks off |
 //!
 //! # Systems
@@ -25,3 +26,4 @@ pub mod emulator;
 pub mod part;
 pub mod pil;
 pub mod stop;
+pub mod update;

@@ -13,6 +13,7 @@ use board_client::bus::BoardError;
 use board_client::emulator::{EmulatorError, image::ImageError};
 use board_client::part::PartError;
 use board_client::pil::PilError;
+use board_client::update::{PackageError, UpdateError};
 use diagnosis::DiagnosisError;
 use diagnosis::plan::PlanError;
 use export::c::NotExported;
@@ -73,6 +74,12 @@ pub enum Error {
     /// A board on the bus does not do what it is asked for.
     #[error(transparent)]
     Board(#[from] BoardError),
+    /// The file of an update is not what it should be.
+    #[error(transparent)]
+    Package(#[from] PackageError),
+    /// A board does not take a new image.
+    #[error(transparent)]
+    Update(#[from] UpdateError),
     /// The live page cannot be served.
     #[error(transparent)]
     Live(#[from] LiveError),
@@ -117,6 +124,12 @@ impl Error {
     /// The exit status that tells a caller: 130 when the user has interrupted (128 and the signal's
     /// number), else 2.
     pub fn exit_status(&self) -> u8 {
-        if matches!(self, Self::Pil(PilError::Stopped) | Self::Board(BoardError::Stopped)) { 130 } else { 2 }
+        let is_stopped = matches!(
+            self,
+            Self::Pil(PilError::Stopped)
+                | Self::Board(BoardError::Stopped)
+                | Self::Update(UpdateError::Stopped)
+        );
+        if is_stopped { 130 } else { 2 }
     }
 }

@@ -1,29 +1,41 @@
 //! Building the firmware. It has a target directory of its own: the compiler for the board may be
 //! another one than the host's, and in one directory the two would rebuild each other's work.
 
-use std::fs::File;
-use std::path::PathBuf;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
+use packing::{package, read_key, seal};
 
 use crate::board_compiler::{BoardCompiler, TARGET};
 use crate::run;
-use crate::seal::seal;
 
-/// The image that looks at its own checksum.
+/// The production image, for both places of the flash.
 const PRODUCTION: &str = "stm32f405";
+const OTHER_PLACE: &str = "stm32f405_b";
+/// The key that images are signed with where nobody says another: everybody has it.
+const TEST_KEY: &str = "firmware/keys/tests-only.key";
 /// What the images are built from.
 const SOURCES: [&str; 7] =
     ["firmware", "wire", "model-core", "Cargo.toml", "Cargo.lock", "memory.x", ".cargo/config.toml"];
 
-/// Builds both images.
+/// Builds the images, with the key of the tests.
 ///
 /// # Errors
 /// When cargo fails.
 pub fn build(compiler: &BoardCompiler) -> Result<()> {
+    build_for(compiler, None)
+}
+
+/// Builds the images. `key`: that by whose images they let themselves be replaced.
+///
+/// # Errors
+/// When cargo fails, or there is no such key.
+pub fn build_for(compiler: &BoardCompiler, key: Option<&Path>) -> Result<()> {
     let had_image = emulated_elf().exists();
-    run::step("firmware", || build_images(compiler, "emulated,stm32f405"))?;
+    let public = key.map(read_key).transpose()?.map(|(_, public)| public);
+    run::step("firmware", || build_with(compiler, "emulated,stm32f405", public.as_deref()))?;
     if !had_image {
         // `mgpi` takes the image in, and cannot watch a file that is not there.
         let script = run::root().join("host/board-client/build.rs");
@@ -32,18 +44,52 @@ pub fn build(compiler: &BoardCompiler) -> Result<()> {
     Ok(())
 }
 
+/// Builds the images, and packs them for `mgpi update`.
+///
+/// # Errors
+/// When cargo fails, there is no such key, or the package cannot be written.
+pub fn pack(compiler: &BoardCompiler, key: Option<&Path>, output: &Path) -> Result<()> {
+    build_for(compiler, key)?;
+    let (signer, _) = read_key(&key_file(key))?;
+    let [a, b] = [PRODUCTION, OTHER_PLACE].map(elf);
+    let bytes = package([&a, &b], &signer)?.to_bytes();
+    fs::write(output, &bytes).with_context(|| format!("cannot write {}", output.display()))?;
+    println!("{}: {} bytes, for both places", output.display(), bytes.len());
+    if key.is_none() {
+        println!(
+            "signed with the key of the tests, which everybody has: cargo xtask key makes one of your own"
+        );
+    }
+    Ok(())
+}
+
+fn key_file(key: Option<&Path>) -> PathBuf {
+    key.map_or_else(|| run::root().join(TEST_KEY), Path::to_owned)
+}
+
 /// Builds the images that need no more than these features of the package.
 ///
 /// # Errors
 /// When cargo fails.
 pub fn build_images(compiler: &BoardCompiler, features: &str) -> Result<()> {
+    build_with(compiler, features, None)
+}
+
+/// The same with the public half of a key, that of the tests where there is none.
+fn build_with(compiler: &BoardCompiler, features: &str, key: Option<&str>) -> Result<()> {
     let mut cargo = run::cargo(&["build", "--package", "images", "--profile", "firmware", "--bins"]);
     cargo.args(["--features", features, "--target", TARGET]);
     cargo.arg("--target-dir").arg(run::target_dir().join("firmware"));
     compiler.apply(&mut cargo);
     cargo.env("MGPI_SOURCE", source());
+    key.into_iter().for_each(|key| {
+        cargo.env("MGPI_UPDATE_KEY", key);
+    });
     run::succeed(&mut cargo)?;
-    if features.split(',').any(|feature| feature == PRODUCTION) { seal(&elf(PRODUCTION)) } else { Ok(()) }
+    if features.split(',').any(|feature| feature == PRODUCTION) {
+        [PRODUCTION, OTHER_PLACE].iter().try_for_each(|image| seal(&elf(image)))?;
+    }
+    Ok(())
 }
 
 /// The git commit that last changed what the images are built from, with a `+` behind it where the

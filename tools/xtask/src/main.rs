@@ -17,7 +17,6 @@ mod host;
 mod python;
 mod registers;
 mod run;
-mod seal;
 mod setup;
 mod workflow;
 
@@ -38,8 +37,28 @@ struct Cli {
 enum Task {
     /// Install what is missing: a compiler for the board, and the emulator.
     Setup,
-    /// Build both firmware images.
-    Firmware,
+    /// Build the firmware's images.
+    Firmware {
+        /// Whose images the board shall take over the bus: a file of `cargo xtask key` [default:
+        /// the key of the tests, which everybody has].
+        #[arg(long)]
+        key: Option<PathBuf>,
+    },
+    /// Build the firmware, and pack it, signed, for `mgpi update`.
+    Image {
+        /// The key that the board's firmware was built with: a file of `cargo xtask key` [default:
+        /// that of the tests, which everybody has].
+        #[arg(long)]
+        key: Option<PathBuf>,
+        /// The package.
+        #[arg(short, long)]
+        output: PathBuf,
+    },
+    /// Make a key for images: its private half into a file, the public one beside it, into .pub.
+    Key {
+        /// The file; it must not be there yet.
+        file: PathBuf,
+    },
     /// Put its checksum into an image that was built by other means.
     Seal {
         /// The image's ELF file.
@@ -130,8 +149,13 @@ fn perform(task: Task) -> anyhow::Result<()> {
             setup::offer_test_tools();
             println!("setup: nothing is missing");
         }
-        Task::Firmware => firmware::build(&setup::ensure()?)?,
-        Task::Seal { elf } => seal::seal(&elf)?,
+        Task::Firmware { key } => firmware::build_for(&setup::ensure()?, key.as_deref())?,
+        Task::Image { key, output } => firmware::pack(&setup::ensure()?, key.as_deref(), &output)?,
+        Task::Key { file } => {
+            let public = packing::new_key(&file)?;
+            println!("{}: to sign with, keep it; {}: what boards know", file.display(), public.display());
+        }
+        Task::Seal { elf } => packing::seal(&elf)?,
         Task::Install { root } => {
             firmware::build(&setup::ensure()?)?;
             host::install(root.as_deref(), host::Build::Release)?;

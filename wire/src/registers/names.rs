@@ -132,6 +132,56 @@ numbered! {
 }
 
 numbered! {
+    /// What to do with the image in the place that does not run.
+    UpdateOrder {
+        /// Nothing.
+        None = 0,
+        /// Begin: what stands there counts no more, and is written afresh.
+        Begin = 1,
+        /// Look at what was written, and try it at the next start.
+        Take = 2,
+        /// Start again, behind the answer.
+        Restart = 3,
+    }
+}
+
+numbered! {
+    /// What has become of the last order to take an image.
+    UpdateResult {
+        /// There was none since the last begin.
+        None = 0,
+        /// It is tried at the next start.
+        Taken = 1,
+        /// It is not whole: no head, a length or a checksum that does not fit.
+        NotWhole = 2,
+        /// It is for a board of another kind or revision.
+        OtherBoard = 3,
+        /// It is linked for the other place.
+        OtherPlace = 4,
+        /// It is older than the one that runs, and `update_older` was not written with the order.
+        Older = 5,
+        /// Its signature is not by the key that this board has.
+        Signature = 6,
+        /// The flash has not kept that it is to be tried.
+        NotStored = 7,
+    }
+}
+
+numbered! {
+    /// Whether the image that runs is there to stay.
+    UpdateTrial {
+        /// It is.
+        ForGood = 0,
+        /// It has to show first that it runs.
+        OnTrial = 1,
+        /// The other one was tried, and has not shown it.
+        RolledBack = 2,
+        /// The other one is tried at the next start.
+        Waits = 3,
+    }
+}
+
+numbered! {
     /// By what the board listens on the bus.
     BusListens {
         /// What it keeps.

@@ -5,6 +5,7 @@ use super::windows::{
     UPLOAD_BYTES, UPLOAD_REGISTERS,
 };
 use super::{Access, Kind, Register};
+use crate::image::Place;
 use crate::{FAULTS, TRACE};
 
 /// The highest command, pressure of the strongest muscles that the board is made for. Unit: bar.
@@ -13,6 +14,9 @@ pub const HIGHEST_BAR: f64 = 8.0;
 /// The highest rate of the bus: a sixteenth of the internal oscillator's 16 MHz, by which a board
 /// goes on whose crystal has failed; the port samples each bit sixteen times. Unit: bit/s.
 const HIGHEST_BAUD: f64 = 1_000_000.0;
+
+/// The largest place for an image. Unit: byte.
+const LARGEST_PLACE: f64 = Place::B.bytes() as f64;
 
 /// Registers that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +30,7 @@ pub struct Group {
 }
 
 /// The groups, by their addresses.
-pub const GROUPS: [Group; 11] = [
+pub const GROUPS: [Group; 12] = [
     Group {
         address: 0x0000,
         title: "Identification",
@@ -103,6 +107,16 @@ pub const GROUPS: [Group; 11] = [
               changes begins by the line of its range; each line may differ from that, or from the standard sensor's, by \
               a fifth of its gain downwards, a quarter upwards, and a tenth of its span at zero. Refused with exception 6 while \
               the valve is driven, else with 3, and `message` says why.",
+    },
+    Group {
+        address: 0x0B00,
+        title: "Update",
+        doc: "A new image into the place of the flash that does not run (`mgpi update`): begin, then blocks in order by \
+              `update_offset`, each with the window behind it, then take, then restart. A block that has come already may be \
+              repeated; one that leaves a gap, or differs from what was written, is refused with exception 3. The first \
+              block of a sector erases it, which takes up to 2 s, in which the board hears nothing. A take that is refused is \
+              exception 3, and `update_result` says why. All is refused with exception 6 while the valve is driven, and as a \
+              broadcast, and with 4 by a board that takes no images.",
     },
 ];
 
@@ -300,6 +314,16 @@ table! {
     0x0A31 SupplyInputLow "supply_input_low_bar" F32 [1] "bar" RANGE, "What it shows at 4 mA or 0 V; 0 of a ratiometric one";
     0x0A33 SupplyInputHigh "supply_input_high_bar" F32 [1] "bar" RANGE, "What it shows at 20 mA or 10 V; 0 of a ratiometric one";
     0x0A35 InputsChecksum "inputs_checksum" U32 [1] "" DOUBLE_WORD, "CRC-32 (ISO-HDLC) over the twelve registers before it";
+
+    0x0B00 UpdateOrder "update_order" U16 [1] "" write(0.0, 3.0), "0 nothing, 1 begin, 2 take, 3 restart; reads as 0";
+    0x0B01 UpdateOlder "update_older" U16 [1] "" write(0.0, 1.0), "1, written together with a take: an older release is taken too; reads as 0";
+    0x0B02 UpdateResult "update_result" U16 [1] "" READ, "Of the last take since begin: 0 none, 1 taken, 2 not whole, 3 for another board, 4 for the other place, 5 older, 6 signature, 7 not stored";
+    0x0B03 UpdatePlace "update_place" U16 [1] "" READ, "Where the image runs: 1 A, 2 B; 0 on a board that takes no images";
+    0x0B04 UpdateTrial "update_trial" U16 [1] "" READ, "0 the image runs for good, 1 it is on trial, 2 the other one was tried and rolled back, 3 the other one is tried at the next start";
+    0x0B05 UpdateKind "update_kind" U16 [1] "" READ, "For which kind of board images have to be: 1 regulator, 2 coil; 0 as for the place";
+    0x0B06 UpdateNext "update_next" U32 [1] "" READ, "Bytes written since begin: where the next block goes; 0 behind a start";
+    0x0B08 UpdateOffset "update_offset" U32 [1] "" write(0.0, LARGEST_PLACE), "Where the window stands in the place, in bytes, a multiple of 4; written together with it";
+    0x0B0A UpdateWindow "update_window" U16 [UPLOAD_REGISTERS] "" WORD, "Two bytes in a register, the first in the high half, an even number of registers; reads what stands in the flash";
 }
 
 /// Places of the queue are told in a register.

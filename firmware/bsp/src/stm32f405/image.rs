@@ -1,34 +1,50 @@
-//! The checksum of the firmware, looked at in each start.
+//! The image that runs: its head, and its checksum, looked at in each start.
 //!
-//! `cargo xtask firmware` puts it into the image: the CRC-32 (ISO-HDLC) over all that the image has
-//! in the flash but itself: vector table, code, constants, the variables' first values. What lies
-//! between them, which a loader may fill as it likes, is left out; the parameters have checksums
-//! of their own.
+//! `cargo xtask firmware` puts both into it: the CRC-32 (ISO-HDLC) over all that the image has in
+//! the flash, vector table, code, constants, the variables' first values, and over the head. What
+//! lies between them, which a loader may fill as it likes, is left out; the parameters have
+//! checksums of their own.
 
-use core::slice::from_raw_parts;
+use firmware::FIRMWARE_VERSION;
+use firmware::identity::SOURCE;
+use firmware::store::LAYOUT;
+use firmware::update::{Images, is_whole};
+use wire::image::{BoardKind, HEAD_WORDS, Head, LINKED_WORDS, Linked};
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use super::flash::Flash;
+use super::image_flash::running;
 
-/// By sixteen bytes at a time: a third of a megabyte in some 25 ms, 0.3 s on the
-/// internal oscillator.
-const CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
-/// What nobody has put in.
-const NOTHING: u32 = !0;
+/// What this firmware is for. There is but one board of each kind yet, whatever revision its maker
+/// has written.
+const LINKED: Linked = Linked {
+    kind: if cfg!(feature = "solenoid") { BoardKind::Coil } else { BoardKind::Regulator }.number(),
+    revisions: [0, u16::MAX],
+    release: FIRMWARE_VERSION,
+    wire: wire::VERSION,
+    layout: LAYOUT,
+    is_modified: SOURCE.is_modified,
+    commit: SOURCE.commit,
+};
 
-/// Ranges of the flash, at the most.
-const RANGES: usize = 4;
+/// The words of a head that nobody has sealed yet.
+pub const fn head() -> [u32; HEAD_WORDS] {
+    let (linked, mut words, mut index) = (LINKED.words(), [!0; HEAD_WORDS], 0);
+    while index < LINKED_WORDS {
+        words[index] = linked[index];
+        index += 1;
+    }
+    words
+}
 
-/// Begin and bytes of each range, and the checksum over all of them.
-// SAFETY: the section is one of memory.x, and used for nothing else.
-#[used]
-#[unsafe(link_section = ".image_check")]
-static CHECK: [u32; 2 * RANGES + 1] = [NOTHING; 2 * RANGES + 1];
-
-unsafe extern "C" {
-    /// Where the flash begins, by cortex-m-rt's linker script.
-    static __vector_table: u8;
-    /// Where it ends, by memory.x.
-    static _flash_end: u8;
+/// Puts the head into an image.
+#[macro_export]
+macro_rules! put_head {
+    () => {
+        // SAFETY: the section is one of memory.x, and used for nothing else.
+        #[used]
+        #[unsafe(link_section = ".image_head")]
+        static IMAGE_HEAD: [u32; wire::image::HEAD_WORDS] = $crate::stm32f405::image::head();
+    };
 }
 
 /// How the image is.
@@ -44,22 +60,11 @@ pub enum Image {
 
 /// Looks at it.
 #[inline(never)]
-pub fn check() -> Image {
-    // SAFETY: the place is the static's; volatile, since it was written behind the compiler's back.
-    let check = unsafe { (&raw const CHECK).read_volatile() };
-    if check == [NOTHING; 2 * RANGES + 1] {
-        return Image::Unchecked;
+pub fn check(flash: &Flash) -> Image {
+    match Head::of(flash.read(running())) {
+        None => Image::Damaged,
+        Some(head) if !head.is_sealed() => Image::Unchecked,
+        Some(head) if is_whole(flash, &head, running()) => Image::Whole,
+        Some(_) => Image::Damaged,
     }
-    let (first, end) = ((&raw const __vector_table) as u32, (&raw const _flash_end) as u32);
-    let (ranges, sum) = check.as_chunks();
-    let mut digest = CRC.digest();
-    for &[begin, length] in ranges {
-        // One that is itself damaged would lead beyond the flash.
-        if !(first..end).contains(&begin) || length > end - begin {
-            return Image::Damaged;
-        }
-        // SAFETY: it is within the flash, and nothing changes that while the program runs.
-        digest.update(unsafe { from_raw_parts(begin as *const u8, length as usize) });
-    }
-    if [digest.finalize()] == sum { Image::Whole } else { Image::Damaged }
 }

@@ -26,14 +26,14 @@ pub fn has_passed() -> bool {
     unsafe { (&raw const _memory_test).read_volatile() == [0, !0] }
 }
 
-/// Called by cortex-m-rt before the variables have their values. It uses no memory, and leaves it
+/// To be called by cortex-m-rt before the variables have their values: [`crate::test_memory`] does
+/// that for an image. It uses no memory, and leaves it
 /// filled.
 ///
 /// # Safety
 /// To be called by the start-up code only.
 #[unsafe(naked)]
-#[unsafe(export_name = "__pre_init")]
-unsafe extern "C" fn test() {
+pub unsafe extern "C" fn test() {
     naked_asm!(
         "ldr r0, =_stack_end",
         "ldr r1, =_memory_test_end",
@@ -131,4 +131,20 @@ unsafe extern "C" fn test() {
         "bx lr",
         fill = const FILL,
     )
+}
+
+/// Makes an image test the memory before it begins.
+#[macro_export]
+macro_rules! test_memory {
+    () => {
+        /// Before the variables have their values.
+        ///
+        /// # Safety
+        /// Called by cortex-m-rt only.
+        #[unsafe(naked)]
+        #[unsafe(export_name = "__pre_init")]
+        unsafe extern "C" fn pre_init() {
+            core::arch::naked_asm!("b {test}", test = sym $crate::stm32f405::memory_test::test)
+        }
+    };
 }

@@ -8,23 +8,26 @@
 //! | [`output`] | the valve: `analog.rs` by a voltage, or `pulses.rs` with the feature `solenoid` |
 //! | [`valve`] | the safe value of either by raw registers |
 //! | [`factory`] | the processor's temperature and reference by its factory values |
-//! | [`image`] | the checksum of the firmware |
+//! | [`image`] | the head of the firmware, and its checksum |
 //! | [`memory_test`] | the test of the RAM |
 //! | [`tick`] | the clock of the control, and moments in microseconds |
 //! | [`watchdog`] | the hardware watchdog |
 //! | [`memory`] | the black box, and why the processor has started |
-//! | [`parameter_flash`] | the sectors of the parameter store |
+//! | [`flash`] | erasing and programming; `parameter_flash.rs` and [`image_flash`] make use of it |
+//! | [`image_flash`] | the places of the images |
 //! | [`pins`] | routing, status light, voltage detector |
 
 pub mod clock;
 pub mod factory;
+pub mod flash;
 pub mod image;
+pub mod image_flash;
 pub mod memory;
 pub mod memory_test;
 #[cfg_attr(not(feature = "solenoid"), path = "analog.rs")]
 #[cfg_attr(feature = "solenoid", path = "pulses.rs")]
 pub mod output;
-pub mod parameter_flash;
+mod parameter_flash;
 pub mod pins;
 pub mod scan;
 pub mod tick;

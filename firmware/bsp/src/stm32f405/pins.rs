@@ -103,7 +103,7 @@ static WAS_LOW: AtomicBool = AtomicBool::new(false);
 impl VoltageDetector {
     /// Starts it, and its interrupt by line 16. It has to be clocked.
     pub fn start(power: PWR, lines: &EXTI) -> Self {
-        power.cr().modify(|_, w| w.pls().set(THRESHOLD).pvde().enabled());
+        begin(&power);
         lines.rtsr().modify(|_, w| w.tr16().enabled());
         lines.imr().modify(|_, w| w.mr16().unmasked());
         Self(power)
@@ -111,7 +111,13 @@ impl VoltageDetector {
 
     /// Waits for the supply to come up; whether it has.
     pub fn wait(&self) -> bool {
-        within(|| self.0.csr().read().pvdo().bit_is_clear()).is_some()
+        is_up(&self.0)
+    }
+
+    /// The same without an interrupt, for the starter.
+    pub fn watch(power: &PWR) -> bool {
+        begin(power);
+        is_up(power)
     }
 
     /// Whether the voltage is below the threshold, or was since the last call.
@@ -123,6 +129,16 @@ impl VoltageDetector {
         }
         was_low || is_supply_low()
     }
+}
+
+/// Starts the detector.
+fn begin(power: &PWR) {
+    power.cr().modify(|_, w| w.pls().set(THRESHOLD).pvde().enabled());
+}
+
+/// Waits for the supply to come up; whether it has.
+fn is_up(power: &PWR) -> bool {
+    within(|| power.csr().read().pvdo().bit_is_clear()).is_some()
 }
 
 /// Whether the detector's interrupt has vented since the tick looked last.

@@ -154,6 +154,11 @@ impl Board {
         self.write(id, &words)
     }
 
+    /// The longest that an answer usually takes.
+    pub fn limit(&self) -> Duration {
+        self.client.limit()
+    }
+
     /// Writes words that must not be written twice; waits `patience` times as long as usual.
     ///
     /// # Errors

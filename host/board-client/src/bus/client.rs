@@ -257,6 +257,11 @@ impl Client {
         self.put(address, values, TRIES, self.address.limit)
     }
 
+    /// The longest that an answer usually takes.
+    pub fn limit(&self) -> Duration {
+        self.address.limit
+    }
+
     /// Writes values that must not be written twice; waits `patience` times as long for the answer
     /// as usual.
     ///

@@ -3,7 +3,7 @@
 use model_core::Mode;
 use serde_json::{Value, json};
 use wire::fault::table::{Row, TABLE};
-use wire::registers::{Id, mode};
+use wire::registers::{Id, UpdateTrial, mode};
 use wire::{FAULTS, Fault, Inputs, State};
 
 use super::about::About;
@@ -18,6 +18,7 @@ use super::reached::{InWords, Reached};
 pub struct Status {
     identity: Identity,
     about: Option<About>,
+    image: Option<Running>,
     reached: Option<Reached>,
     now: Block,
     /// What the board reads of itself; none of one whose firmware is older.
@@ -63,6 +64,45 @@ const COUNTERS: [Id; 12] = [
     Id::BusRefused,
 ];
 
+/// Which of its two images a board runs, and whether for good.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Running {
+    place: &'static str,
+    trial: UpdateTrial,
+}
+
+impl Running {
+    /// Asks the board; `None` of one that takes no images, or whose firmware is older than that.
+    fn read(board: &mut Board) -> Result<Option<Self>, BusError> {
+        let block = match board.read(Id::UpdatePlace, Id::UpdateTrial) {
+            Err(error) if error.exception().is_some() => return Ok(None),
+            block => block?,
+        };
+        let place = match block.whole(Id::UpdatePlace) {
+            1 => "A",
+            2 => "B",
+            _ => return Ok(None),
+        };
+        Ok(UpdateTrial::of_number(block.whole(Id::UpdateTrial) as u16).map(|trial| Self { place, trial }))
+    }
+
+    fn in_words(&self) -> String {
+        let Self { place, trial } = self;
+        match trial {
+            UpdateTrial::ForGood => format!("{place}, for good"),
+            UpdateTrial::OnTrial => format!("{place}, on trial: it has to run for 10 s, and to be asked"),
+            UpdateTrial::RolledBack => {
+                format!("{place}, for good: the other was tried, and has not shown that it runs")
+            }
+            UpdateTrial::Waits => format!("{place}; the other is tried at the next start"),
+        }
+    }
+
+    fn to_json(self) -> Value {
+        json!({"place": self.place, "trial": self.trial.number()})
+    }
+}
+
 impl Status {
     /// Asks the board.
     ///
@@ -74,6 +114,7 @@ impl Status {
         Ok(Self {
             identity: board.identity().clone(),
             about: About::read(board)?,
+            image: Running::read(board)?,
             reached: Reached::read(board)?,
             now,
             own: match board.read(Id::PressureNoise, Id::ConvertersSupplyV) {
@@ -143,6 +184,7 @@ impl Status {
             ),
         ];
         lines.extend(self.about.iter().flat_map(About::in_words));
+        lines.extend(self.image.as_ref().map(|image| format!("image       {}", image.in_words())));
         lines.extend(self.reached.map(|Reached { kept, .. }| format!("bus         {}", InWords(&kept))));
         lines.extend(self.inputs.map(|inputs| {
             let Inputs { pressure, contraction, supply } = inputs;
@@ -206,6 +248,7 @@ impl Status {
                 "difference": self.difference(),
             },
             "about": self.about.as_ref().map(About::to_json),
+            "image": self.image.map(Running::to_json),
             "bus": self.reached.map(|Reached { kept, .. }| json!({
                 "number": kept.unit, "rate_bit_per_s": kept.baud, "parity": format!("{:?}", kept.parity).to_lowercase(),
                 "turnaround_us": kept.turnaround_us,

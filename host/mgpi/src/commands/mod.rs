@@ -40,6 +40,7 @@ pub mod status;
 pub mod track;
 pub mod tune;
 mod tuned;
+pub mod update;
 pub mod watch;
 
 use ::rig::command::Command as Rig;
@@ -80,6 +81,7 @@ enum Command {
     Bus(bus::Arguments),
     Scan(scan::Arguments),
     Calibrate(calibrate::Arguments),
+    Update(update::Arguments),
     Watch(watch::Arguments),
     /// The simulated muscle: recordings, references and a plant to try everything without hardware
     #[command(subcommand)]
@@ -118,6 +120,7 @@ impl CommandLine {
             Command::Bus(arguments) => bus::run(&arguments),
             Command::Scan(arguments) => scan::run(&arguments),
             Command::Calibrate(arguments) => calibrate::run(&arguments),
+            Command::Update(arguments) => update::run(&arguments),
             Command::Watch(arguments) => watch::run(&arguments),
             Command::Rig(command) => rig::run(&command),
             Command::Completions(arguments) => completions::run(&arguments),

@@ -69,8 +69,9 @@ impl Image {
             if header.sh_flags(LittleEndian) & SHF_ALLOC == 0 {
                 continue;
             }
-            // Initial values of variables are in both.
-            if header.sh_type(LittleEndian) != SHT_NOBITS {
+            // Initial values of variables are in both. What stands before the vectors, the starter,
+            // is no part of the image.
+            if header.sh_type(LittleEndian) != SHT_NOBITS && section.address() >= vectors.address() {
                 flash += section.size();
             }
             if section.address() >= RAM {

@@ -34,7 +34,7 @@ use super::inputs::Sample;
 /// Where the image starts.
 const MAIN: &str = "main";
 /// What runs while no interrupt does.
-const SUPERVISOR: &str = "stm32f405::app::supervise";
+const SUPERVISOR: &str = "stm32f405::program::app::supervise";
 /// The interrupts of the tasks of link and bus, which do not interrupt each other.
 const TASKS: [&str; 2] = ["SPI1", "SPI2"];
 /// The interrupts that move their bytes, which do not interrupt each other, but the tick.

@@ -50,6 +50,7 @@ mod app {
     use firmware::lock_step::reply;
     use firmware::node::Node;
     use firmware::store::{Parameters, SaveError};
+    use firmware::update::NoImages;
     use firmware::{BlackBox, Capture, Control, LockStepBoard, Order};
     use rtic::Mutex;
     use stm32f4::stm32f405::Interrupt;
@@ -100,6 +101,8 @@ mod app {
     }
 
     impl<L: Mutex<T = LockStep>> Node for EmulatedNode<'_, L> {
+        type Images = NoImages;
+
         fn control<R>(&mut self, work: impl FnOnce(&mut Control) -> R) -> R {
             self.lock_step.lock(|shared| work(&mut shared.control))
         }
@@ -115,6 +118,10 @@ mod app {
         fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError> {
             *self.parameters = parameters;
             Ok(())
+        }
+
+        fn images(&mut self) -> Option<&mut NoImages> {
+            None
         }
     }
 

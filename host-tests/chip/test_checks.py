@@ -1,7 +1,7 @@
 """What the board finds out about itself: at its start, and in each tick."""
 
 from stm32f405.case import ChipCase
-from stm32f405.flash import START
+from stm32f405.flash import PLACE_A
 from stm32f405.gpio import OUTPUT
 
 FAULT, ACQUISITION = 5, 1
@@ -143,7 +143,7 @@ class Checks(ChipCase):
         # In the vector table, in the code of a panic, and at the end.
         chip = self.chip()
         panic = next(address for name, address in chip.symbols.items() if "panic_fmt" in name) & ~1
-        for address in (START + 0x60, panic + 2, chip.image_end() - 3):
+        for address in (PLACE_A + 0x60, panic + 2, chip.image_end() - 3):
             chip = self.chip()
             byte = chip.memory_read(address, 1)[0]
             chip.memory_write(address, bytes([byte ^ 0x10]))

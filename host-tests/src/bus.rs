@@ -1,5 +1,6 @@
 //! A board with its bus on the host, and the frames of a Modbus client.
 
+use crate::images::RamImages;
 use board_models::paper_parameters;
 use firmware::bus::{Bus, Timing};
 use firmware::identity::Identity;
@@ -8,11 +9,13 @@ use firmware::store::{Parameters, SaveError};
 use firmware::{BlackBox, Capture, Control, LockStepBoard};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use wire::image::Linked;
 use wire::registers::{Command, Exception, Id, UNIT, Value};
 use wire::{BusParameters, Configuration, Protection, Request, Response, TickReply, TickRequest, VERSION};
 
 /// Ticks of silence before a frame.
 const SILENCE_TICKS: u32 = 2;
+const TIMING: Timing = Timing::Ticks(SILENCE_TICKS);
 /// Codes of a vented muscle at rest.
 const AT_REST: (u16, u16) = (410, 205);
 /// The CRC-16 of Modbus.
@@ -29,6 +32,7 @@ pub struct BusBoard {
 struct HostNode {
     control: Control,
     parameters: Parameters,
+    images: Option<RamImages>,
     /// The last parameters that the bus has asked its line to take.
     line: Option<BusParameters>,
 }
@@ -41,6 +45,8 @@ pub const IDENTITY: Identity = Identity {
 };
 
 impl Node for HostNode {
+    type Images = RamImages;
+
     fn control<R>(&mut self, work: impl FnOnce(&mut Control) -> R) -> R {
         work(&mut self.control)
     }
@@ -57,6 +63,10 @@ impl Node for HostNode {
         self.parameters = parameters;
         Ok(())
     }
+
+    fn images(&mut self) -> Option<&mut RamImages> {
+        self.images.as_mut()
+    }
 }
 
 impl BusBoard {
@@ -70,6 +80,13 @@ impl BusBoard {
     pub fn of_number(unit: u8) -> Self {
         let mut board = Self::new();
         board.node.parameters.bus.unit = unit;
+        board
+    }
+
+    /// A board that takes images; the one that it runs has this head.
+    pub fn with_images(linked: &Linked) -> Self {
+        let mut board = Self::new();
+        board.node.images = Some(RamImages::new(linked));
         board
     }
 
@@ -100,8 +117,8 @@ impl BusBoard {
     /// The board with this control.
     pub fn of(control: Control) -> Self {
         let parameters = Parameters { protection: Protection::SIMULATED, ..Parameters::FACTORY };
-        let node = HostNode { control, parameters, line: None };
-        Self { node, board: LockStepBoard::new(), bus: Bus::new(Timing::Ticks(SILENCE_TICKS)) }
+        let node = HostNode { control, parameters, images: None, line: None };
+        Self { node, board: LockStepBoard::new(), bus: Bus::new(TIMING) }
     }
 
     /// Sends a request over the link.
@@ -157,7 +174,12 @@ impl BusBoard {
         if let Some(line) = self.bus.line(tick, &self.node) {
             self.node.line = Some(line);
         }
-        self.bus.take(byte, tick, &mut self.node).to_vec()
+        let sent = self.bus.take(byte, tick, &mut self.node).to_vec();
+        if let Some(images) = self.node.images.as_mut().filter(|images| images.restarts) {
+            images.start();
+            self.bus = Bus::new(TIMING);
+        }
+        sent
     }
 
     /// Ticks in which nothing is on the bus, enough for a frame to begin; answers what the board

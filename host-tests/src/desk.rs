@@ -65,20 +65,29 @@ impl Desk {
     pub fn line(
         pace: f64,
         units: &[u8],
+        disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static,
+    ) -> Self {
+        let units = units.to_owned();
+        Self::of(pace, move || units.into_iter().map(BusBoard::of_number).collect(), disturb)
+    }
+
+    /// The same of boards that are made there.
+    ///
+    /// # Panics
+    /// There is no pseudo terminal.
+    pub fn of(
+        pace: f64,
+        make: impl FnOnce() -> Vec<BusBoard> + Send + 'static,
         mut disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static,
     ) -> Self {
         let mut terminal = PseudoTerminal::open().expect("a pseudo terminal");
         let path = terminal.path().to_owned();
         let is_over = Arc::new(AtomicBool::new(false));
-        let (over, units) = (is_over.clone(), units.to_owned());
+        let over = is_over.clone();
         let boards = thread::spawn(move || {
             let line = terminal.end();
-            let driven = |unit| Driven {
-                board: BusBoard::of_number(unit),
-                plant: Plant::new(&Setup::sound(1)),
-                command_bar: 0.0,
-            };
-            let mut boards: Vec<Driven> = units.into_iter().map(driven).collect();
+            let driven = |board| Driven { board, plant: Plant::new(&Setup::sound(1)), command_bar: 0.0 };
+            let mut boards: Vec<Driven> = make().into_iter().map(driven).collect();
             let (begin, mut ticks) = (Instant::now(), 0_u64);
             while !over.load(Ordering::Relaxed) {
                 let mut sent = Vec::new();

@@ -5,7 +5,9 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
+use wire::image::Linked;
 
+use crate::bus::BusBoard;
 use crate::desk::{Desk, Way};
 
 /// How much faster time passes there.
@@ -40,11 +42,27 @@ impl DeskBench {
         Self::at(Desk::line(PACE, units, |_, bytes| bytes))
     }
 
+    /// A board that takes images; the one that it runs has this head.
+    ///
+    /// # Panics
+    /// There is no directory for it, or no model.
+    pub fn with_images(
+        linked: Linked,
+        disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static,
+    ) -> Self {
+        Self::at(Desk::of(PACE, move || vec![BusBoard::with_images(&linked)], disturb))
+    }
+
     fn at(desk: Desk) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let model = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/paper-tables-1-2.toml");
         std::fs::copy(model, directory.path().join("paper.toml")).expect("the paper's model");
         Self { desk, directory }
+    }
+
+    /// The directory in which commands run.
+    pub fn directory(&self) -> &Path {
+        self.directory.path()
     }
 
     /// A command with the port behind it.

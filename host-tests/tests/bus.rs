@@ -61,6 +61,10 @@ fn every_written_register_reads_as_it_was_written_at_both_limits_and_refuses_wha
         Id::BusTake,
         Id::CalibrationChecksum,
         Id::InputsChecksum,
+        Id::UpdateOrder,
+        Id::UpdateOlder,
+        Id::UpdateOffset,
+        Id::UpdateWindow,
     ];
     for register in &TABLE {
         let Access::Write(min, max) = register.access else { continue };

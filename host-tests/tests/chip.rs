@@ -17,6 +17,7 @@ use host_tests::flash::MockFlash;
 use host_tests::store::{numbered, paper_set};
 use libtest_mimic::{Arguments, Conclusion, Failed, Trial};
 use model_core::Mode;
+use wire::image::{BoardKind, Linked, Place};
 use wire::{Configuration, FRAME_BYTES, Protection, Refusal, Request, Response, State, VERSION};
 
 /// The environment variable that names a Python which has Unicorn.
@@ -27,6 +28,8 @@ const IMAGE: &str = "MGPI_CHIP_IMAGE";
 const STORE: &str = "MGPI_CHIP_STORE";
 /// The one by which it finds requests and responses of the link, as frames.
 const FRAMES: &str = "MGPI_CHIP_FRAMES";
+/// The one by which it finds images as they come by an update, a file each.
+const IMAGES: &str = "MGPI_CHIP_IMAGES";
 /// The one that names a program of the model to be run in place of the tests: `mutants.py`,
 /// `long_runs.py`.
 const PROGRAM: &str = "MGPI_CHIP_PROGRAM";
@@ -46,9 +49,14 @@ fn main() -> Result<(), Failed> {
 /// The tests, or the program in their place.
 fn run() -> Result<Option<Conclusion>, Failed> {
     let inputs = tempfile::tempdir()?;
-    let files = Files { store: inputs.path().join("store"), frames: inputs.path().join("frames") };
+    let [store, frames_file, images] = ["store", "frames", "images"].map(|name| inputs.path().join(name));
+    let files = Files { store, frames: frames_file, images };
     std::fs::write(&files.store, full_store()?)?;
     std::fs::write(&files.frames, frames()?)?;
+    std::fs::create_dir(&files.images)?;
+    if image_file().is_file() {
+        write_images(&files.images)?;
+    }
     if let Some(program) = std::env::var_os(PROGRAM) {
         let status = python(&files).arg(program).status()?;
         return if status.success() { Ok(None) } else { Err("it has failed".into()) };
@@ -74,6 +82,7 @@ fn run() -> Result<Option<Conclusion>, Failed> {
 struct Files {
     store: PathBuf,
     frames: PathBuf,
+    images: PathBuf,
 }
 
 /// Requests, and the responses they are met with: a name and a frame a line.
@@ -115,6 +124,35 @@ fn full_store() -> Result<Vec<u8>, Failed> {
         full = if cleared { Some(before) } else { full };
     }
     full.ok_or_else(|| "the sectors are never full".into())
+}
+
+/// Images with their signatures, each with what a board has to refuse, or to roll back.
+fn write_images(folder: &Path) -> Result<(), Failed> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let (key, _) = packing::read_key(&root.join("firmware/keys/tests-only.key"))?;
+    let forger = folder.join("forger.key");
+    packing::new_key(&forger)?;
+    let (forger, _) = packing::read_key(&forger)?;
+    let [a, b] = [image_file(), image_file().with_file_name("stm32f405_b")];
+    // `b .`, which hangs, and `udf`, a fault of the processor without end.
+    let (hangs, faults): ([u8; 4], _) = ([0xFE, 0xE7, 0xFE, 0xE7], [0x00, 0xDE, 0x00, 0xDE]);
+    let full = packing::package([&a, &b], &key)?;
+    let linked = packing::linked(&b)?;
+    let small = |linked| packing::small(Place::B, &linked, &key, &hangs);
+    for (name, image) in [
+        ("a", full.image(Place::A).to_vec()),
+        ("b", full.image(Place::B).to_vec()),
+        ("hangs", small(linked)?),
+        ("faults", packing::small(Place::B, &linked, &key, &faults)?),
+        ("place_a", packing::small(Place::A, &linked, &key, &hangs)?),
+        ("forged", packing::small(Place::B, &linked, &forger, &hangs)?),
+        ("coil", small(Linked { kind: BoardKind::Coil.number(), ..linked })?),
+        ("revision", small(Linked { revisions: [7, 9], ..linked })?),
+        ("older", small(Linked { release: [0, 0, 9], ..linked })?),
+    ] {
+        std::fs::write(folder.join(name), image)?;
+    }
+    Ok(())
 }
 
 /// The tests, as the model's own list tells; or what is missing for them.
@@ -199,7 +237,7 @@ impl Drop for Server {
 fn python(files: &Files) -> Command {
     let mut command = Command::new(std::env::var_os(PYTHON).unwrap_or_default());
     command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("chip"));
-    command.env(STORE, &files.store).env(FRAMES, &files.frames);
+    command.env(STORE, &files.store).env(FRAMES, &files.frames).env(IMAGES, &files.images);
     command.env(IMAGE, image_file()).env("PYTHONDONTWRITEBYTECODE", "1");
     command
 }

@@ -298,7 +298,7 @@ class Chip:
         """An exception begins: the frame goes to the stack, the processor to the vector."""
         *values, stack = self._saved.read()
         values[6] = self._pc & ~1
-        used = struct.unpack("<I", self.memory_read(START, 4))[0] - stack
+        used = struct.unpack("<I", self.memory_read(self.scb["VTOR"], 4))[0] - stack
         self.below[number] = max(used, self.below.get(number, 0))
         is_odd = stack >> 2 & 1
         stack = (stack & ~7) - 4 * FRAME_WORDS
@@ -310,7 +310,7 @@ class Chip:
         # The frame keeps the state of an IT block that is interrupted; the handler begins outside of one.
         self._begun.write([values[7] & ~IT_STATE, stack, EXIT_HANDLER if self.nvic.active else EXIT_THREAD])
         self.nvic.take(number)
-        self._pc = struct.unpack("<I", self.memory_read(START + 4 * number, 4))[0]
+        self._pc = struct.unpack("<I", self.memory_read(self.scb["VTOR"] + 4 * number, 4))[0]
         self._spend(ENTRY_CYCLES)
 
     def _leave(self):
@@ -352,6 +352,10 @@ class Chip:
             peripheral.reset()
         self.set_core_hz(self.rcc.core_hz())
         self._next_at = self._events[0][0] if self._events else float("inf")
+        if self.flash.has_changed:
+            # What was translated of other contents.
+            self.uc.ctl_flush_tb()
+            self.flash.has_changed = False
         stack, self._pc = struct.unpack("<II", self.memory_read(START, 8))
         for register in MASKS:
             self.uc.reg_write(register, 0)
@@ -430,11 +434,11 @@ class Chip:
         self._is_asleep = not self._is_stopped
 
     def _wait_for_flash(self):
-        """The processor stands still; all else goes on."""
-        while self._stalled_until > self.now and not self._reset_wanted:
-            self.now = max(self.now, min(self._next_at, self._stalled_until))
-            self._do_events()
-        self.flash.settle()
+        """The processor stands still until the next event; all else goes on."""
+        self.now = max(self.now, min(self._next_at, self._stalled_until))
+        self._do_events()
+        if self._stalled_until <= self.now:
+            self.flash.settle()
 
     def _sleep(self):
         """The processor waits for an interrupt until the next event."""

@@ -8,12 +8,20 @@ START = 0x0800_0000
 KEYS = 0x4567_0123, 0xCDEF_89AB
 # Ends of the sectors, from the start of the flash. Unit: byte.
 ENDS = [0x4000, 0x8000, 0xC000, 0x10000, *range(0x20000, 0x100001, 0x20000)]
+# The sector of the starter's log, and those of the two places for an image (memory.x).
+LOG, PLACES = 3, (range(4, 8), range(8, 12))
+PLACE_A, PLACE_B = START + 0x10000, START + 0x80000
 # Typical times at 32 bits. Unit: s.
 PROGRAM_S, ERASE_16K_S, ERASE_64K_S, ERASE_128K_S = 16e-6, 0.25, 0.55, 1.0
 PG, SER, MER, STRT, LOCK = 0, 1, 2, 16, 31
 EOP, OPERR, WRPERR, PGAERR, PGPERR, PGSERR, BSY = 0, 1, 4, 5, 6, 7, 16
 # Option bytes as the chip is delivered: no brown-out reset.
 DELIVERED = 0x0FFF_AAED
+
+
+def sector_begin(sector):
+    """The address of a sector."""
+    return START + ([0, *ENDS])[sector]
 
 
 class Flash(Peripheral):
@@ -37,6 +45,8 @@ class Flash(Peripheral):
         self.programmed_words = 0
         # What the program has asked for since somebody has last emptied this: address, bytes.
         self.asked = []
+        # Whether contents have changed since the last reset.
+        self.has_changed = False
         # Whether its cells do not keep what is programmed.
         self.is_worn = False
         # Sectors that refuse, by write protection.
@@ -107,8 +117,9 @@ class Flash(Peripheral):
             self["SR"] |= 1 << WRPERR
             return
         first, end = ([0, *ENDS])[sector], ENDS[sector]
-        if START + first <= self.chip.program_counter() < START + end:
-            self.violation(f"the sector {sector} that runs is erased")
+        if sector not in self.free() - {LOG}:
+            self.violation(f"the sector {sector} is erased by what runs at {self.chip.scb['VTOR']:#010x}")
+        self.has_changed = True
         self.erased.append(sector)
         length = end - first
         before = self.chip.memory_read(START + first, length)
@@ -148,7 +159,8 @@ class Flash(Peripheral):
         if sector in self.protected:
             self["SR"] |= 1 << WRPERR
             return old
-        if sector not in (1, 2):
+        self.has_changed = True
+        if sector not in self.free():
             self.violation(f"the code at {address:#010x} is programmed")
         self.programmed_words += 1
         self.asked.append((address, (old & value).to_bytes(size, "little")))
@@ -156,6 +168,11 @@ class Flash(Peripheral):
         new = old if self.is_worn else old & value
         self.operation = address, old.to_bytes(size, "little"), new.to_bytes(size, "little")
         return new
+
+    def free(self):
+        """Sectors that the program which runs may change: the log, and, behind the starter, store and other place."""
+        others = {PLACE_A: PLACES[1], PLACE_B: PLACES[0]}.get(self.chip.scb["VTOR"])
+        return {LOG} if others is None else {LOG, 1, 2, *others}
 
     def cut(self, seed):
         """Power is lost: of an operation that runs some bits are as before, some as behind."""

@@ -94,6 +94,10 @@ class Master:
         data = struct.pack(FORMATS[row["type"]], value)
         self.ask(write_frame(int(row["address"]), data, self.unit), **how)
 
+    def put(self, name, data, **how):
+        """Writes bytes to the registers from this one on."""
+        self.ask(write_frame(int(TABLE[name]["address"]), data, self.unit), **how)
+
     def words(self, name):
         """Reads all words of a run."""
         row = TABLE[name]

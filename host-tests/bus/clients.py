@@ -107,7 +107,7 @@ def every_register_is_written(board):
         if row["words"] > row["length"]:
             check(board.write(row["address"] + 1, [0]) == VALUE, f"half of {name} is not written")
         # A calibration is written as a whole.
-        if name in own or name.startswith("calibrat"):
+        if name in own or name.startswith("calibrat") or "_input" in name or name == "inputs_checksum":
             continue
         before = board.words(row)
         low, high = float(row["min"]), float(row["max"])

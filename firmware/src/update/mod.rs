@@ -5,7 +5,7 @@
 //! written over the bus. The image that runs writes the other place, block by block; it looks at
 //! what stands there (board, release, checksum, signature), and says in a [`log`] that it is to be
 //! tried. The starter tries it at the next start, at most three times; the image says in the log
-//! that it is there to stay, once it has shown that it runs ([`trial`]). Else the former image runs
+//! that it is there to stay, once it has shown that it runs (`trial`). Else the former image runs
 //! again.
 //!
 //! ```text

@@ -11,7 +11,7 @@ pub struct RamImages {
     places: [Vec<u8>; 2],
     log: Vec<u32>,
     running: Place,
-    /// Whether the board is to start anew.
+    /// Whether the board is to restart.
     pub restarts: bool,
 }
 

@@ -101,7 +101,7 @@ pub trait Images {
     }
 }
 
-/// A board that takes no images: there is none.
+/// The images of a board that takes none; no value of it exists.
 #[derive(Debug)]
 pub enum NoImages {}
 

@@ -59,7 +59,7 @@ def order(master, number, older=0):
 
 
 def restart(chip, master):
-    """Has the board start anew; returns behind its start."""
+    """Restarts the board, and returns once it has started."""
     resets = len(chip.resets)
     order(master, RESTART)
     return chip.run(until=lambda: len(chip.resets) > resets, most_s=0.5) and settle(chip)

@@ -105,7 +105,7 @@ impl Images for Flash {
 /// Programs the word of the log with this number.
 ///
 /// # Errors
-/// There is none, or the flash refuses.
+/// The log has no such word, or the flash refuses.
 pub fn program_log(flash: &mut Flash, index: usize, word: u32) -> Result<(), Failure> {
     let place = log().get(index).ok_or(Failure)?;
     Ok(flash.program((&raw const *place) as usize, &word.to_le_bytes())?)

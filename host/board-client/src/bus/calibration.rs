@@ -155,16 +155,24 @@ pub fn connect(board: &mut Board, inputs: &Inputs) -> Result<(), BoardError> {
     if read_inputs(board)? == Some(*inputs) { Ok(()) } else { Err(BoardError::CalibrationReadBack) }
 }
 
+/// The end of the range of a sensor of 4 to 20 mA (IEC 60381-1). Unit: A.
+pub const HIGHEST_A: f64 = 20e-3;
+/// The end of the range of a sensor of 0 to 10 V (IEC 60381-2). Unit: V.
+pub const HIGHEST_V: f64 = 10.0;
+
 /// How a sensor is connected, in words. `unit`: of the sensor.
 pub fn in_words(input: &Input, unit: &str) -> String {
     let Input { signal, pin_v, low, high } = *input;
     match signal {
         Signal::Ratiometric => "ratiometric".to_owned(),
         Signal::Current => {
-            format!("4 to 20 mA over {:.1} ohm for {low} to {high} {unit}", f64::from(pin_v) / 20e-3)
+            format!("4 to 20 mA over {:.1} ohm for {low} to {high} {unit}", f64::from(pin_v) / HIGHEST_A)
         }
         Signal::Voltage => {
-            format!("0 to 10 V by a divider of {:.3} for {low} to {high} {unit}", pin_v / 10.0)
+            format!(
+                "0 to 10 V by a divider of {:.3} for {low} to {high} {unit}",
+                f64::from(pin_v) / HIGHEST_V
+            )
         }
     }
 }

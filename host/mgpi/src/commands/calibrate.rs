@@ -13,7 +13,7 @@ use super::deploy::demand_rest;
 use super::port::PortArguments;
 use crate::Error;
 use board_client::bus::calibration::{
-    Part, Point, connect, drive, in_words, point, read, read_inputs, write_today,
+    HIGHEST_A, HIGHEST_V, Part, Point, connect, drive, in_words, point, read, read_inputs, write_today,
 };
 use board_client::bus::{Board, BoardError};
 
@@ -86,18 +86,14 @@ enum Puts {
     Voltage,
 }
 
-/// The highest current and voltage of a sensor's range. Unit: A, V.
-const CURRENT_A: f64 = 20e-3;
-const VOLTAGE_V: f64 = 10.0;
-
 impl Arguments {
     /// How the sensor is connected, by what was given of it.
     fn connection(&self, puts: Puts) -> Result<Input, Error> {
         let Self { range, burden_ohm, divider, .. } = self;
         let (signal, pin_v) = match (puts, burden_ohm, divider) {
             (Puts::Ratiometric, None, None) if range.is_none() => return Ok(Input::RATIOMETRIC),
-            (Puts::Current, Some(ohm), None) => (Signal::Current, CURRENT_A * ohm),
-            (Puts::Voltage, None, Some(share)) => (Signal::Voltage, VOLTAGE_V * share),
+            (Puts::Current, Some(ohm), None) => (Signal::Current, HIGHEST_A * ohm),
+            (Puts::Voltage, None, Some(share)) => (Signal::Voltage, HIGHEST_V * share),
             (Puts::Ratiometric, ..) => {
                 return Err(Error::Usage(
                     "a ratiometric sensor has no --range, --burden-ohm, --divider".into(),

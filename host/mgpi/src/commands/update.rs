@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     });
     bar.finish_and_clear();
     let place = sent?;
-    say!("the image is written, whole, and signed by the board's key; the board starts anew");
+    say!("the image is written and complete, and its signature fits the board's key; the board restarts");
     restart(&mut board)?;
     say!("on trial: it has to run for 10 s");
     watch(&mut board, place)?;

@@ -23,7 +23,8 @@ use firmware::{BlackBox, Capture, Control, LockStepBoard};
 use identification::{HostParameters, Options, Problem, identify, simulate};
 use model_core::pid::PidParameters;
 use model_core::{
-    ExtensionParameters, Mode, Model, ModelParameters, Surroundings, TrackingParameters, paper,
+    ExtensionParameters, Mode, Model, ModelParameters, ObserverParameters, Surroundings, TrackingParameters,
+    paper,
 };
 use recording::figures::Figures;
 use rig::parameters::DEAD_LOAD_N;
@@ -108,6 +109,7 @@ pub fn configuration<const N: usize, const M: usize>(model: &ModelParameters<f64
             model: model.convert().expect("the model fits the board"),
             extensions: ExtensionParameters::default(),
             pid: PidParameters::paper(),
+            observer: ObserverParameters::default(),
             slew_bar_per_s: 100.0,
             period_s: PERIOD_S as f32,
         },

@@ -58,6 +58,11 @@ fn the_present_layout_is_written_and_read_as_ever() {
 }
 
 #[test]
+fn the_layout_without_an_observer_is_read_as_the_same_set() {
+    assert_eq!(store(&golden(5)).load(), Ok(stored()));
+}
+
+#[test]
 fn the_layout_of_ratiometric_sensors_is_read_as_the_same_set() {
     assert_eq!(store(&golden(4)).load(), Ok(stored()));
 }

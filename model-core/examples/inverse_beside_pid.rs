@@ -5,7 +5,8 @@
 
 use model_core::pid::PidParameters;
 use model_core::{
-    ExtensionParameters, Hysteresis, Mgpi, Mode, ModelParameters, Tracking, TrackingParameters, paper,
+    ExtensionParameters, Hysteresis, Mgpi, Mode, ModelParameters, ObserverParameters, Tracking,
+    TrackingParameters, paper,
 };
 
 /// From sample to sample. Unit: s.
@@ -21,6 +22,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         model: ModelParameters::Cascade(model),
         extensions: ExtensionParameters::default(),
         pid: PidParameters::paper(),
+        observer: ObserverParameters::default(),
         command_min: 0.0,
         command_max: paper::PRESSURE_MAX_BAR,
         slew_bar_per_s: 60.0,

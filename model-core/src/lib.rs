@@ -19,6 +19,7 @@
 //! | [`model`] | one of them, chosen at run time | |
 //! | [`extension`] | what a muscle on a valve does beside hysteresis, and its compensation | |
 //! | [`pid`] | the feedback controller | (24) |
+//! | [`observer`] | gains by the slope of the inverse | |
 //! | [`tracking`] | feed-forward plus feedback, limits, slew | Fig. 10 |
 //! | [`paper`] | the paper's Tables 1 and 2 as a model | |
 //!
@@ -62,6 +63,7 @@ pub mod memoryless;
 pub mod mgpi;
 pub mod model;
 pub mod mpi;
+pub mod observer;
 pub mod paper;
 pub mod pid;
 pub mod play;
@@ -81,6 +83,7 @@ pub use hysteresis::{Hysteresis, HysteresisState, InverseHysteresis, Invertible}
 pub use list::List;
 pub use mgpi::{InverseMgpi, Mgpi, MgpiParameters};
 pub use model::{InverseModel, Kind, Model, ModelParameters};
+pub use observer::ObserverParameters;
 pub use play::PlayState;
 pub use range::Range;
 pub use real::Real;

@@ -119,9 +119,15 @@ impl<T: Real> Pid<T> {
     /// measurement. Both: mm; result: bar.
     #[inline(always)]
     pub fn output(&self, state: &mut PidState<T>, error: T, measurement: T) -> T {
+        self.scaled_output(state, T::ONE, error, measurement)
+    }
+
+    /// The same with all gains as many times as large: `error` is that many times the error.
+    #[inline(always)]
+    pub(crate) fn scaled_output(&self, state: &mut PidState<T>, factor: T, error: T, measurement: T) -> T {
         let ahead = measurement - state.filtered;
         state.filtered += self.filter_share * ahead;
-        self.kp * error + state.integral - self.kd_rate * ahead
+        self.kp * error + state.integral - self.kd_rate * (factor * ahead)
     }
 
     /// Closes the period: integrates the error (mm), and takes back `excess` (bar), what the limits

@@ -19,6 +19,10 @@
 //! ahead by the smoother's lag too: [`ExtensionParameters::preview_s`] says by how much in all.
 //! Drift and tone are left to the feedback unless the parameters say otherwise.
 //!
+//! # Disturbances
+//! With an observer ([`crate::observer`]) the PID's gains grow where the muscle is flatter, in the
+//! mode of both: what feedback alone is asked for needs no model.
+//!
 //! # Changes of mode
 //! Every change is bumpless: at the first sample of a new [`Mode`] the difference to the last
 //! command is put into a transfer term that fades with the back-calculation time constant, and the
@@ -39,7 +43,9 @@ use crate::extension::output::reach;
 use crate::extension::preview::{Preview, PreviewLine};
 use crate::extension::smoother::{Smoothed, Smoother};
 use crate::extension::{ExtendedInverse, ExtendedInverseState, ExtensionParameters, Surroundings};
+use crate::hysteresis::InverseHysteresis;
 use crate::model::{InverseModel, ModelParameters};
+use crate::observer::{Observed, Observer, ObserverParameters};
 use crate::pid::{Pid, PidParameters, PidState};
 use crate::range::Range;
 use crate::real::Real;
@@ -79,6 +85,8 @@ pub struct TrackingParameters<T, const N: usize, const M: usize> {
     pub extensions: ExtensionParameters<T>,
     /// The feedback.
     pub pid: PidParameters<T>,
+    /// What makes it as quick on every slope.
+    pub observer: ObserverParameters<T>,
     /// Lowest command, also the one at the start. Unit: bar.
     pub command_min: T,
     /// Highest command. Unit: bar.
@@ -112,7 +120,9 @@ const MARGIN: f64 = 0.1;
 ///
 /// ```
 /// use model_core::pid::PidParameters;
-/// use model_core::{ExtensionParameters, Hysteresis, Mgpi, Mode, ModelParameters, Tracking, TrackingParameters};
+/// use model_core::{
+///     ExtensionParameters, Hysteresis, Mgpi, Mode, ModelParameters, ObserverParameters, Tracking, TrackingParameters,
+/// };
 ///
 /// let parameters = model_core::paper::mgpi()?;
 /// let muscle = Mgpi::try_new(&parameters)?;
@@ -120,6 +130,7 @@ const MARGIN: f64 = 0.1;
 ///     model: ModelParameters::Cascade(parameters),
 ///     extensions: ExtensionParameters::default(),
 ///     pid: PidParameters::paper(),
+///     observer: ObserverParameters::default(),
 ///     command_min: 0.0,
 ///     command_max: 6.0,
 ///     slew_bar_per_s: 60.0,
@@ -140,6 +151,7 @@ pub struct Tracking<T, const N: usize, const M: usize> {
     smoother: Option<Smoother<T>>,
     preview: Option<Preview<T>>,
     pid: Pid<T>,
+    observer: Option<Observer<T>>,
     /// What the feedback sees of reference and contraction. Unit: mm.
     plausible: Range<T>,
     /// Largest change of the command in one period. Unit: bar.
@@ -155,6 +167,12 @@ pub struct TrackingState<T, const N: usize> {
     smoothed: Smoothed<T>,
     preview: PreviewLine<T>,
     pid: PidState<T>,
+    /// None without an observer.
+    observed: Option<Observed<T, N>>,
+    /// What the observer multiplies the PID's gains by. Unit: 1.
+    factor: T,
+    /// Of the last sample. Unit: mm.
+    contraction: T,
     /// That of the last sample; none before the first one.
     mode: Option<Mode>,
     /// That of the start.
@@ -210,6 +228,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
             inverse,
             plausible: Range::try_new(low - margin, high + margin, "output range", "mm")?,
             pid: Pid::try_new(&parameters.pid, period)?,
+            observer: Observer::try_new(&parameters.observer, parameters.pid.ki, period, (low, high))?,
             largest_change: slew * period,
             transfer_decay: (-period / parameters.pid.tracking_time_s).exp(),
         })
@@ -227,6 +246,9 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
             smoothed: Smoothed::default(),
             preview: PreviewLine::new(),
             pid: PidState::starting_at(T::ZERO),
+            observed: self.observer.map(|_| Observed::resting(self.inverse().rest_state())),
+            factor: T::ONE,
+            contraction: T::ZERO,
             mode: None,
             first_mode: mode,
             command: self.inverse.limits().min(),
@@ -274,7 +296,11 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
             Some(preview) => preview.due(&mut state.preview, reference),
             None => reference,
         };
-        Ok(Prepared { feedforward, due: self.plausible.limit(due) })
+        let due = self.plausible.limit(due);
+        if let Some(observer) = &self.observer {
+            self.observe(observer, state, due);
+        }
+        Ok(Prepared { feedforward, due })
     }
 
     /// The feed-forward to a smoothed reference. Not inlined, to avoid register spills where there
@@ -294,6 +320,15 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         Ok(feedforward)
     }
 
+    /// Closes the observer's period. Not inlined, to avoid register spills where there is none.
+    #[inline(never)]
+    fn observe(&self, observer: &Observer<T>, state: &mut TrackingState<T, N>, due: T) {
+        // Before the first sample there is nothing to be observed.
+        if let (Some(observed), Some(_)) = (&mut state.observed, state.mode) {
+            state.factor = observer.factor(observed, self.inverse.operator(), state.contraction, due);
+        }
+    }
+
     /// The second half of a sample. `prepared`: of this sample. `contraction`, now: mm.
     ///
     /// # Errors
@@ -309,6 +344,7 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         let Prepared { feedforward, due } = prepared;
         // What no muscle of this model does is no error to be integrated.
         let contraction = self.plausible.limit(finite_input(contraction)?);
+        state.contraction = contraction;
         let seen = (due - contraction, contraction);
         Ok(if state.mode == Some(mode) {
             self.command(state, mode, feedforward, seen, |state, _| state.transfer * self.transfer_decay)
@@ -346,9 +382,9 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         transfer: impl Fn(&TrackingState<T, N>, T) -> T,
     ) -> Command<T> {
         match mode {
-            Mode::Both => self.add_up::<true>(state, inverse, seen, transfer),
-            Mode::FeedforwardOnly => self.add_up::<false>(state, inverse, seen, transfer),
-            Mode::FeedbackOnly => self.add_up::<true>(state, T::ZERO, seen, transfer),
+            Mode::Both => self.add_up::<true>(state, inverse, (state.factor, seen), transfer),
+            Mode::FeedforwardOnly => self.add_up::<false>(state, inverse, (T::ONE, seen), transfer),
+            Mode::FeedbackOnly => self.add_up::<true>(state, T::ZERO, (T::ONE, seen), transfer),
             Mode::Hold => {
                 state.transfer = T::ZERO;
                 Command { command: state.command, feedforward: T::ZERO, feedback: T::ZERO, limited: false }
@@ -356,16 +392,22 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         }
     }
 
-    /// The command from its parts, within slew and limits. `FEEDBACK`: whether the PID acts.
+    /// The command from its parts, within slew and limits. `FEEDBACK`: whether the PID acts, its
+    /// gains times the factor.
     #[inline(always)]
     fn add_up<const FEEDBACK: bool>(
         &self,
         state: &mut TrackingState<T, N>,
         feedforward: T,
-        (error, contraction): (T, T),
+        (factor, (error, contraction)): (T, (T, T)),
         transfer: impl Fn(&TrackingState<T, N>, T) -> T,
     ) -> Command<T> {
-        let feedback = if FEEDBACK { self.pid.output(&mut state.pid, error, contraction) } else { T::ZERO };
+        let error = factor * error;
+        let feedback = if FEEDBACK {
+            self.pid.scaled_output(&mut state.pid, factor, error, contraction)
+        } else {
+            T::ZERO
+        };
         let sum = feedforward + feedback;
         state.transfer = transfer(state, sum);
         let asked = sum + state.transfer;

@@ -7,7 +7,10 @@ use effects::{EXACT, Extensions, LOSSY, PERIOD_S, SIZE, muscle, together};
 use model_core::extension::{Sample, SupplySaturationParameters, TransportDelayParameters};
 use model_core::pid::PidParameters;
 use model_core::tracking::Command;
-use model_core::{ExtendedModel, Measured, Mode, Surroundings, Tracking, TrackingParameters, TrackingState};
+use model_core::{
+    ExtendedModel, Measured, Mode, ObserverParameters, Surroundings, Tracking, TrackingParameters,
+    TrackingState,
+};
 
 type Controller = Tracking<f64, SIZE, SIZE>;
 
@@ -16,6 +19,7 @@ fn parameters(extensions: Extensions) -> TrackingParameters<f64, SIZE, SIZE> {
         model: muscle(),
         extensions,
         pid: PidParameters::paper(),
+        observer: ObserverParameters::default(),
         command_min: -5.0,
         command_max: 15.0,
         slew_bar_per_s: 1e6,

@@ -6,7 +6,8 @@ mod common;
 use common::{Run, family, history};
 use model_core::pid::PidParameters;
 use model_core::{
-    ExtensionParameters, Hysteresis, Mode, ModelParameters, Tracking, TrackingParameters, paper,
+    ExtensionParameters, Hysteresis, Mode, ModelParameters, ObserverParameters, Tracking, TrackingParameters,
+    paper,
 };
 use proptest::prelude::*;
 
@@ -17,6 +18,7 @@ fn tracking() -> Tracking<f64, SIZE, SIZE> {
         model: ModelParameters::Cascade(paper::mgpi().expect("valid")),
         extensions: ExtensionParameters::default(),
         pid: PidParameters::paper(),
+        observer: ObserverParameters::default(),
         command_min: 0.0,
         command_max: 6.0,
         slew_bar_per_s: 1000.0,

@@ -6,7 +6,8 @@ use model_core::law::{Law, LawParameters, LawState};
 use model_core::paper::{self, SIZE};
 use model_core::pid::PidParameters;
 use model_core::{
-    ExtensionParameters, InputError, Invertible, Mode, ModelParameters, Tracking, TrackingParameters,
+    ExtensionParameters, InputError, Invertible, Mode, ModelParameters, ObserverParameters, Tracking,
+    TrackingParameters,
 };
 use proptest::prelude::*;
 
@@ -41,6 +42,7 @@ proptest! {
             model: ModelParameters::Cascade(paper::mgpi().unwrap()),
             extensions: ExtensionParameters::default(),
             pid: parameters.pid,
+            observer: ObserverParameters::default(),
             command_min: parameters.command_min,
             command_max: parameters.command_max,
             slew_bar_per_s: parameters.slew_bar_per_s,

@@ -2,8 +2,8 @@
 
 use model_core::pid::{Pid, PidParameters, PidState};
 use model_core::{
-    ExtensionParameters, Hysteresis, InputError, Mgpi, Mode, ModelParameters, Tracking, TrackingParameters,
-    paper,
+    ExtensionParameters, Hysteresis, InputError, Mgpi, Mode, ModelParameters, ObserverParameters, Tracking,
+    TrackingParameters, paper,
 };
 
 const SIZE: usize = paper::SIZE;
@@ -14,6 +14,7 @@ fn parameters(pid: PidParameters<f64>) -> TrackingParameters<f64, SIZE, SIZE> {
         model: ModelParameters::Cascade(paper::mgpi().expect("valid")),
         extensions: ExtensionParameters::default(),
         pid,
+        observer: ObserverParameters::default(),
         command_min: 0.0,
         command_max: 6.0,
         slew_bar_per_s: 1000.0,

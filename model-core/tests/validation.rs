@@ -3,8 +3,8 @@
 use model_core::envelope::{EnvelopeParameters, TanhParameters};
 use model_core::pid::{Pid, PidParameters};
 use model_core::{
-    ExtensionParameters, Mgpi, MgpiParameters, ModelParameters, ParameterError, Requirement, Tracking,
-    TrackingParameters, paper,
+    ExtensionParameters, Mgpi, MgpiParameters, ModelParameters, ObserverParameters, ParameterError,
+    Requirement, Tracking, TrackingParameters, paper,
 };
 
 const SIZE: usize = paper::SIZE;
@@ -85,6 +85,7 @@ fn broken_gains_and_limits_are_refused() {
         model: ModelParameters::Cascade(paper::mgpi().expect("valid")),
         extensions: ExtensionParameters::default(),
         pid: gains,
+        observer: ObserverParameters::default(),
         command_min: 0.0,
         command_max: 6.0,
         slew_bar_per_s: 20.0,

@@ -106,7 +106,7 @@ mod tests {
     use model_core::memoryless::MemorylessParameters;
     use model_core::pid::PidParameters;
     use model_core::play::PlayParameters;
-    use model_core::{ModelParameters, TrackingParameters};
+    use model_core::{ModelParameters, ObserverParameters, TrackingParameters};
 
     fn receive(bytes: &[u8]) -> std::vec::Vec<Result<Request, FrameError>> {
         let mut receiver = Receiver::new();
@@ -221,6 +221,7 @@ mod tests {
                 model,
                 extensions: extensions(),
                 pid: PidParameters::paper(),
+                observer: ObserverParameters::default(),
                 command_min: number,
                 command_max: number,
                 slew_bar_per_s: number,

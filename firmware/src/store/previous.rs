@@ -1,10 +1,14 @@
 //! The layouts before the present one.
 //!
 //! What they read was written by boards that are not at hand any more. A test holds each to stored
-//! bytes: should a part of one change, this becomes a frozen copy of what the part was.
+//! bytes: should a part of one change, this becomes a frozen copy of what the part was, as that of
+//! the controller is.
 
+use model_core::extension::ExtensionParameters;
+use model_core::pid::PidParameters;
+use model_core::{ModelParameters, ObserverParameters};
 use serde::Deserialize;
-use wire::{BoardParameters, BusParameters, Calibration, Inputs, Line, Protection};
+use wire::{BoardParameters, BusParameters, Calibration, DEAD_ZONES, Inputs, Line, PLAYS, Protection};
 
 use super::parameters::Parameters;
 use super::sealed::Sealed;
@@ -15,19 +19,33 @@ pub const WITHOUT_BUS: u16 = 2;
 pub const UNSEALED: u16 = 3;
 /// Number of the layout whose sensors are all ratiometric.
 pub const RATIOMETRIC: u16 = 4;
+/// Number of the layout whose controller has no observer.
+pub const UNOBSERVED: u16 = 5;
+
+/// A controller of these layouts.
+#[derive(Deserialize)]
+struct Tracking {
+    model: ModelParameters<f32, PLAYS, DEAD_ZONES>,
+    extensions: ExtensionParameters<f32>,
+    pid: PidParameters<f32>,
+    command_min: f32,
+    command_max: f32,
+    slew_bar_per_s: f32,
+    period_s: f32,
+}
 
 /// A set in layout 2.
 #[derive(Deserialize)]
 pub struct WithoutBus {
     protection: Protection,
-    tracking: Option<BoardParameters>,
+    tracking: Option<Tracking>,
 }
 
 /// A set in layout 3.
 #[derive(Deserialize)]
 pub struct Unsealed {
     protection: Protection,
-    tracking: Option<BoardParameters>,
+    tracking: Option<Tracking>,
     bus: BusParameters,
     calibration: Option<Lines>,
 }
@@ -36,10 +54,19 @@ pub struct Unsealed {
 #[derive(Deserialize)]
 pub struct Ratiometric {
     protection: Protection,
-    tracking: Option<BoardParameters>,
+    tracking: Option<Tracking>,
     bus: BusParameters,
     /// Under the checksum of its lines.
     calibration: Option<(Lines, u32)>,
+}
+
+/// A set in layout 5.
+#[derive(Deserialize)]
+pub struct Unobserved {
+    protection: Protection,
+    tracking: Option<Tracking>,
+    bus: BusParameters,
+    calibration: Option<Sealed>,
 }
 
 /// A calibration of layouts 3 and 4.
@@ -59,10 +86,20 @@ impl From<Lines> for Calibration {
     }
 }
 
+impl From<Tracking> for BoardParameters {
+    /// The observer is off, as it was.
+    fn from(tracking: Tracking) -> Self {
+        let Tracking { model, extensions, pid, command_min, command_max, slew_bar_per_s, period_s } =
+            tracking;
+        let observer = ObserverParameters::default();
+        Self { model, extensions, pid, observer, command_min, command_max, slew_bar_per_s, period_s }
+    }
+}
+
 impl From<WithoutBus> for Parameters {
     /// The same parameters, reached as a new board is.
     fn from(WithoutBus { protection, tracking }: WithoutBus) -> Self {
-        Self { protection, tracking, ..Self::FACTORY }
+        Self { protection, tracking: tracking.map(Tracking::into), ..Self::FACTORY }
     }
 }
 
@@ -70,7 +107,8 @@ impl From<Unsealed> for Parameters {
     /// The same parameters. The record's checksum has just been right, so that the calibration is
     /// as it was written.
     fn from(Unsealed { protection, tracking, bus, calibration }: Unsealed) -> Self {
-        Self { protection, tracking, bus, calibration: calibration.map(|lines| Sealed::new(lines.into())) }
+        let calibration = calibration.map(|lines| Sealed::new(lines.into()));
+        Self { protection, tracking: tracking.map(Tracking::into), bus, calibration }
     }
 }
 
@@ -78,6 +116,13 @@ impl From<Ratiometric> for Parameters {
     /// The same parameters; the lines stay under the checksum that was found with them.
     fn from(Ratiometric { protection, tracking, bus, calibration }: Ratiometric) -> Self {
         let calibration = calibration.map(|(lines, checksum)| Sealed::found(lines.into(), checksum));
-        Self { protection, tracking, bus, calibration }
+        Self { protection, tracking: tracking.map(Tracking::into), bus, calibration }
+    }
+}
+
+impl From<Unobserved> for Parameters {
+    /// The same parameters.
+    fn from(Unobserved { protection, tracking, bus, calibration }: Unobserved) -> Self {
+        Self { protection, tracking: tracking.map(Tracking::into), bus, calibration }
     }
 }

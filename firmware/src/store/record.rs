@@ -3,8 +3,8 @@
 //! # Layouts
 //! | layout | set |
 //! |---|---|
-//! | 2, 3, 4 | [`super::previous`] |
-//! | 5 | [`Parameters`] |
+//! | 2, 3, 4, 5 | [`super::previous`] |
+//! | 6 | [`Parameters`] |
 //!
 //! A change of [`Parameters`], or of anything in it, is a new layout: [`LAYOUT`] is raised, and the
 //! struct as it was joins those before it.
@@ -13,10 +13,10 @@ use serde::de::DeserializeOwned;
 
 use super::LoadError;
 use super::parameters::Parameters;
-use super::previous::{self, Ratiometric, Unsealed, WithoutBus};
+use super::previous::{self, Ratiometric, Unobserved, Unsealed, WithoutBus};
 
 /// Number of the layout that is written.
-pub const LAYOUT: u16 = 5;
+pub const LAYOUT: u16 = 6;
 
 /// The longest record: model and gains fit in a frame of the bus, the limits of the plant in 96
 /// bytes, the bus's parameters in 12, a calibration with the inputs in 87. Unit: byte, a multiple
@@ -59,6 +59,7 @@ pub fn decode(bytes: &[u8]) -> Option<Record> {
     let (sequence, layout, set) = head(bytes)?;
     let parameters = match layout {
         LAYOUT => whole(set),
+        previous::UNOBSERVED => whole::<Unobserved>(set).map(Parameters::from),
         previous::RATIOMETRIC => whole::<Ratiometric>(set).map(Parameters::from),
         previous::UNSEALED => whole::<Unsealed>(set).map(Parameters::from),
         previous::WITHOUT_BUS => whole::<WithoutBus>(set).map(Parameters::from),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::{Parser, ValueEnum};
 use host_tests::PERIOD_S;
-use host_tests::control::controller::Controller;
+use host_tests::control::controller::{Controller, Tunings};
 use host_tests::control::course::{Converter, Setting, run};
 use host_tests::control::known::{Desk, model};
 use host_tests::control::reference::Course;
@@ -18,7 +18,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use model_core::{Hysteresis, Tracking};
 use rayon::prelude::*;
 use recording::model_file::ModelFile;
-use recording::model_file::control::Tuning;
+use recording::model_file::control::{Observer, Tuning};
 use rig::zoo::family::Part;
 use tuning::learning::Learner;
 use tuning::tune;
@@ -83,7 +83,7 @@ fn main() -> Result<()> {
 struct Ready {
     subject: Subject,
     model: ModelFile,
-    tuning: Tuning,
+    tunings: Tunings,
 }
 
 impl Ready {
@@ -98,8 +98,9 @@ impl Ready {
             std::fs::create_dir_all(file.parent().context("no folder")?)?;
             std::fs::write(file, model.to_toml())?;
         }
-        let tuning = tune(&model, PERIOD_S, None)?.tuning;
-        Ok(Self { subject, model, tuning })
+        let tuned = |observes| tune(&model, PERIOD_S, None, observes).map(|tuned| tuned.tuning);
+        let tunings = Tunings { alone: tuned(false)?, observed: tuned(true)? };
+        Ok(Self { subject, model, tunings })
     }
 
     /// What the model reaches. Unit: mm.
@@ -108,7 +109,7 @@ impl Ready {
     }
 
     fn run(&self, controller: Controller, course: Course, correction_mm: &[f64]) -> Result<Scored> {
-        let parameters = controller.parameters(&self.model, &self.tuning)?;
+        let parameters = controller.parameters(&self.model, &self.tunings)?;
         let tracking = Tracking::try_new(&parameters)?;
         let reference_mm = course.points(self.range_mm());
         let setting = Setting {
@@ -136,12 +137,12 @@ impl Ready {
     }
 
     /// The scores of the passes of a learning.
-    fn learn(&self, course: Course) -> Result<Vec<Score>> {
+    fn learn(&self, controller: Controller, course: Course) -> Result<Vec<Score>> {
         let ticks = course.points(self.range_mm()).len();
-        let mut learner = Learner::new(ticks, PERIOD_S, self.tuning.learning_hz);
+        let mut learner = Learner::new(ticks, PERIOD_S, controller.tuning(&self.tunings).learning_hz);
         let mut scores = Vec::new();
         for _ in 0..PASSES {
-            let Scored { score, error_mm } = self.run(Controller::Tuned, course, learner.correction())?;
+            let Scored { score, error_mm } = self.run(controller, course, learner.correction())?;
             scores.push(score);
             learner.learn(&error_mm);
         }
@@ -149,17 +150,28 @@ impl Ready {
     }
 
     fn line(&self) -> String {
-        let Tuning { kp, ki, kd, maximum_sensitivity, bandwidth_hz, learning_hz, .. } = &self.tuning;
         let causes = self.model.causes().join("+");
+        let words = |tuning: &Tuning| {
+            let Tuning { kp, ki, kd, maximum_sensitivity, bandwidth_hz, learning_hz, .. } = tuning;
+            format!(
+                "kp {kp:.4} bar/mm, ki {ki:.4} bar/(mm s), kd {kd:.5} bar s/mm, largest sensitivity {maximum_sensitivity:.2}, \
+                 bandwidth {:.2} to {:.2} Hz, learning to {learning_hz:.2} Hz, limited by {}",
+                bandwidth_hz.0, bandwidth_hz.1, tuning.limited_by
+            )
+        };
+        let Tunings { alone, observed } = &self.tunings;
+        let observer = observed.observer.map_or("none gains anything".to_owned(), |Observer { slope, reach, band }| {
+            format!(
+                "{}; the gains are for {slope:.1} mm/bar and grow up to {reach:.1} times, band {band:.3} mm",
+                words(observed)
+            )
+        });
         format!(
-            "{}: model {:.2} % of stroke{}{causes}; kp {kp:.4} bar/mm, ki {ki:.4} bar/(mm s), kd {kd:.5} bar s/mm, \
-             largest sensitivity {maximum_sensitivity:.2}, bandwidth {:.2} to {:.2} Hz, learning to {learning_hz:.2} Hz, limited by {}",
+            "{}: model {:.2} % of stroke{}{causes}; {}\n    observer: {observer}",
             self.subject,
             self.model.worth().map_or(f64::NAN, |worth| worth.percent()),
             if causes.is_empty() { "" } else { ", " },
-            bandwidth_hz.0,
-            bandwidth_hz.1,
-            self.tuning.limited_by
+            words(alone)
         )
     }
 }
@@ -214,7 +226,7 @@ fn table(cli: &Cli) -> Result<()> {
             println!();
         }
         let learnt: Vec<Result<Vec<Score>>> =
-            courses[..6].par_iter().map(|course| ready.learn(*course)).collect();
+            courses[..6].par_iter().map(|course| ready.learn(Controller::Tuned, *course)).collect();
         for pass in 1..PASSES {
             print!("{:<22}", format!("after pass {pass}"));
             for scores in &learnt {
@@ -235,12 +247,12 @@ fn cell(score: &Score) -> String {
     format!("{:.3}/{:.2}{settling} {:.0}{swings}", score.rmse, score.largest, score.effort_bar_per_s)
 }
 
-/// What becomes of a plant of the zoo.
+/// What becomes of a plant of the zoo with a controller.
 struct Outcome {
     is_stable: bool,
     promised: f64,
     measured: f64,
-    /// With tuned and with the fixed gains, on each course. Percent of stroke.
+    /// On each course, beside that with the fixed gains. Percent of stroke.
     rmse: Vec<(f64, f64)>,
     /// What is left of the error of the first course after all passes, with the best of them.
     left: f64,
@@ -248,6 +260,8 @@ struct Outcome {
 
 /// The courses of the zoo.
 const COURSES: [Course; 4] = [Course::Paper, Course::Cosines(0.2, 0.6), Course::Multisine, Course::Steps];
+/// The controllers of the zoo.
+const CONTROLLERS: [Controller; 2] = [Controller::Tuned, Controller::Observed];
 
 fn of_zoo(cli: &Cli, plants: usize) -> Result<()> {
     let exhibits = zoo::games(cli.first_seed, plants, &[cli.families.part()]);
@@ -258,29 +272,23 @@ fn of_zoo(cli: &Cli, plants: usize) -> Result<()> {
         .collect();
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} plants, {eta} left")?;
     let bar = ProgressBar::new(subjects.len() as u64).with_style(style);
-    let outcomes: Vec<Option<Outcome>> = subjects
+    let outcomes: Vec<Option<[Outcome; 2]>> = subjects
         .par_iter()
         .map(|subject| {
-            let said = match Ready::of(subject.clone(), Desk::Diagnose, cli.models.as_deref())
-                .and_then(|ready| Ok((outcome(&ready)?, ready)))
-            {
-                Ok((outcome, ready)) => {
-                    let ratios: Vec<String> =
-                        outcome.rmse.iter().map(|(ours, fixed)| format!("{ours:.3}/{fixed:.3}")).collect();
-                    let line = format!(
-                        "{}\n    {} sensitivity {:.2} of {:.2} promised; RMSE beside that of fixed gains, % of stroke: {}; \
-                         {:.2} of the first one after {PASSES} passes",
-                        ready.line(),
-                        if outcome.is_stable { "stable," } else { "UNSTABLE," },
-                        outcome.measured,
-                        outcome.promised,
-                        ratios.join(" "),
-                        outcome.left
-                    );
-                    (line, Some(outcome))
-                }
-                Err(error) => (format!("{subject}: REFUSED: {error:#}"), None),
-            };
+            let said =
+                match Ready::of(subject.clone(), Desk::Diagnose, cli.models.as_deref()).and_then(|ready| {
+                    let [alone, observed] = CONTROLLERS.map(|controller| outcome(&ready, controller));
+                    Ok(([alone?, observed?], ready))
+                }) {
+                    Ok((outcomes, ready)) => {
+                        let lines = outcomes.each_ref().map(Outcome::line);
+                        (
+                            format!("{}\n    alone {}\n    observer {}", ready.line(), lines[0], lines[1]),
+                            Some(outcomes),
+                        )
+                    }
+                    Err(error) => (format!("{subject}: REFUSED: {error:#}"), None),
+                };
             bar.suspend(|| println!("{}", said.0));
             bar.inc(1);
             said.1
@@ -288,10 +296,18 @@ fn of_zoo(cli: &Cli, plants: usize) -> Result<()> {
         .collect();
     bar.finish_and_clear();
     let all = outcomes.len();
-    let done: Vec<&Outcome> = outcomes.iter().flatten().collect();
+    let done: Vec<&[Outcome; 2]> = outcomes.iter().flatten().collect();
     ensure!(!done.is_empty(), "no plant was tuned");
-    let count = |is: &dyn Fn(&Outcome) -> bool| done.iter().filter(|outcome| is(outcome)).count();
     println!("{} of {all} tuned, {} refused", done.len(), all - done.len());
+    for (k, controller) in CONTROLLERS.iter().enumerate() {
+        println!("{}:", controller.name());
+        summary(&done.iter().map(|outcomes| &outcomes[k]).collect::<Vec<_>>());
+    }
+    Ok(())
+}
+
+fn summary(done: &[&Outcome]) {
+    let count = |is: &dyn Fn(&Outcome) -> bool| done.iter().filter(|outcome| is(outcome)).count();
     println!("stable: {} of {}", count(&|outcome| outcome.is_stable), done.len());
     println!(
         "largest sensitivity at most 1.2 times the promised one: {} of {}",
@@ -318,21 +334,37 @@ fn of_zoo(cli: &Cli, plants: usize) -> Result<()> {
             ratios.len()
         );
     }
-    Ok(())
 }
 
-fn outcome(ready: &Ready) -> Result<Outcome> {
+impl Outcome {
+    fn line(&self) -> String {
+        let ratios: Vec<String> =
+            self.rmse.iter().map(|(ours, fixed)| format!("{ours:.3}/{fixed:.3}")).collect();
+        format!(
+            "{} sensitivity {:.2} of {:.2} promised; RMSE beside that of fixed gains, % of stroke: {}; {:.2} of the first one \
+             after {PASSES} passes",
+            if self.is_stable { "stable," } else { "UNSTABLE," },
+            self.measured,
+            self.promised,
+            ratios.join(" "),
+            self.left
+        )
+    }
+}
+
+fn outcome(ready: &Ready, controller: Controller) -> Result<Outcome> {
     let (mut rmse, mut is_stable) = (Vec::new(), true);
     for course in COURSES {
-        let ours = ready.run(Controller::Tuned, course, &[])?.score;
+        let ours = ready.run(controller, course, &[])?.score;
         let fixed = ready.run(Controller::Fixed, course, &[])?.score;
         is_stable &= ours.is_stable;
         rmse.push((ours.rmse, fixed.rmse));
     }
-    let parameters = Controller::Tuned.parameters(&ready.model, &ready.tuning)?;
+    let parameters = controller.parameters(&ready.model, &ready.tunings)?;
     let measured = largest(&ready.subject, &parameters, ready.range_mm());
-    let passes = ready.learn(COURSES[0])?;
+    let passes = ready.learn(controller, COURSES[0])?;
     let best = passes.iter().map(|pass| pass.rmse).fold(f64::INFINITY, f64::min);
     let left = best / passes[0].rmse;
-    Ok(Outcome { is_stable, promised: ready.tuning.maximum_sensitivity, measured, rmse, left })
+    let promised = controller.tuning(&ready.tunings).maximum_sensitivity;
+    Ok(Outcome { is_stable, promised, measured, rmse, left })
 }

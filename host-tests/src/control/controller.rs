@@ -3,12 +3,21 @@
 use anyhow::{Context, Result};
 use board_client::pil::slew;
 use model_core::pid::PidParameters;
-use model_core::{Mode, TrackingParameters};
+use model_core::{Mode, ObserverParameters, TrackingParameters};
 use recording::model_file::ModelFile;
 use recording::model_file::control::Tuning;
 use wire::BoardParameters;
 
 use crate::PERIOD_S;
+
+/// The feedback that is tuned for a model, in both forms.
+#[derive(Clone, Debug)]
+pub struct Tunings {
+    /// With the same gains everywhere.
+    pub alone: Tuning,
+    /// With the disturbance observer.
+    pub observed: Tuning,
+}
 
 /// A way to control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,12 +35,14 @@ pub enum Controller {
     Fixed,
     /// The inverse, and the gains and leads of `mgpi tune`.
     Tuned,
+    /// The inverse, and the gains, leads and observer of `mgpi tune --observer`.
+    Observed,
 }
 
 impl Controller {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::PaperPid, Self::RulePid, Self::Inverse, Self::Paper, Self::Fixed, Self::Tuned];
+    pub const ALL: [Self; 7] =
+        [Self::PaperPid, Self::RulePid, Self::Inverse, Self::Paper, Self::Fixed, Self::Tuned, Self::Observed];
 
     /// Its name in the table.
     pub fn name(self) -> &'static str {
@@ -42,6 +53,7 @@ impl Controller {
             Self::Paper => "inverse, paper's PID",
             Self::Fixed => "inverse, fixed gains",
             Self::Tuned => "inverse, tuned",
+            Self::Observed => "inverse, observer",
         }
     }
 
@@ -54,26 +66,33 @@ impl Controller {
         }
     }
 
+    /// What it goes by of a model's tunings.
+    pub fn tuning(self, tunings: &Tunings) -> &Tuning {
+        if self == Self::Observed { &tunings.observed } else { &tunings.alone }
+    }
+
     /// A board's parameters for a model.
     ///
     /// # Errors
     /// The model does not fit the board.
-    pub fn parameters(self, model: &ModelFile, tuning: &Tuning) -> Result<BoardParameters> {
+    pub fn parameters(self, model: &ModelFile, tunings: &Tunings) -> Result<BoardParameters> {
+        let tuning = self.tuning(tunings);
         let (low, high) = model.parameters.input();
         let paper = PidParameters::<f32>::paper();
         let pid = match self {
             Self::PaperPid | Self::Paper | Self::Inverse => paper,
             Self::Fixed => PidParameters { ki: 0.1, ..paper },
             Self::RulePid => rule(model),
-            Self::Tuned => tuning.pid(),
+            Self::Tuned | Self::Observed => tuning.pid(),
         };
-        let is_tuned = self == Self::Tuned;
+        let is_tuned = matches!(self, Self::Tuned | Self::Observed);
         let extensions = if is_tuned { tuning.extended(&model.extensions) } else { model.extensions.clone() };
         let tuned_slew = tuning.slew_per_s.filter(|_| is_tuned);
         Ok(TrackingParameters {
             model: model.parameters.convert().context("the model does not fit the board")?,
             extensions: extensions.convert().context("the extensions do not fit the board")?,
             pid,
+            observer: if is_tuned { tuning.observer() } else { ObserverParameters::default() },
             command_min: low.max(0.0) as f32,
             command_max: high as f32,
             slew_bar_per_s: slew(tuned_slew),

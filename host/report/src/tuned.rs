@@ -12,7 +12,8 @@ use super::plot::{Line, Plot, Scale, Style};
 /// The report as an HTML file; `source`: the model.
 pub fn to_html(found: &Tuned, source: &str) -> String {
     let Tuned { tuning, assumptions, limit, view } = found;
-    let (acts, plants) = (feedback(tuning), view.plants());
+    let acts = feedback(tuning);
+    let plants = view.plants(&acts);
     let hz: Vec<f64> = plants.omegas.iter().map(|omega| omega / (2.0 * PI)).collect();
     // The least or the most over all plants, a value a frequency.
     let of = |value: fn(Complex<f64>) -> f64, pick: fn(f64, f64) -> f64| -> Vec<f64> {

@@ -32,16 +32,20 @@ pub mod zero_phase;
 
 use model_core::ParameterError;
 use recording::model_file::ModelFile;
+use recording::model_file::control::Observer;
 pub use recording::model_file::control::Tuning;
 use thiserror::Error;
 
 use knowledge::Knowledge;
 use margins::Margins;
-use response::{Corner, Dynamics, Feedback, Plants, Unknown, corners};
+use response::{Corner, Dynamics, Feedback, Growth, Plants, Unknown, corners};
 use search::{Found, Task};
 pub use search::{Limit, NOISE, SENSITIVITY, SLOWEST};
 use slopes::Slope;
 
+/// Standard deviations of the sensor's noise within which a move is none: one sample in 16,000 lies
+/// beyond.
+const BAND: f64 = 4.0;
 /// Standard error above which a recording says nothing of a lateness. Unit: s.
 const LEAST_KNOWN_S: f64 = 1.0;
 
@@ -119,24 +123,31 @@ impl View {
         corners(&self.slopes, &self.unknown, &self.dynamics)
     }
 
-    /// The plant in all ways in which it may be.
-    pub fn plants(&self) -> Plants {
-        Plants::of(&self.dynamics, &self.corners())
+    /// The plant in all ways in which it may be, as a feedback finds it.
+    pub fn plants(&self, feedback: &Feedback) -> Plants {
+        Plants::of(&self.dynamics, &self.corners(), feedback.observer)
     }
 }
 
 /// The feedback of a tuning.
 pub fn feedback(tuning: &Tuning) -> Feedback {
     let Tuning { kp, ki, kd, derivative_filter_s: filter_s, .. } = *tuning;
-    Feedback { kp, ki, kd, filter_s }
+    let observer = tuning.observer.map(|Observer { slope, reach, .. }| Growth { slope, reach });
+    Feedback { kp, ki, kd, filter_s, observer }
 }
 
 /// Tunes a feedback for a model at a board's period (s). `valve_lag_s` is what a user knows of the
-/// valve; it counts where neither model nor recording say more.
+/// valve; it counts where neither model nor recording say more. `observes`: whether gains may grow
+/// where the muscle is flatter.
 ///
 /// # Errors
 /// See [`Refusal`].
-pub fn tune(file: &ModelFile, period_s: f64, valve_lag_s: Option<f64>) -> Result<Tuned, Refusal> {
+pub fn tune(
+    file: &ModelFile,
+    period_s: f64,
+    valve_lag_s: Option<f64>,
+    observes: bool,
+) -> Result<Tuned, Refusal> {
     if let Some(worth) = file.worth().filter(|worth| !worth.may_deploy()) {
         return Err(Refusal::Poor(worth.to_string()));
     }
@@ -150,7 +161,8 @@ pub fn tune(file: &ModelFile, period_s: f64, valve_lag_s: Option<f64>) -> Result
     }
     let (low, high) = file.parameters.input();
     let task = Task { slopes: &view.slopes, knowledge: &knowledge, command_range: high - low };
-    let Found { feedback, margins, reach_hz, learning_hz, limit } = task.run().ok_or(Refusal::Unsafe)?;
+    let Found { feedback, margins, reach_hz, learning_hz, limit } =
+        task.run(observes).ok_or(Refusal::Unsafe)?;
     // A valve of first order answers a jump through its range with range/lag at first: a command
     // that changes faster gains nothing.
     let lag_s = knowledge.dynamics.led_lag_s;
@@ -161,6 +173,11 @@ pub fn tune(file: &ModelFile, period_s: f64, valve_lag_s: Option<f64>) -> Result
         derivative_filter_s: feedback.filter_s,
         // The integral time, as is usual (Åström and Hägglund, section 3.5).
         tracking_time_s: (feedback.kp / feedback.ki).max(2.0 * period_s),
+        observer: feedback.observer.map(|Growth { slope, reach }| Observer {
+            slope,
+            reach,
+            band: BAND * knowledge.noise,
+        }),
         slew_per_s: (lag_s > 0.0).then(|| (high - low) / lag_s),
         lag_s: knowledge.lag_s,
         delay_s: knowledge.delay_s,
@@ -180,7 +197,7 @@ pub fn tune(file: &ModelFile, period_s: f64, valve_lag_s: Option<f64>) -> Result
 /// # Errors
 /// The model is none.
 pub fn judge(file: &ModelFile, feedback: &Feedback, period_s: f64) -> Result<Margins, ParameterError> {
-    Ok(margins::margins(&View::of(file, period_s, None)?.0.plants(), feedback))
+    Ok(margins::margins(&View::of(file, period_s, None)?.0.plants(feedback), feedback))
 }
 
 /// Up to where what repeats may be learnt beside a feedback, with the leads that the model file

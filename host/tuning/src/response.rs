@@ -3,7 +3,8 @@
 //!
 //! At a place of the loop the muscle is a slope times a linear system: valve, dead time, creep,
 //! viscosity and mass. The feedback does not go through the inverse, so its loop is the slope times
-//! all of that. The feed-forward does: what the model has of the linear system is led, what it does
+//! all of that, or with an observer, whose gains grow where the model is flatter, the ratio of the
+//! muscle's slope to the model's. The feed-forward does: what the model has of the linear system is led, what it does
 //! not have stays.
 
 use std::f64::consts::{PI, SQRT_2};
@@ -26,6 +27,25 @@ pub struct Feedback {
     pub kd: f64,
     /// Time constant of the derivative's filter. Unit: s.
     pub filter_s: f64,
+    /// What makes the gains grow.
+    pub observer: Option<Growth>,
+}
+
+/// How gains grow where the model is flatter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Growth {
+    /// The slope that they are for. Unit: output unit/input unit.
+    pub slope: f64,
+    /// How many times as large they may become.
+    pub reach: f64,
+}
+
+impl Growth {
+    /// How many times as large they are in one way in which the plant may be, whose model has the
+    /// same memory.
+    fn factor(growth: Option<Self>, corner: &Corner) -> f64 {
+        growth.map_or(1.0, |Self { slope, reach }| (slope * corner.ratio / corner.slope).clamp(1.0, reach))
+    }
 }
 
 impl Feedback {
@@ -165,18 +185,24 @@ impl Dynamics {
     /// From the reference to the contraction, relative to the reference when it is due.
     pub fn tracking(&self, corner: &Corner, feedback: &Feedback, omega: f64) -> Complex<f64> {
         let plant = self.plant(corner, omega);
-        let open = plant * feedback.response(omega);
+        let open = plant * Growth::factor(feedback.observer, corner) * feedback.response(omega);
         (plant * self.forward(corner, omega) + open) / (1.0 + open)
     }
 }
 
-/// The plant at all frequencies in all ways in which it may be.
+/// The plant at all frequencies in all ways in which it may be, as the PID with its gains for the
+/// steepest slope finds it.
 #[derive(Clone, Debug)]
 pub struct Plants {
     /// Unit: rad/s.
     pub omegas: Vec<f64>,
-    /// A row for each corner, a value for each frequency. Unit: output unit/input unit.
+    /// A row for each corner, a value for each frequency, the observer's factor in it. Unit: output
+    /// unit/input unit.
     pub responses: Vec<Vec<Complex<f64>>>,
+    /// What that is, for each corner.
+    pub factors: Vec<f64>,
+    /// The slope of each corner times it. Unit: output unit/input unit.
+    pub slopes: Vec<f64>,
 }
 
 /// How many frequencies are looked at: 28 in a decade, so that between two of them the open loop of
@@ -194,10 +220,18 @@ pub fn frequencies(period_s: f64) -> Vec<f64> {
 
 impl Plants {
     /// Of all corners.
-    pub fn of(dynamics: &Dynamics, corners: &[Corner]) -> Self {
+    pub fn of(dynamics: &Dynamics, corners: &[Corner], growth: Option<Growth>) -> Self {
         let omegas = frequencies(dynamics.period_s);
-        let row = |corner: &Corner| omegas.iter().map(|&omega| dynamics.plant(corner, omega)).collect();
-        Self { responses: corners.iter().map(row).collect(), omegas }
+        let factors: Vec<f64> = corners.iter().map(|corner| Growth::factor(growth, corner)).collect();
+        let row = |(corner, factor): (&Corner, &f64)| {
+            omegas.iter().map(|&omega| dynamics.plant(corner, omega) * factor).collect()
+        };
+        Self {
+            responses: corners.iter().zip(&factors).map(row).collect(),
+            slopes: corners.iter().zip(&factors).map(|(corner, factor)| corner.slope * factor).collect(),
+            factors,
+            omegas,
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use crate::knowledge::Knowledge;
 use crate::margins::{Margins, holds, margins, reach_hz};
-use crate::response::{Corner, Dynamics, Feedback, Plants, Unknown, corners, frequencies};
+use crate::response::{Corner, Dynamics, Feedback, Growth, Plants, Unknown, corners, frequencies};
 use crate::slopes::Slope;
 
 /// The largest sensitivity that a tuning may have at any corner: from 1.2 to 2 is usual (Åström
@@ -39,6 +39,10 @@ const HALVINGS: usize = 5;
 /// What is left of an error that repeats, at the most, from one learning pass to the next: a sixth
 /// after five.
 const LEFT: f64 = 0.7;
+/// Reaches of an observer that are tried, from that of the flattest slope down, each that share of
+/// the one before.
+const REACHES: usize = 5;
+const REACH_STEP: f64 = 0.5;
 /// What would be faster without a limit by less than this factor is not limited by it: twice what
 /// the search is exact to.
 const LIMITS: f64 = 1.1;
@@ -125,8 +129,8 @@ impl Task<'_> {
         corners(self.slopes, unknown, &self.knowledge.dynamics)
     }
 
-    fn plants(&self, unknown: &Unknown) -> Plants {
-        Plants::of(&self.knowledge.dynamics, &self.corners(unknown))
+    fn plants(&self, unknown: &Unknown, growth: Option<Growth>) -> Plants {
+        Plants::of(&self.knowledge.dynamics, &self.corners(unknown), growth)
     }
 
     /// How much the sensor's noise moves the command, at the most, on these plants. Standard
@@ -134,8 +138,8 @@ impl Task<'_> {
     fn command_noise(&self, plants: &Plants, feedback: &Feedback) -> f64 {
         let omegas = &plants.omegas;
         let controller: Vec<_> = omegas.iter().map(|&omega| feedback.response(omega)).collect();
-        let power = |plant: &Vec<num_complex::Complex<f64>>| {
-            let density = |k: usize| (controller[k] / (1.0 + plant[k] * controller[k])).norm_sqr();
+        let power = |(plant, factor): (&Vec<num_complex::Complex<f64>>, &f64)| {
+            let density = |k: usize| (factor * controller[k] / (1.0 + plant[k] * controller[k])).norm_sqr();
             // White noise of one sample each period: its density is even up to half the rate.
             (1..omegas.len())
                 .map(|k| 0.5 * (density(k - 1) + density(k)) * (omegas[k] - omegas[k - 1]))
@@ -143,7 +147,8 @@ impl Task<'_> {
                 * self.knowledge.dynamics.period_s
                 / PI
         };
-        self.knowledge.noise * plants.responses.iter().map(power).fold(0.0, f64::max).sqrt()
+        let powers = plants.responses.iter().zip(&plants.factors).map(power);
+        self.knowledge.noise * powers.fold(0.0, f64::max).sqrt()
     }
 
     /// The largest value, from a first one on, for which all that were tried before it hold too.
@@ -167,9 +172,9 @@ impl Task<'_> {
     }
 
     /// The feedback of the largest integral gain.
-    fn best(&self) -> Option<Feedback> {
+    fn best(&self, growth: Option<Growth>) -> Option<Feedback> {
         let Knowledge { dynamics, unknown, .. } = self.knowledge;
-        let (plants, exact) = (self.plants(unknown), self.plants(&Unknown::NOTHING));
+        let (plants, exact) = (self.plants(unknown, growth), self.plants(&Unknown::NOTHING, growth));
         let noisiest = NOISE * self.command_range;
         let steepest = self.steepest();
         let is_good = |feedback: &Feedback| {
@@ -183,7 +188,7 @@ impl Task<'_> {
             let mut loop_gain = LEAST_LOOP_GAIN;
             for _ in 0..LOOP_GAINS {
                 let kp = loop_gain / steepest;
-                let with = |ki| Feedback { kp, ki, kd: kp * derivative_s, filter_s };
+                let with = |ki| Feedback { kp, ki, kd: kp * derivative_s, filter_s, observer: growth };
                 let most = 1.0 / (dynamics.period_s * steepest);
                 let Some(ki) = Self::largest(SLOWEST / steepest, most, |ki| is_good(&with(ki))) else {
                     break;
@@ -200,10 +205,32 @@ impl Task<'_> {
         best
     }
 
-    /// The feedback, and what it promises. None where none is safe.
-    pub fn run(&self) -> Option<Found> {
-        let feedback = self.best()?;
-        let plants = self.plants(&self.knowledge.unknown);
+    /// How fast a disturbance is taken back where that is slowest. Unit: 1/s.
+    fn slowest(&self, feedback: &Feedback) -> f64 {
+        let plants = self.plants(&Unknown::NOTHING, feedback.observer);
+        feedback.ki * plants.slopes.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The feedback with the observer by which a disturbance is taken back the fastest where that is
+    /// slowest, and nowhere slower than without one; without one where that gains nothing.
+    fn observed(&self) -> Option<Feedback> {
+        let flattest = self.slopes.iter().map(|slope| slope.turned).fold(f64::INFINITY, f64::min);
+        let slope = self.steepest();
+        let reaches = (0..REACHES).map(|step| slope / flattest * REACH_STEP.powi(step as i32));
+        let growths = reaches.filter(|reach| *reach > 1.0).map(|reach| Growth { slope, reach });
+        let alone = self.best(None)?;
+        let others = growths.filter_map(|growth| self.best(Some(growth)));
+        let no_slower = others.filter(|other| LIMITS * other.ki >= alone.ki);
+        let rated =
+            std::iter::once(alone).chain(no_slower).map(|feedback| (self.slowest(&feedback), feedback));
+        rated.reduce(|best, next| if next.0 > LIMITS * best.0 { next } else { best }).map(|(_, found)| found)
+    }
+
+    /// The feedback, and what it promises; `observes`: whether there may be an observer. None where
+    /// none is safe.
+    pub fn run(&self, observes: bool) -> Option<Found> {
+        let feedback = if observes { self.observed() } else { self.best(None) }?;
+        let plants = self.plants(&self.knowledge.unknown, feedback.observer);
         let reach = reach_hz(&plants, &feedback);
         Some(Found {
             margins: margins(&plants, &feedback),
@@ -212,17 +239,18 @@ impl Task<'_> {
                 reach.iter().copied().fold(0.0, f64::max),
             ),
             learning_hz: self.learning_hz(&feedback),
-            limit: self.limit(feedback.ki),
+            limit: self.limit(&feedback),
             feedback,
         })
     }
 
     /// What would let the integral gain be larger the most, if it were known or not there.
-    fn limit(&self, ki: f64) -> Limit {
+    fn limit(&self, feedback: &Feedback) -> Limit {
+        let Feedback { ki, observer, .. } = *feedback;
         let larger = |change: &dyn Fn(&mut Knowledge)| {
             let mut knowledge = self.knowledge.clone();
             change(&mut knowledge);
-            Task { knowledge: &knowledge, ..*self }.best().map_or(0.0, |best| best.ki / ki)
+            Task { knowledge: &knowledge, ..*self }.best(observer).map_or(0.0, |best| best.ki / ki)
         };
         let mut all = vec![
             (

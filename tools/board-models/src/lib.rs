@@ -12,7 +12,7 @@ use model_core::extension::{
     WarmUpParameters,
 };
 use model_core::pid::PidParameters;
-use model_core::{ExtensionParameters, ModelParameters, ParameterError, paper};
+use model_core::{ExtensionParameters, ModelParameters, ObserverParameters, ParameterError, paper};
 use wire::{BoardParameters, DEAD_ZONES, PLAYS};
 
 /// Slew limit of the command. Unit: bar/s.
@@ -35,6 +35,7 @@ pub fn paper_parameters() -> Result<BoardParameters, ParameterError> {
         model: ModelParameters::Cascade(model),
         extensions: ExtensionParameters::default(),
         pid: PidParameters::paper(),
+        observer: ObserverParameters::default(),
         slew_bar_per_s: MEASURED_SLEW_BAR_PER_S,
         period_s: MEASURED_PERIOD_S,
     })

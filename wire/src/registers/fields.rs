@@ -59,7 +59,7 @@ impl Field<'_> {
 }
 
 /// The registers of the group "Controller".
-pub const CONTROLLER: [Id; 8] = [
+pub const CONTROLLER: [Id; 11] = [
     Id::Kp,
     Id::Ki,
     Id::Kd,
@@ -68,11 +68,17 @@ pub const CONTROLLER: [Id; 8] = [
     Id::CommandMin,
     Id::CommandMax,
     Id::CommandSlew,
+    Id::ObserverSlope,
+    Id::ObserverReach,
+    Id::ObserverBand,
 ];
+
+/// Those of them that are the observer's.
+pub const OBSERVER: [Id; 3] = [Id::ObserverSlope, Id::ObserverReach, Id::ObserverBand];
 
 /// The field of one of [`CONTROLLER`].
 pub fn of_controller(tracking: &mut BoardParameters, id: Id) -> Option<Field<'_>> {
-    let TrackingParameters { pid, command_min, command_max, slew_bar_per_s, .. } = tracking;
+    let TrackingParameters { pid, observer, command_min, command_max, slew_bar_per_s, .. } = tracking;
     Some(Field::Quantity(match id {
         Id::Kp => &mut pid.kp,
         Id::Ki => &mut pid.ki,
@@ -82,6 +88,9 @@ pub fn of_controller(tracking: &mut BoardParameters, id: Id) -> Option<Field<'_>
         Id::CommandMin => command_min,
         Id::CommandMax => command_max,
         Id::CommandSlew => slew_bar_per_s,
+        Id::ObserverSlope => &mut observer.slope,
+        Id::ObserverReach => &mut observer.reach,
+        Id::ObserverBand => &mut observer.band,
         _ => return None,
     }))
 }

@@ -229,6 +229,9 @@ table! {
     0x030A CommandMin "command_min_bar" F32 [1] "bar" BAR, "Lowest command";
     0x030C CommandMax "command_max_bar" F32 [1] "bar" BAR, "Highest command";
     0x030E CommandSlew "command_slew_bar_per_s" F32 [1] "bar/s" write(0.1, 200.0), "Largest rate of change of the controller's command";
+    0x0310 ObserverSlope "observer_slope_mm_per_bar" F32 [1] "mm/bar" write(0.0, 1000.0), "Slope of the muscle that the gains are for; 0 switches the observer off, by which they grow where the inverse is steeper";
+    0x0312 ObserverReach "observer_reach" F32 [1] "" write(1.0, 100.0), "How many times as large it may make the gains";
+    0x0314 ObserverBand "observer_band_mm" F32 [1] "mm" write(0.0, 20.0), "Moves and errors that are noise to it";
 
     0x0400 SelfTestTicks "self_test_ticks" U32 [1] "tick" write(0.0, 10_000.0), "Length of the self-test";
     0x0402 VentedBar "vented_bar" F32 [1] "bar" write(0.0, 1.0), "Highest pressure at the end of the self-test";

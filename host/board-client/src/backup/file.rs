@@ -22,8 +22,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use model_core::TrackingParameters;
 use model_core::pid::PidParameters;
+use model_core::{ObserverParameters, TrackingParameters};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 use toml::{Table, Value};
@@ -206,6 +206,7 @@ fn configuration(controller: Section, model: Section) -> Result<Configuration, P
         model: model.convert().map_err(invalid)?,
         extensions: extensions.convert().map_err(invalid)?,
         pid: PidParameters::paper(),
+        observer: ObserverParameters::default(),
         command_min: 0.0,
         command_max: 0.0,
         slew_bar_per_s: 0.0,

@@ -1,7 +1,8 @@
 //! Registers of a board as tables of a backup: each by its name, which has its unit.
 
+use model_core::ObserverParameters;
 use toml::{Table, Value as Toml};
-use wire::registers::fields::{self, BUS, CALIBRATION, CONTROLLER, INPUTS};
+use wire::registers::fields::{self, BUS, CALIBRATION, CONTROLLER, INPUTS, OBSERVER};
 use wire::registers::{Access, Id, Kind, Register, TABLE, Value};
 use wire::{BoardParameters, BusParameters, Calibration, Inputs, Line, Protection};
 
@@ -36,7 +37,12 @@ pub fn of_controller(parameters: &BoardParameters) -> Table {
     let mut parameters = parameters.clone();
     let mut table = Table::new();
     table.insert(PERIOD.to_owned(), toml(Value::F32(parameters.period_s)));
+    let is_observed = parameters.observer != ObserverParameters::default();
     for id in CONTROLLER {
+        // Older programs know none.
+        if OBSERVER.contains(&id) && !is_observed {
+            continue;
+        }
         if let Some(field) = fields::of_controller(&mut parameters, id) {
             table.insert(id.register().name.to_owned(), toml(field.get()));
         }
@@ -140,7 +146,11 @@ pub fn to_protection(mut section: Section) -> Result<Protection, KeyError> {
 /// A key that is missing, unknown or of another kind.
 pub fn to_controller(mut section: Section, parameters: &mut BoardParameters) -> Result<(), KeyError> {
     parameters.period_s = section.number(PERIOD)? as f32;
+    let is_observed = section.has(Id::ObserverSlope.register().name);
     for id in CONTROLLER {
+        if OBSERVER.contains(&id) && !is_observed {
+            continue;
+        }
         let value = value(&mut section, id.register())?;
         fields::of_controller(parameters, id).into_iter().for_each(|field| field.set(value));
     }

@@ -2,12 +2,12 @@
 //! the model, else what the board has, else the default.
 //!
 //! Tuned gains go with their model: where it has some, those that the board has for another model
-//! do not stay, unless that is asked for.
+//! do not stay, unless that is asked for. An observer never stays for another model.
 //! A limit of the command that is an end of the model's range was not set by anybody: it follows
 //! the new model. One that the new model does not allow is brought to the end of its range.
 
 use wire::BoardParameters;
-use wire::registers::fields::{CONTROLLER, of_controller};
+use wire::registers::fields::{CONTROLLER, OBSERVER, of_controller};
 use wire::registers::{Access, Id, Value};
 
 use super::error::BoardError;
@@ -71,7 +71,16 @@ impl std::fmt::Display for Setting {
 }
 
 /// What is tuned for a model.
-pub const GAINS: [Id; 5] = [Id::Kp, Id::Ki, Id::Kd, Id::DerivativeFilter, Id::TrackingTime];
+pub const GAINS: [Id; 8] = [
+    Id::Kp,
+    Id::Ki,
+    Id::Kd,
+    Id::DerivativeFilter,
+    Id::TrackingTime,
+    Id::ObserverSlope,
+    Id::ObserverReach,
+    Id::ObserverBand,
+];
 
 /// Puts the settings into a new configuration, whose own are the defaults or, if `is_tuned`, those
 /// tuned for its model, and the ends of its model's range. `installed` is what the board has,
@@ -95,6 +104,7 @@ pub fn settle(
         }
     }
     let model_ends = ends(new);
+    let is_other = installed.is_some_and(|installed| installed.model != new.model);
     let setting = |id| {
         let asked = asked.iter().find(|(of, _)| *of == id).map(|(_, value)| *value);
         let before = installed.map(|installed| value(installed, id));
@@ -104,6 +114,8 @@ pub fn settle(
         let (after, reason) = match (asked, before) {
             (Some(asked), _) => (asked, Some(Reason::Asked)),
             (None, _) if is_tuned && GAINS.contains(&id) => (own, Some(Reason::Tuned)),
+            // A slope of another muscle says nothing of this one's.
+            (None, Some(_)) if OBSERVER.contains(&id) && is_other => (own, Some(Reason::Default)),
             (None, Some(_)) if follows => (own, Some(Reason::Follows)),
             (None, Some(before)) => (before, None),
             (None, None) => (own, Some(Reason::Default)),

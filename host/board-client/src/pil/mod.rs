@@ -183,6 +183,7 @@ pub fn configuration(file: &Path, model: &ModelFile, rate_hz: f64) -> Result<Con
             model,
             extensions,
             pid: tuning.map_or_else(default_pid, Tuning::pid),
+            observer: tuning.map(Tuning::observer).unwrap_or_default(),
             slew_bar_per_s: slew(tuning.and_then(|tuning| tuning.slew_per_s)),
             period_s: (1.0 / rate_hz) as f32,
         },

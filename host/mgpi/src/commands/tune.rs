@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use recording::model_file::ModelFile;
+use recording::model_file::control::Observer;
 use serde_json::json;
 use tuning::slopes::Slope;
 use tuning::{Tuned, tune};
@@ -39,6 +40,10 @@ pub struct Arguments {
     /// Ticks a second of the board
     #[arg(long, default_value_t = 1000.0, value_name = "HZ", value_parser = positive)]
     rate_hz: f64,
+    /// Gains that grow where the muscle is flatter: a disturbance observer. Quicker, and less sure
+    /// on a muscle whose model is off where it turns round
+    #[arg(long)]
+    observer: bool,
     /// Also write a page that shows the loop: one HTML file
     #[arg(long, value_name = "REPORT.html")]
     report: Option<PathBuf>,
@@ -56,7 +61,7 @@ pub struct Arguments {
 /// A file is not what it should be, no feedback is safe, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { model: file, tuned: to, recording, reading, rate_hz, valve_lag_s, .. } = arguments;
-    let Arguments { report, json: figures, force, .. } = arguments;
+    let Arguments { observer, report, json: figures, force, .. } = arguments;
     let inputs: Vec<&Path> = [file].into_iter().chain(recording).map(PathBuf::as_path).collect();
     let mut outputs = Outputs::claim(to.iter().chain(report).chain(figures), &inputs, *force)?;
     let mut model = ModelFile::read(file)?;
@@ -65,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         let columns = diagnose::read(recording, &choice)?.columns;
         model.recorded = recorded::of_columns(&model, &columns);
     }
-    let found = tune(&model, rate_hz.recip(), *valve_lag_s)
+    let found = tune(&model, rate_hz.recip(), *valve_lag_s, *observer)
         .map_err(|source| Error::Tuning { file: file.clone(), source })?;
     let tuning = &found.tuning;
     model.tuning = Some(tuning.clone());
@@ -105,6 +110,11 @@ fn to_json(model: &ModelFile, found: &Tuned) -> serde_json::Value {
     json[format!("ki_{input}_per_{output}_s")] = tuning.ki.into();
     json[format!("kd_{input}_s_per_{output}")] = tuning.kd.into();
     json[format!("slew_{input}_per_s")] = tuning.slew_per_s.into();
+    if let Some(Observer { slope, reach, band }) = tuning.observer {
+        json[format!("observer_slope_{output}_per_{input}")] = slope.into();
+        json["observer_reach"] = reach.into();
+        json[format!("observer_band_{output}")] = band.into();
+    }
     json
 }
 
@@ -131,6 +141,12 @@ fn print_summary(model: &ModelFile, found: &Tuned) {
         tuning.ki,
         tuning.kd
     );
+    if let Some(Observer { slope, reach, band }) = tuning.observer {
+        say!(
+            "observer      the gains are for {slope:.3} {output}/{input}, and up to {reach:.1} times as large where the muscle \
+             is flatter; moves within {band:.4} {output} are noise"
+        );
+    }
     if let Some(slew) = tuning.slew_per_s {
         say!("slew          {slew:.0} {input}/s");
     }

@@ -7,7 +7,7 @@ use recording::model_file::ModelFile;
 use recording::model_file::control::Tuning;
 use tuning::judge;
 use tuning::margins::Margins;
-use tuning::response::Feedback;
+use tuning::response::{Feedback, Growth};
 use wire::BoardParameters;
 use wire::registers::Id;
 
@@ -47,12 +47,14 @@ pub fn words(tuning: &Tuning) -> String {
 
 /// The feedback of a board.
 pub fn feedback(parameters: &BoardParameters) -> Feedback {
-    let pid = &parameters.pid;
+    let BoardParameters { pid, observer, .. } = parameters;
     Feedback {
         kp: pid.kp.into(),
         ki: pid.ki.into(),
         kd: pid.kd.into(),
         filter_s: pid.derivative_filter_s.into(),
+        observer: (observer.slope > 0.0)
+            .then(|| Growth { slope: observer.slope.into(), reach: observer.reach.into() }),
     }
 }
 

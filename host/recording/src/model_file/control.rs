@@ -3,9 +3,9 @@
 //!
 //! Both tables may be missing: files of earlier versions, and models from a paper, have none.
 
-use model_core::ExtensionParameters;
 use model_core::extension::{TransportDelayParameters, ValveLagParameters};
 use model_core::pid::PidParameters;
+use model_core::{ExtensionParameters, ObserverParameters};
 use toml::{Table, Value};
 
 use super::names::Names;
@@ -53,6 +53,8 @@ pub struct Tuning {
     pub derivative_filter_s: f64,
     /// Time constant of the anti-windup. Unit: s.
     pub tracking_time_s: f64,
+    /// How these gains grow where the muscle is flatter; None where they do not.
+    pub observer: Option<Observer>,
     /// Largest rate of change of the command that the valve can follow; None where the valve is not
     /// known. Unit: input unit/s.
     pub slew_per_s: Option<f64>,
@@ -74,6 +76,17 @@ pub struct Tuning {
     pub limited_by: String,
     /// Time from tick to tick that it was tuned for. Unit: s.
     pub period_s: f64,
+}
+
+/// The disturbance observer of a tuning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observer {
+    /// The slope that the gains are for. Unit: output unit/input unit.
+    pub slope: f64,
+    /// How many times as large they may become. Unit: 1.
+    pub reach: f64,
+    /// Moves and errors within it are noise. Output unit.
+    pub band: f64,
 }
 
 impl Recorded {
@@ -131,6 +144,13 @@ impl Tuning {
         }
     }
 
+    /// The observer as the board takes it.
+    pub fn observer(&self) -> ObserverParameters<f32> {
+        self.observer.map_or_else(ObserverParameters::default, |Observer { slope, reach, band }| {
+            ObserverParameters { slope: slope as f32, reach: reach as f32, band: band as f32 }
+        })
+    }
+
     /// Whether it is for a board of this period (s).
     pub fn is_for(&self, period_s: f64) -> bool {
         (self.period_s / period_s - 1.0).abs() < SAME_PERIOD
@@ -157,6 +177,11 @@ impl Tuning {
             ki: self.ki * per,
             kd: self.kd * per,
             slew_per_s: self.slew_per_s.map(|slew| slew * scale.input),
+            observer: self.observer.map(|Observer { slope, reach, band }| Observer {
+                slope: slope / per,
+                reach,
+                band: band * scale.output,
+            }),
             ..self.clone()
         }
     }
@@ -183,6 +208,11 @@ impl Tuning {
         if let Some(slew) = self.slew_per_s {
             table.insert(format!("slew_{input}_per_s"), slew.into());
         }
+        if let Some(Observer { slope, reach, band }) = self.observer {
+            table.insert(format!("observer_slope_{output}_per_{input}"), slope.into());
+            table.insert("observer_reach".into(), reach.into());
+            table.insert(format!("observer_band_{output}"), band.into());
+        }
         table.insert("limited_by".into(), self.limited_by.as_str().into());
         top.insert(TUNING.into(), Value::Table(table));
     }
@@ -197,6 +227,17 @@ impl Tuning {
             kd: not_negative(of, &format!("kd_{input}_s_per_{output}"))?,
             derivative_filter_s: not_negative(of, "derivative_filter_s")?,
             tracking_time_s: positive(of, "tracking_time_s")?,
+            observer: {
+                let key = format!("observer_slope_{output}_per_{input}");
+                let observer = |of: &mut Section| -> Result<Observer, KeyError> {
+                    Ok(Observer {
+                        slope: positive(of, &key)?,
+                        reach: positive(of, "observer_reach")?,
+                        band: not_negative(of, &format!("observer_band_{output}"))?,
+                    })
+                };
+                if of.has(&key) { Some(observer(of)?) } else { None }
+            },
             slew_per_s: {
                 let key = format!("slew_{input}_per_s");
                 if of.has(&key) { Some(positive(of, &key)?) } else { None }

@@ -12,6 +12,7 @@ use crate::stuck::Stuck;
 use crate::words::experiment;
 use crate::{Named, Smoothing};
 use recording::model_file::names::Names;
+use recording::worth::Limit;
 
 /// A diagnosis; the keys of errors carry the output's unit. The errors are those of simulated
 /// models: `heldout` on the rows behind the split, or on another recording; `written` is the model
@@ -114,12 +115,13 @@ fn unexplained(seen: &Unexplained) -> Value {
         Unexplained::Stuck(Stuck { rows, longest_s }) => {
             json!({"seen": "stuck", "rows": rows, "longest_s": longest_s})
         }
-        Unexplained::Poor(Poor { rmse, percent_of_stroke, better }) => json!({
+        Unexplained::Poor(Poor { rmse, percent_of_stroke, better, limit }) => json!({
             "seen": "poor_model",
             "rmse": rmse,
             "percent_of_stroke": percent_of_stroke,
             "better": better.map(|(better, _)| better.name()),
             "better_rmse": better.map(|(_, rmse)| rmse),
+            "limited_by": limit.map(Limit::key),
         }),
         Unexplained::NotSimulated => json!({"seen": "not_simulated"}),
         Unexplained::NoGain { before, after } => {

@@ -11,7 +11,7 @@ use super::search::Search;
 use super::trivial::Trivial;
 use recording::figures::stroke;
 use recording::numbers::root_mean_square;
-use recording::worth::DEPLOYABLE;
+use recording::worth::{DEPLOYABLE, Limit};
 
 /// The model that is written may have so many times the error of a hysteresis of any form: with more, three quarters of the squared
 /// error are due to its form. Models of sound muscles come to 0.6 to 1.6.
@@ -35,12 +35,18 @@ pub struct Poor {
     pub percent_of_stroke: f64,
     /// What is better, and the error of that; None where nothing is, but the model is further off than one that drives a valve may be.
     pub better: Option<(Better, f64)>,
+    /// What of the output's course over the input no operator model can follow; None where nothing of the kind is seen.
+    pub limit: Option<Limit>,
 }
 
 /// Whether the model that is written, or the one with the named causes, is too poor for its verdict; None where neither is.
 pub fn poor(search: &Search<'_>, columns: &Columns, extended: &Extended) -> Option<Poor> {
     let stroke = stroke(&columns.output, &columns.scored);
-    let of = |rmse: f64, better| Poor { rmse, percent_of_stroke: 100.0 * rmse / stroke, better };
+    let Columns { input, output, scored: is_scored, .. } = columns;
+    let of = |rmse: f64, better| {
+        let limit = Limit::of_shape(input, output, is_scored, rmse);
+        Poor { rmse, percent_of_stroke: 100.0 * rmse / stroke, better, limit }
+    };
     let written = extended.written(columns, None)?;
     let errors = |simulated: &[f64], rows: &[usize]| -> Vec<f64> {
         rows.iter().map(|&row| columns.output[row] - simulated[row]).collect()

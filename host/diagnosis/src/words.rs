@@ -71,19 +71,20 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
 }
 
 /// How far the model that is written is off, and from what that shows.
-fn described_poorly(Poor { rmse, percent_of_stroke, better }: &Poor, unit: Unit) -> String {
+fn described_poorly(Poor { rmse, percent_of_stroke, better, limit }: &Poor, unit: Unit) -> String {
+    let why = limit.map_or(String::new(), |limit| format!(" In this recording {}.", limit.reason()));
     let off = format!(
         "The operator model is off by {} {unit}, {percent_of_stroke:.1} % of the stroke",
         legible(*rmse, 3)
     );
     match better {
         Some((better, rmse)) => format!(
-            "{off}, and {} by {} {unit}: this kind of model does not describe the recording.",
+            "{off}, and {} by {} {unit}: this kind of model does not describe the recording.{why}",
             better.words(),
             legible(*rmse, 3)
         ),
         None => format!(
-            "{off}, more than the {:.0} % up to which a model may drive a valve: none of the causes explains that.",
+            "{off}, more than the {:.0} % up to which a model may drive a valve: none of the causes explains that.{why}",
             100.0 * DEPLOYABLE
         ),
     }

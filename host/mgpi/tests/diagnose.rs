@@ -213,4 +213,6 @@ fn an_output_that_falls_is_unexplained_with_its_size_and_no_cause_is_named() {
     assert!(said.contains("% of the stroke") && !said.contains("with the causes"), "{said}");
     assert_eq!(json["unexplained"]["seen"], "poor_model");
     assert!(json["unexplained"]["percent_of_stroke"].as_f64().expect("a share") > 10.0, "{said}");
+    assert_eq!(json["unexplained"]["limited_by"], "output_falls");
+    assert!(said.contains("give one of the columns the other sign"), "what helps is said: {said}");
 }

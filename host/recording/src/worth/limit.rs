@@ -65,28 +65,36 @@ impl Limit {
             values.iter().zip(&drive.scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
         };
         let floor = noise::floor(&of_scored(&drive.time_s), &of_scored(&output.values)).deviation;
-        let is_most = |part: f64| part.powi(2) > MOST * training.rmse.powi(2);
         let share = Worth::from_figures(training, heldout, recording.stroke(), None).share;
-        if is_most(floor) && share < DEPLOYABLE {
+        if is_most(floor, training.rmse) && share < DEPLOYABLE {
             return Some(Self::Noise);
         }
-        if share <= GOOD {
-            return None;
+        let shape = Self::of_shape(&drive.input.values, &output.values, &drive.scored, training.rmse);
+        let heldout_differs = heldout.is_some_and(|heldout| heldout.rmse > CHANGED * training.rmse);
+        match shape {
+            // A loop that is run the other way round is told even where it is narrow.
+            Some(shape) if share > GOOD || shape == Self::Leads => Some(shape),
+            _ if share <= GOOD => None,
+            _ => Some(if heldout_differs { Self::Changed } else { Self::Other }),
         }
-        let shape = Shape::of(&drive.input.values, &output.values, &drive.scored);
-        Some(if shape.explained < DEPENDS {
-            Self::Independent
-        } else if let Some(is_peak) = shape.turns_at_a_peak() {
-            if is_peak { Self::Hill } else { Self::Valley }
-        } else if shape.falls() {
-            Self::Falls
-        } else if shape.opening < 0.0 && is_most(shape.half_width) {
-            Self::Leads
-        } else if heldout.is_some_and(|heldout| heldout.rmse > CHANGED * training.rmse) {
-            Self::Changed
-        } else {
-            Self::Other
-        })
+    }
+
+    /// What keeps a model of this error from following the output over the input; None where
+    /// nothing of the kind does. `scored` are the samples that count. Output unit.
+    pub fn of_shape(input: &[f64], output: &[f64], scored: &[bool], rmse: f64) -> Option<Self> {
+        let shape = Shape::of(input, output, scored);
+        if shape.explained < DEPENDS {
+            return Some(Self::Independent);
+        }
+        if is_most(shape.not_rising, rmse) {
+            match shape.turns_at_a_peak() {
+                Some(true) => return Some(Self::Hill),
+                Some(false) => return Some(Self::Valley),
+                None if shape.falls() => return Some(Self::Falls),
+                None => {}
+            }
+        }
+        (shape.opening < 0.0 && is_most(shape.half_width, rmse)).then_some(Self::Leads)
     }
 
     /// Its name in files.
@@ -146,6 +154,11 @@ impl Limit {
     }
 }
 
+/// Whether a part makes up most of an error. Both are root mean squares in one unit.
+fn is_most(part: f64, rmse: f64) -> bool {
+    part.powi(2) > MOST * rmse.powi(2)
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -157,6 +170,11 @@ mod tests {
     /// What limits a model of an output over six triangles of the input from -1 to 1, 1,800 samples
     /// with little noise; `of` has the input, the input some samples before and the time in cycles.
     fn limit(of: impl Fn(f64, f64, f64) -> f64) -> Option<Limit> {
+        limit_beside(0.3, of)
+    }
+
+    /// The same beside an error. Unit: share of stroke.
+    fn limit_beside(share: f64, of: impl Fn(f64, f64, f64) -> f64) -> Option<Limit> {
         let input = |row: f64| {
             let phase = (row / 300.0).rem_euclid(1.0);
             if phase < 0.5 { 4.0 * phase - 1.0 } else { 3.0 - 4.0 * phase }
@@ -170,8 +188,8 @@ mod tests {
         }
         let table = Table::parse(Path::new("muscle.csv"), text.as_bytes()).expect("a table");
         let recording = Recording::of(&table, &Choice::default()).expect("a recording");
-        let poor = Figures { rmse: 0.3 * recording.stroke(), mae: 0.3, max_error: 1.0 };
-        Limit::of(&recording, &poor, None)
+        let figures = Figures { rmse: share * recording.stroke(), mae: 0.3, max_error: 1.0 };
+        Limit::of(&recording, &figures, None)
     }
 
     #[test]
@@ -182,6 +200,12 @@ mod tests {
         assert_eq!(limit(|_, late, _| late * late), Some(Limit::Valley));
         assert_eq!(limit(|x, late, _| x + 8.0 * (x - late)), Some(Limit::Leads));
         assert_eq!(limit(|_, late, cycles| late + 0.3 * cycles), Some(Limit::Other));
+    }
+
+    #[test]
+    fn a_narrow_loop_that_is_run_the_other_way_round_is_told_of_a_good_model() {
+        assert_eq!(limit_beside(0.006, |x, late, _| x + 0.1 * (x - late)), Some(Limit::Leads));
+        assert_eq!(limit_beside(0.006, |x, late, _| x - 0.1 * (x - late)), None);
     }
 
     #[test]

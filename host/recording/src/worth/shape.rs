@@ -26,6 +26,9 @@ pub struct Shape {
     pub half_width: f64,
     /// Share of the output's variance that goes with the two curves.
     pub explained: f64,
+    /// Root mean square, over the samples, of the loop's middle less the rising curve that is
+    /// nearest to it.
+    pub not_rising: f64,
 }
 
 impl Shape {
@@ -48,10 +51,14 @@ impl Shape {
         let means = sums.map(|(count, sum)| (count > 0.0).then(|| sum / count));
         let pairs = || means.chunks_exact(2).map(|pair| (pair[0], pair[1]));
         let openings: Vec<f64> = pairs().filter_map(|(falling, rising)| Some(falling? - rising?)).collect();
-        let middle = pairs().filter_map(|pair| match pair {
-            (Some(falling), Some(rising)) => Some(0.5 * (falling + rising)),
-            (one, other) => one.or(other),
-        });
+        let middle: Vec<f64> = pairs()
+            .filter_map(|pair| match pair {
+                (Some(falling), Some(rising)) => Some(0.5 * (falling + rising)),
+                (one, other) => one.or(other),
+            })
+            .collect();
+        let counts = sums.chunks_exact(2).map(|pair| pair[0].0 + pair[1].0).filter(|count| *count > 0.0);
+        let weighted: Vec<(f64, f64)> = counts.zip(middle.iter().copied()).collect();
         let count = samples.len() as f64;
         let mean = samples.iter().map(|(_, y)| y).sum::<f64>() / count;
         let (left, all) = samples.iter().fold((0.0, 0.0), |(left, all), &(place, y)| {
@@ -59,7 +66,8 @@ impl Shape {
         });
         let parts = openings.len().max(1) as f64;
         Self {
-            middle: middle.collect(),
+            not_rising: (distance_to_rising(&weighted) / count).sqrt(),
+            middle,
             opening: openings.iter().sum::<f64>() / parts,
             half_width: 0.5 * (openings.iter().map(|opening| opening * opening).sum::<f64>() / parts).sqrt(),
             explained: 1.0 - left / all,
@@ -89,5 +97,43 @@ impl Shape {
             .filter(|turn| is_within(turn.row))
             .map(|turn| turn.is_peak)
             .collect()
+    }
+}
+
+/// The least sum of weighted squares between values and ones that never fall, for values with their
+/// weights before them. By pooling neighbours that fall (Ayer et al. 1955).
+fn distance_to_rising(values: &[(f64, f64)]) -> f64 {
+    /// Neighbours with one value.
+    struct Pool {
+        weight: f64,
+        mean: f64,
+        squares: f64,
+    }
+    let mut pools: Vec<Pool> = Vec::new();
+    for &(weight, mean) in values {
+        let mut last = Pool { weight, mean, squares: 0.0 };
+        while let Some(before) = pools.pop_if(|before| before.mean > last.mean) {
+            let weight = before.weight + last.weight;
+            let between = before.weight * last.weight / weight * (before.mean - last.mean).powi(2);
+            let mean = (before.weight * before.mean + last.weight * last.mean) / weight;
+            last = Pool { weight, mean, squares: before.squares + last.squares + between };
+        }
+        pools.push(last);
+    }
+    pools.iter().map(|pool| pool.squares).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rising_values_nearest_to_a_fall_are_its_mean() {
+        let weighted = |values: &[f64]| -> Vec<(f64, f64)> { values.iter().map(|y| (1.0, *y)).collect() };
+        assert_eq!(distance_to_rising(&weighted(&[1.0, 2.0, 2.0, 5.0])), 0.0);
+        // 3, 2 and 1 become 2 each.
+        assert!((distance_to_rising(&weighted(&[0.0, 3.0, 2.0, 1.0, 4.0])) - 2.0).abs() < 1e-12);
+        // Twice a 3 and a 0 become 2 each.
+        assert!((distance_to_rising(&[(2.0, 3.0), (1.0, 0.0)]) - 6.0).abs() < 1e-12);
     }
 }

@@ -1,71 +1,34 @@
 //! A board with its bus on the host, and the frames of a Modbus client.
 
-use crate::images::RamImages;
+use std::ops::{Deref, DerefMut};
+
 use board_models::paper_parameters;
-use firmware::bus::{Bus, Timing};
-use firmware::identity::Identity;
-use firmware::node::{Node, carry_out};
-use firmware::store::{Parameters, SaveError};
-use firmware::{BlackBox, Capture, Control, LockStepBoard};
+use firmware::{BlackBox, Capture, Control};
+use fleet::board::{Board, SILENCE_TICKS};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use wire::image::Linked;
 use wire::registers::{Command, Exception, Id, UNIT, Value};
-use wire::{BusParameters, Configuration, Protection, Request, Response, TickReply, TickRequest, VERSION};
+use wire::{Configuration, Protection, Request, Response, TickReply, VERSION};
 
-/// Ticks of silence before a frame.
-const SILENCE_TICKS: u32 = 2;
-const TIMING: Timing = Timing::Ticks(SILENCE_TICKS);
 /// Codes of a vented muscle at rest.
 const AT_REST: (u16, u16) = (410, 205);
 /// The CRC-16 of Modbus.
 const CRC: crc::Crc<u16> = crc::Crc::<u16>::new(&crc::CRC_16_MODBUS);
 
-/// The board.
-pub struct BusBoard {
-    node: HostNode,
-    board: LockStepBoard,
-    bus: Bus,
+/// A board, and a client that has it alone on its bus.
+pub struct BusBoard(Board);
+
+impl Deref for BusBoard {
+    type Target = Board;
+
+    fn deref(&self) -> &Board {
+        &self.0
+    }
 }
 
-/// What bus and link work on.
-struct HostNode {
-    control: Control,
-    parameters: Parameters,
-    images: Option<RamImages>,
-    /// The last parameters that the bus has asked its line to take.
-    line: Option<BusParameters>,
-}
-
-/// Who the board says it is.
-pub const IDENTITY: Identity = Identity {
-    unique_id: [0x0039, 0x0045, 0x3134, 0x510E, 0x3238, 0x3732],
-    processor: 0x1007_6413,
-    hardware_revision: 3,
-};
-
-impl Node for HostNode {
-    type Images = RamImages;
-
-    fn control<R>(&mut self, work: impl FnOnce(&mut Control) -> R) -> R {
-        work(&mut self.control)
-    }
-
-    fn parameters(&self) -> &Parameters {
-        &self.parameters
-    }
-
-    fn identity(&self) -> &Identity {
-        &IDENTITY
-    }
-
-    fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError> {
-        self.parameters = parameters;
-        Ok(())
-    }
-
-    fn images(&mut self) -> Option<&mut RamImages> {
-        self.images.as_mut()
+impl DerefMut for BusBoard {
+    fn deref_mut(&mut self) -> &mut Board {
+        &mut self.0
     }
 }
 
@@ -74,20 +37,6 @@ impl BusBoard {
     pub fn new() -> Self {
         // The control keeps both for as long as the board runs.
         Self::with(Box::leak(Box::default()), Box::leak(Box::default()))
-    }
-
-    /// A board that has been told its number.
-    pub fn of_number(unit: u8) -> Self {
-        let mut board = Self::new();
-        board.node.parameters.bus.unit = unit;
-        board
-    }
-
-    /// A board that takes images; the one that it runs has this head.
-    pub fn with_images(linked: &Linked) -> Self {
-        let mut board = Self::new();
-        board.node.images = Some(RamImages::new(linked));
-        board
     }
 
     /// A board with the paper's model.
@@ -104,7 +53,7 @@ impl BusBoard {
 
     /// The same board, reset to its state when it was new.
     pub fn reset(self) -> Self {
-        let (black_box, capture) = self.node.control.into_memory();
+        let (black_box, capture) = self.0.into_control().into_memory();
         *black_box = BlackBox::default();
         *capture = Capture::default();
         Self::with(black_box, capture)
@@ -116,70 +65,13 @@ impl BusBoard {
 
     /// The board with this control.
     pub fn of(control: Control) -> Self {
-        let parameters = Parameters { protection: Protection::SIMULATED, ..Parameters::FACTORY };
-        let node = HostNode { control, parameters, images: None, line: None };
-        Self { node, board: LockStepBoard::new(), bus: Bus::new(TIMING) }
-    }
-
-    /// Sends a request over the link.
-    pub fn request(&mut self, request: &Request) -> Response {
-        carry_out(&mut self.node, request)
-    }
-
-    /// The control under test.
-    pub fn control(&mut self) -> &mut Control {
-        &mut self.node.control
-    }
-
-    /// The set that the board would keep.
-    pub fn parameters(&self) -> &Parameters {
-        &self.node.parameters
+        Self(Board::of(control, Protection::SIMULATED))
     }
 
     /// A tick with a vented muscle at rest; the reference stays that of the bus.
     pub fn tick(&mut self) -> TickReply {
         let (pressure_code, contraction_code) = AT_REST;
         self.tick_at(pressure_code, contraction_code)
-    }
-
-    /// A tick with these samples; the reference stays that of the bus.
-    pub fn tick_at(&mut self, pressure_code: u16, contraction_code: u16) -> TickReply {
-        let request = TickRequest {
-            reference_mm: None,
-            pressure_code,
-            contraction_code,
-            load_n: None,
-            temperature_c: None,
-        };
-        self.board.tick(&mut self.node.control, request)
-    }
-
-    /// A moment in which nothing comes; answers what the board sends.
-    pub fn idle(&mut self) -> Vec<u8> {
-        self.take(None)
-    }
-
-    /// What the line has last been asked to be.
-    pub fn line(&self) -> Option<BusParameters> {
-        self.node.line
-    }
-
-    /// The board's number.
-    pub fn unit(&self) -> u8 {
-        self.node.line.map_or(UNIT, |line| line.unit)
-    }
-
-    fn take(&mut self, byte: Option<u8>) -> Vec<u8> {
-        let tick = self.node.control.ticks();
-        if let Some(line) = self.bus.line(tick, &self.node) {
-            self.node.line = Some(line);
-        }
-        let sent = self.bus.take(byte, tick, &mut self.node).to_vec();
-        if let Some(images) = self.node.images.as_mut().filter(|images| images.restarts) {
-            images.start();
-            self.bus = Bus::new(TIMING);
-        }
-        sent
     }
 
     /// Ticks in which nothing is on the bus, enough for a frame to begin; answers what the board
@@ -191,17 +83,6 @@ impl BusBoard {
                 self.idle()
             })
             .collect()
-    }
-
-    /// Puts bytes on the bus at once; answers what the board sends, a frame each.
-    pub fn send_all(&mut self, bytes: &[u8]) -> Vec<Vec<u8>> {
-        let answers = bytes.iter().map(|&byte| self.take(Some(byte)));
-        answers.filter(|answer| !answer.is_empty()).collect()
-    }
-
-    /// The same, one behind the other.
-    pub fn send(&mut self, bytes: &[u8]) -> Vec<u8> {
-        self.send_all(bytes).concat()
     }
 
     /// Sends a request (function and data) to the board, and answers function and data of its

@@ -5,10 +5,13 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
+use wire::Protection;
 use wire::image::Linked;
+use wire::registers::UNIT;
 
-use crate::bus::BusBoard;
-use crate::desk::{Desk, Way};
+use crate::desk::Desk;
+use fleet::board::Board;
+use fleet::line::Way;
 
 /// How much faster time passes there.
 const PACE: f64 = 5.0;
@@ -50,7 +53,11 @@ impl DeskBench {
         linked: Linked,
         disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static,
     ) -> Self {
-        Self::at(Desk::of(PACE, move || vec![BusBoard::with_images(&linked)], disturb))
+        Self::at(Desk::of(
+            PACE,
+            move || vec![Board::of_number(UNIT, Protection::SIMULATED).with_images(&linked)],
+            disturb,
+        ))
     }
 
     fn at(desk: Desk) -> Self {

@@ -12,7 +12,6 @@ pub mod desk;
 pub mod desk_commands;
 pub mod flash;
 pub mod game;
-pub mod images;
 pub mod single;
 pub mod store;
 

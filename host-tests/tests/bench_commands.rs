@@ -1,7 +1,7 @@
 //! The commands of the bench against the board's own code on a serial line: deploy, capture, track,
 //! status. Time passes faster here than on a bench.
 
-use host_tests::desk::Way;
+use fleet::line::Way;
 use host_tests::desk_commands::DeskBench as Bench;
 use serde_json::Value;
 

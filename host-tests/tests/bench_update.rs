@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use board_client::update::Package;
 use firmware::FIRMWARE_VERSION;
-use host_tests::desk::Way;
+use fleet::line::Way;
 use host_tests::desk_commands::DeskBench as Bench;
 use packing::{new_key, read_key, small};
 use wire::image::{BoardKind, Linked, Place};

@@ -1,7 +1,8 @@
 //! How the board is reached: number, rate, parity, patience; and who it says it is.
 
 use firmware::identity::SOURCE;
-use host_tests::bus::{BusBoard, IDENTITY, frame, refused};
+use fleet::board::IDENTITY;
+use host_tests::bus::{BusBoard, frame, refused};
 use wire::registers::{BusListens, Command, Exception, Id, UNIT};
 use wire::{BusParameters, Parity};
 

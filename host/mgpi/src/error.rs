@@ -18,6 +18,8 @@ use diagnosis::DiagnosisError;
 use diagnosis::plan::PlanError;
 use export::c::NotExported;
 use export::fmu::NoUnit;
+#[cfg(unix)]
+use fleet::FleetError;
 use identification::IdentificationError;
 use import::ImportError;
 use recording::model_file::ModelFileError;
@@ -65,6 +67,10 @@ pub enum Error {
     #[cfg(unix)]
     #[error(transparent)]
     Emulator(#[from] EmulatorError),
+    /// There is no fleet.
+    #[cfg(unix)]
+    #[error(transparent)]
+    Fleet(#[from] FleetError),
     /// A run of the firmware does not come to its end.
     #[error(transparent)]
     Pil(#[from] PilError),

@@ -1,29 +1,22 @@
 //! `mgpi emulate`: the firmware in the emulator, by hand, or as a board on its bus.
 
-use std::fs;
-use std::io::{self, BufRead, BufReader, Read, Seek, Write};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use clap::Args;
-use rustix::process::{Signal, kill_process};
 
+use super::background;
 use super::plant::PlantArguments;
 use crate::Error;
 use board_client::child::{ChildGroup, WAIT_SLICE};
-use board_client::emulator::line::{Line, Owner};
+use board_client::emulator::line::Line;
 use board_client::emulator::log::LogDecoder;
 use board_client::emulator::{Emulator, EmulatorError, image, qemu, real_time};
 use board_client::pil::plant::PlantProcess;
 use board_client::pil::{PilError, lock_step};
 use board_client::stop::Stop;
-
-/// What is written where somebody waits for the board.
-const READY: &str = "ready";
-/// How long an emulator may take to end.
-const END: Duration = Duration::from_secs(10);
 
 /// Runs the firmware in the emulator until Ctrl-C: as a board with a plant, in real time, whose bus
 /// is a serial port of this machine; or, without --port, with its service link open to other
@@ -57,8 +50,8 @@ pub struct Arguments {
 /// There is no firmware, or the emulator cannot be started or ends by itself.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     match &arguments.port {
-        Some(port) if arguments.stop => end(port),
-        Some(_) if arguments.background => in_background(),
+        Some(port) if arguments.stop => background::end(port),
+        Some(_) if arguments.background => background::start(),
         Some(port) => on_bus(port, arguments),
         None => by_link(&image::find(arguments.firmware.as_deref())?),
     }
@@ -80,10 +73,7 @@ fn on_bus(
         say!("{}: was left by an emulator that was killed, and is replaced", port.display());
     }
     say!("serial port {} ({}); Ctrl-C ends the emulator", port.display(), line.terminal().display());
-    if let Some(descriptor) = ready_fd {
-        let told = fs::OpenOptions::new().write(true).open(format!("/dev/fd/{descriptor}"));
-        told.and_then(|mut file| writeln!(file, "{READY}")).map_err(EmulatorError::Untold)?;
-    }
+    background::tell_ready(*ready_fd)?;
     let run = real_time::run(&mut board, &mut plant, &stop, |late| {
         say!(
             "this machine is slow: a tick came {:.2} s late. The board's time then passes more slowly than that of the \
@@ -95,58 +85,6 @@ fn on_bus(
         Err(PilError::Stopped) => Ok(()),
         other => Ok(other?),
     }
-}
-
-/// Starts this command again without --background, and waits until its board answers.
-fn in_background() -> Result<(), Error> {
-    let arguments = std::env::args_os().skip(1).filter(|argument| argument != "--background");
-    let start = || {
-        let mut messages = tempfile::tempfile()?;
-        let mut command = Command::new(std::env::current_exe()?);
-        command.args(arguments).args(["--ready-fd", "1"]);
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(messages.try_clone()?);
-        let mut emulator = command.spawn()?;
-        let output = emulator.stdout.take().ok_or(io::ErrorKind::BrokenPipe)?;
-        for line in BufReader::new(output).lines() {
-            match line?.replace("Ctrl-C ends", "--stop ends") {
-                line if line == READY => return Ok(None),
-                line => say!("{line}"),
-            }
-        }
-        // It has ended, and said why.
-        emulator.wait()?;
-        let mut said = String::new();
-        messages.rewind()?;
-        messages.read_to_string(&mut said)?;
-        Ok(Some(said.trim_start_matches("error: ").trim_end().to_owned()))
-    };
-    match start().map_err(EmulatorError::NotInBackground)? {
-        None => Ok(()),
-        Some(said) => Err(EmulatorError::NotReady(said).into()),
-    }
-}
-
-/// Ends the emulator that has a port, and removes the name that one has left.
-fn end(port: &Path) -> Result<(), Error> {
-    let refused = |problem: io::Error| EmulatorError::Line { name: port.to_owned(), problem };
-    match Owner::of(port) {
-        None => return Err(EmulatorError::NoEmulator(port.to_owned()).into()),
-        Some(Owner::Gone) => {
-            fs::remove_file(port).map_err(refused)?;
-            say!("{}: was left by an emulator that was killed, and is removed", port.display());
-        }
-        Some(Owner::Running(process)) => {
-            kill_process(process, Signal::TERM).map_err(|error| refused(error.into()))?;
-            let deadline = Instant::now() + END;
-            while Owner::of(port) == Some(Owner::Running(process)) {
-                if Instant::now() > deadline {
-                    return Err(refused(io::ErrorKind::TimedOut.into()).into());
-                }
-                thread::sleep(WAIT_SLICE);
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Runs the firmware with its link open to other programs.

@@ -1,5 +1,7 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
+#[cfg(unix)]
+mod background;
 pub mod backup;
 pub mod batch;
 mod board_model;
@@ -14,6 +16,8 @@ mod diagnosed_summary;
 #[cfg(unix)]
 pub mod emulate;
 pub mod export;
+#[cfg(unix)]
+pub mod fleet;
 mod gains;
 pub mod identify;
 pub mod import;
@@ -72,6 +76,8 @@ enum Command {
     Plan(plan::Arguments),
     #[cfg(unix)]
     Emulate(emulate::Arguments),
+    #[cfg(unix)]
+    Fleet(fleet::Arguments),
     Capture(capture::Arguments),
     Deploy(deploy::Arguments),
     Backup(backup::Arguments),
@@ -111,6 +117,8 @@ impl CommandLine {
             Command::Plan(arguments) => plan::run(&arguments),
             #[cfg(unix)]
             Command::Emulate(arguments) => emulate::run(&arguments),
+            #[cfg(unix)]
+            Command::Fleet(arguments) => fleet::run(&arguments),
             Command::Capture(arguments) => capture::run(&arguments),
             Command::Deploy(arguments) => deploy::run(&arguments),
             Command::Backup(arguments) => backup::run(&arguments),

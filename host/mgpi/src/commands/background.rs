@@ -1,5 +1,5 @@
-//! Boards without hardware in the background: a command that returns as soon as they answer, and one
-//! that ends them.
+//! Boards without hardware in the background: a command that returns as soon as they answer, and
+//! one that ends them.
 
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Seek, Write};

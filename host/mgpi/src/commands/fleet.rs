@@ -21,9 +21,9 @@ const LATE: Duration = Duration::from_millis(50);
 
 /// Runs many boards without hardware until Ctrl-C: the firmware's library on this machine, each
 /// board with a simulated muscle of its own, in real time. The lines are serial ports `line-1`,
-/// `line-2` and so on in a directory; the boards have the numbers from 1 on, over all lines. As on a
-/// real board a model is deployed first, and the monitors are on. What a board is told to keep is
-/// lost with the fleet.
+/// `line-2` and so on in a directory; the boards have the numbers from 1 on, over all lines. As on
+/// a real board a model is deployed first, and the monitors are on. What a board is told to keep
+/// is lost with the fleet.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// The directory for the ports; it is made if it is not there

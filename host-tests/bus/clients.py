@@ -1,9 +1,10 @@
 """pymodbus and mbpoll, as they are, against a board on a serial port.
 
-Usage: clients.py PORT REGISTERS.csv CONFIGURATION
+Usage: clients.py PORT REGISTERS.csv CONFIGURATION RANDOM_FRAMES UNIT [OTHER_UNIT…]
 
 The registers come from the documentation's CSV, so what is checked is what a user is told. CONFIGURATION: the bytes of a
-model that the board takes, and CONFIGURATION.other those of another one. The board is left vented.
+model that the board takes, and CONFIGURATION.other those of another one. OTHER_UNIT: boards on the same line, of
+which nothing may change. The board is left vented.
 """
 
 import csv
@@ -19,8 +20,9 @@ import serial
 from pymodbus.client import ModbusSerialClient
 from pymodbus.framer import FramerRTU
 
-PORT, REGISTERS, CONFIGURATION = sys.argv[1:]
-UNIT, BAUD = 1, 115_200
+PORT, REGISTERS, CONFIGURATION, *NUMBERS = sys.argv[1:]
+RANDOM_FRAMES, UNIT, *OTHERS = map(int, NUMBERS)
+BAUD = 115_200
 # Longer than the silence between two frames, and that on a machine with much else to do.
 PAUSE_S, LONG_PAUSE_S = 0.03, 1.0
 FUNCTION, ADDRESS, VALUE, BUSY = 1, 2, 3, 6
@@ -52,15 +54,16 @@ def value_of(row, words):
 
 
 class Board:
-    """The board by pymodbus."""
+    """The board by pymodbus, or another one on its line."""
 
-    def __init__(self):
+    def __init__(self, unit=UNIT):
+        self.unit = unit
         self.client = ModbusSerialClient(PORT, baudrate=BAUD, timeout=3, retries=0)
         check(self.client.connect(), f"{PORT} opens")
 
     def words(self, row, function=3):
         read = self.client.read_holding_registers if function == 3 else self.client.read_input_registers
-        answer = read(row["address"], count=row["words"], device_id=UNIT)
+        answer = read(row["address"], count=row["words"], device_id=self.unit)
         check(not answer.isError(), f"{row['name']} is read by function {function}: {answer}")
         return answer.registers
 
@@ -70,7 +73,7 @@ class Board:
 
     def write(self, address, words):
         """0, or the exception."""
-        answer = self.client.write_registers(address, words, device_id=UNIT)
+        answer = self.client.write_registers(address, words, device_id=self.unit)
         return answer.exception_code if answer.isError() else 0
 
     def set(self, name, value):
@@ -240,7 +243,7 @@ def frames(line):
         check(exchange(line, good[:length]) == SILENCE, f"silence to {length} bytes of a frame")
     for more in (1, 2, 100, 243, 400):
         check(exchange(line, framed(good[:-2] + bytes(more))) == SILENCE, f"silence to {more} bytes too many")
-    for unit in (2, 17, 247, 255):
+    for unit in {5, 17, 247, 255} - {UNIT, *OTHERS}:
         check(exchange(line, framed(bytes([unit]) + good[1:-2])) == SILENCE, f"silence to a frame for {unit}")
     unknown = framed(bytes([UNIT, 99, 1, 2, 3]))
     time.sleep(LONG_PAUSE_S)
@@ -251,7 +254,7 @@ def frames(line):
 
 def random_frames(line):
     source = random.Random(7)
-    for number in range(1000):
+    for number in range(RANDOM_FRAMES):
         data = source.randbytes(source.randint(1, 300))
         if number % 4 == 0:
             # Whole ones, to ask for functions that there are not.
@@ -285,11 +288,24 @@ def by_mbpoll():
         check(exception in (ran.stderr + ran.stdout).lower(), f"mbpoll is refused {name} = {value}: {ran.stderr}")
 
 
+def contents_of_others():
+    contents = []
+    for unit in OTHERS:
+        other = Board(unit)
+        contents.append(other.contents())
+        other.client.close()
+    return contents
+
+
 def main():
+    others = contents_of_others()
+    ids = [tuple(contents["unique_id"]) for contents in others]
     with open(CONFIGURATION, "rb") as one, open(f"{CONFIGURATION}.other", "rb") as other:
         content, other = one.read(), other.read()
     board = Board()
     check(board.get("state") == 0, "the board is off")
+    check(board.get("bus_number") == UNIT, "it is the one that is meant")
+    check(len({tuple(board.words(TABLE["unique_id"])), *ids}) == len(ids) + 1, "each processor has a number of its own")
     check(board.set("kp_bar_per_mm", 0.1) == BUSY, "there are no gains without a configuration")
     every_register_is_read(board)
     uploads(board, content, other)
@@ -315,6 +331,7 @@ def main():
     check(board.get("state") == 2, "the board is vented")
     board.client.close()
     by_mbpoll()
+    check(contents_of_others() == others, "nothing has changed in the other boards")
     print(f"{checks} checks")
 
 

@@ -5,19 +5,27 @@
 //! round, text, cells and references are passed over.
 //!
 //! Lengths are known before numbers are read: what is no part of the table, pictures for instance,
-//! is never read.
+//! is never read. Of the others some rows are read at a time. Of arrays in chunks, the chunks are
+//! held that lie beside each other, so that none is unpacked twice: of an array that is one chunk
+//! all of it.
 
-use std::fs;
-use std::path::Path;
+use std::fmt;
+use std::fs::File;
+use std::ops::Range;
+use std::sync::Arc;
 
 use hdf5_reader::group::Group;
-use hdf5_reader::{ByteOrder, Dataset, Datatype, Hdf5File};
+use hdf5_reader::storage::FileStorage;
+use hdf5_reader::{ByteOrder, Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
 
-use super::number::{Kind, columns, transposed};
-use super::{Problem, Shaped, Variable};
+use super::Problem;
+use super::number::Kind;
+use super::variables::{Reader, Variable};
 
 /// Groups within groups that are followed, at most: links may form a circle.
 const DEPTH: usize = 16;
+/// Elements that are read at a time, unless a row has more.
+const PIECE: usize = 1 << 15;
 /// The classes of MATLAB's arrays of numbers.
 const NUMBERS: [&str; 11] =
     ["double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "logical"];
@@ -26,16 +34,25 @@ const NUMBERS: [&str; 11] =
 ///
 /// # Errors
 /// The file is damaged.
-pub fn arrays(file: &Path, is_matlab: bool) -> Result<Vec<Array>, Problem> {
-    let length = fs::metadata(file)?.len();
-    let file = Hdf5File::open(file).map_err(damaged)?;
-    let wanted = file.superblock().eof_address;
-    if length < wanted {
-        return Err(Problem::Damaged(format!("it has {length} bytes of {wanted}")));
+pub fn variables(file: &File, is_matlab: bool) -> Result<Vec<Box<dyn Variable>>, Problem> {
+    let arrays = |options: OpenOptions| {
+        let storage = FileStorage::from_file(file.try_clone()?).map_err(damaged)?;
+        let book = Hdf5File::from_storage_with_options(Arc::new(storage), options).map_err(damaged)?;
+        let (length, wanted) = (file.metadata()?.len(), book.superblock().eof_address);
+        if length < wanted {
+            return Err(Problem::Damaged(format!("it has {length} bytes of {wanted}")));
+        }
+        let mut found = Vec::new();
+        collect(&book.root_group().map_err(damaged)?, "", is_matlab, DEPTH, &mut found)?;
+        Ok(found)
+    };
+    let (mut count, mut bytes) = (0_usize, 0_usize);
+    for (chunks, size) in arrays(OpenOptions::default())?.iter().map(Array::beside_each_other) {
+        count = count.saturating_add(chunks);
+        bytes = bytes.saturating_add(chunks.saturating_mul(size));
     }
-    let mut found = Vec::new();
-    collect(&file.root_group().map_err(damaged)?, "", is_matlab, DEPTH, &mut found)?;
-    Ok(found)
+    let kept = OpenOptions::default().with_chunk_cache_slots(count.max(1)).with_chunk_cache_bytes(bytes);
+    Ok(arrays(kept)?.into_iter().map(|array| Box::new(array) as Box<dyn Variable>).collect())
 }
 
 /// An array of numbers.
@@ -45,6 +62,27 @@ pub struct Array {
     /// Its fields: each a name, where it begins in an element, and how it is stored.
     fields: Vec<(String, usize, Kind)>,
     is_matlab: bool,
+}
+
+impl fmt::Debug for Array {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.debug_struct("Array").field("name", &self.name).field("shape", &self.dataset.shape()).finish()
+    }
+}
+
+/// How the numbers of an array stand.
+#[derive(Clone, Copy, PartialEq)]
+enum Order {
+    /// One.
+    Alone,
+    /// One dimension.
+    Line,
+    /// Two dimensions, the first of one element: a row that is as good as a column.
+    Row,
+    /// The rows of a matrix one behind the other.
+    Rows,
+    /// Its columns.
+    Columns,
 }
 
 fn collect(
@@ -112,46 +150,169 @@ fn number(kind: &Datatype) -> Option<Kind> {
     }
 }
 
-impl Shaped for Array {
-    fn name(&self) -> &str {
-        &self.name
+impl Array {
+    fn order(&self) -> Order {
+        match (self.dataset.shape(), self.is_matlab) {
+            ([], _) => Order::Alone,
+            ([1, _], _) => Order::Row,
+            // A column is the same in either order.
+            ([_, 1], _) | ([_, _], false) => Order::Rows,
+            ([_, _], true) => Order::Columns,
+            _ => Order::Line,
+        }
+    }
+
+    /// Columns of the matrix.
+    fn width(&self) -> usize {
+        match (self.order(), self.dataset.shape()) {
+            (Order::Rows, [_, width]) | (Order::Columns, [width, _]) => size(*width),
+            _ => 1,
+        }
+    }
+
+    /// How many chunks the rows of the array lie in that are read together, and the bytes of one.
+    fn beside_each_other(&self) -> (usize, usize) {
+        let chunks = self.dataset.chunks().unwrap_or_default();
+        let element = self.dataset.raw_element_size().unwrap_or(0);
+        let bytes = chunks.iter().fold(element, |bytes, &count| bytes.saturating_mul(count as usize));
+        let across = match (self.order(), &chunks[..]) {
+            (_, []) => return (0, 0),
+            (Order::Rows, [_, across]) | (Order::Columns, [across, _]) => *across as usize,
+            _ => 1,
+        };
+        (self.width().div_ceil(across.max(1)), bytes)
+    }
+}
+
+fn size(count: u64) -> usize {
+    usize::try_from(count).unwrap_or(usize::MAX)
+}
+
+impl Variable for Array {
+    fn entries(&self) -> Vec<String> {
+        vec![self.name.clone()]
+    }
+
+    fn columns(&self) -> Result<Vec<String>, Problem> {
+        let dimensions = self.dataset.ndim();
+        if dimensions > 2 {
+            let why = format!("it has {dimensions} dimensions; a row a sample is needed");
+            return Err(Problem::Variable { name: self.name.clone(), why });
+        }
+        let width = if self.rows() == 0 { 0 } else { self.width() };
+        let named = |(name, ..): &(String, usize, Kind)| match width {
+            1 => vec![name.clone()],
+            width => (1..=width).map(|place| format!("{name}_{place}")).collect(),
+        };
+        Ok(self.fields.iter().flat_map(named).collect())
     }
 
     fn rows(&self) -> usize {
-        let count = |size: &u64| usize::try_from(*size).unwrap_or(usize::MAX);
-        match (self.dataset.shape(), self.is_matlab) {
-            ([], _) => 1,
-            ([rows], _) => count(rows),
-            // A row is as good as a column.
-            ([1, rows], _) | ([rows, 1], _) => count(rows),
-            ([rows, _], false) | ([_, rows], true) => count(rows),
-            (shape, _) => shape.iter().map(count).fold(1, usize::saturating_mul),
+        match (self.order(), self.dataset.shape()) {
+            (Order::Rows, [rows, _]) | (Order::Row | Order::Columns, [_, rows]) => size(*rows),
+            (_, shape) => shape.iter().fold(1, |product, &count| size(count).saturating_mul(product)),
         }
     }
 
-    fn read(&self) -> Result<Vec<Variable>, Problem> {
-        let (shape, rows) = (self.dataset.shape(), self.rows());
-        if shape.len() > 2 {
-            let why = format!("it has {} dimensions; a row a sample is needed", shape.len());
-            return Err(Problem::Variable { name: self.name.clone(), why });
+    fn reader(&self, columns: &[usize]) -> Result<Box<dyn Reader + '_>, Problem> {
+        Ok(Box::new(Slices { array: self, columns: columns.to_vec(), row: 0 }))
+    }
+}
+
+/// Where the reading of an array has come to.
+struct Slices<'a> {
+    array: &'a Array,
+    /// Those that are read: of each field as many as the matrix has.
+    columns: Vec<usize>,
+    row: usize,
+}
+
+impl Reader for Slices<'_> {
+    fn read(&mut self, rows: usize, columns: &mut [Vec<f64>]) -> Result<(), Problem> {
+        let Array { fields, .. } = self.array;
+        let (order, width) = (self.array.order(), self.array.width());
+        let at_once = (PIECE / width.max(1)).max(1);
+        for first in (0..rows).step_by(at_once) {
+            let these = self.row..self.row + at_once.min(rows - first);
+            let elements = self.array.elements(&these)?;
+            let count = these.len();
+            if elements.len() != count * width {
+                return Err(Problem::Damaged(format!("{} ends within the array", self.array.name)));
+            }
+            for (column, target) in self.columns.iter().zip(&mut *columns) {
+                let ((name, offset, kind), place) = (&fields[column / width], column % width);
+                let (begin, step) = match order {
+                    Order::Columns => (place * count, 1),
+                    _ => (place, width),
+                };
+                for element in elements[begin..].iter().step_by(step).take(count) {
+                    let bytes = element.bytes().get(*offset..*offset + kind.width);
+                    let ends = || Problem::Damaged(format!("{name} ends within a value"));
+                    target.push(kind.value(name, bytes.ok_or_else(ends)?)?);
+                }
+            }
+            self.row = these.end;
         }
-        let bytes = self.dataset.read_raw_bytes().map_err(damaged)?;
-        let width = self.dataset.raw_element_size().map_err(damaged)?.max(1);
-        let mut found = Vec::new();
-        for (name, offset, kind) in &self.fields {
-            let value = |element: &[u8]| match element.get(*offset..*offset + kind.width) {
-                Some(bytes) => kind.value(name, bytes),
-                None => Err(Problem::Damaged(format!("{name} ends within a value"))),
-            };
-            let values: Vec<f64> = bytes.chunks_exact(width).map(value).collect::<Result<_, _>>()?;
-            let is_one = values.len() == rows;
-            let values = match self.is_matlab || is_one {
-                true => values,
-                false => transposed(rows, values.len() / rows.max(1), &values),
-            };
-            found.extend(columns(name, rows, values));
+        Ok(())
+    }
+}
+
+impl Array {
+    /// The elements of some rows, as they stand.
+    fn elements(&self, rows: &Range<usize>) -> Result<Vec<Element>, Problem> {
+        let all = SliceInfoElem::Slice { start: 0, end: u64::MAX, step: 1 };
+        let some = SliceInfoElem::Slice { start: rows.start as u64, end: rows.end as u64, step: 1 };
+        let selections = match self.order() {
+            Order::Alone => return Ok(vec![Element::of(&self.dataset.read_raw_bytes().map_err(damaged)?)]),
+            Order::Line => vec![some],
+            Order::Rows => vec![some, all],
+            Order::Row | Order::Columns => vec![all, some],
+        };
+        let elements = self.dataset.read_slice::<Element>(&SliceInfo { selections });
+        let elements = elements.map_err(|error| Problem::Damaged(format!("{}: {error}", self.name)))?;
+        Ok(elements.into_raw_vec_and_offset().0)
+    }
+}
+
+/// An element as it is stored.
+#[derive(Clone)]
+enum Element {
+    /// Of at most eight bytes; none where it has fewer.
+    Number([u8; 8]),
+    Fields(Box<[u8]>),
+}
+
+impl Element {
+    fn of(bytes: &[u8]) -> Self {
+        let mut number = [0; 8];
+        match number.get_mut(..bytes.len()) {
+            Some(target) => {
+                target.copy_from_slice(bytes);
+                Self::Number(number)
+            }
+            None => Self::Fields(bytes.into()),
         }
-        Ok(found)
+    }
+
+    fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Number(bytes) => bytes,
+            Self::Fields(bytes) => bytes,
+        }
+    }
+}
+
+impl H5Type for Element {
+    fn hdf5_type() -> Datatype {
+        Datatype::Opaque { size: 0, tag: String::new() }
+    }
+
+    fn from_bytes(bytes: &[u8], _: &Datatype) -> hdf5_reader::error::Result<Self> {
+        Ok(Self::of(bytes))
+    }
+
+    fn element_size(_: &Datatype) -> usize {
+        size_of::<Self>()
     }
 }
 

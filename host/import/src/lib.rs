@@ -9,16 +9,25 @@
 //! | `parquet` | Parquet | `parquet` |
 //! | `bag` | MCAP, ROS 2's bags | `mcap` |
 //!
-//! `to_parquet` writes Parquet (feature `parquet`).
+//! `to_parquet` writes Parquet (feature `parquet`). `variables` makes a table of what these files
+//! find, `array` reads what stands in a file as it is, `scratch` unpacks what does not.
 //!
-//! Everything else is text, and read as a recording is ([`Table::read`]). What a file is its first
+//! Everything else is text, and read as a recording is ([`Table::read`](recording::table::Table::read)). What a file is its first
 //! bytes say, not its name.
 //!
 //! # Contract
 //! Numbers are the file's, bit for bit: those of a narrower type are exact in `f64`, but for whole
 //! numbers above 2⁵³, which are refused. A matrix is a column each, `name_1`, `name_2`. Columns of
 //! another length than the times are no part of the table; they are listed by name.
+//!
+//! # Memory
+//! No numbers are held: a file is gone through once to see what its columns are and that it is
+//! whole, and again for some rows at a time ([`Outline`]). What can be read once only, or not from
+//! any place (pipes, packed variables of NumPy and MATLAB), is copied into a file without a name
+//! first; so are the numbers of a bag. Spreadsheets are held, with some 260 bytes a row of three
+//! columns; a sheet of Excel has 1,048,576 rows at most.
 
+mod array;
 #[cfg(feature = "mcap")]
 mod bag;
 #[cfg(feature = "hdf5")]
@@ -28,22 +37,25 @@ mod npy;
 mod number;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod scratch;
 mod sheet;
 #[cfg(feature = "parquet")]
 pub mod to_parquet;
+mod variables;
 
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use recording::input::{self, FromPlace};
+use recording::table::DataError;
 use recording::table::naming::Renamed;
 use recording::table::outline::Outline;
-use recording::table::{DataError, Table};
 use thiserror::Error;
 
-/// A variable of a file: its name, and a value a row.
-pub type Variable = (String, Vec<f64>);
+use variables::{Found, Variable, Variables, of_one_length};
 
 /// The values of a column that is written.
 #[derive(Clone, Copy, Debug)]
@@ -80,8 +92,8 @@ impl Values<'_> {
 /// A file as a table.
 #[derive(Debug)]
 pub struct Imported {
-    /// The table.
-    pub table: Table,
+    /// The table, whose numbers are read when they are asked for.
+    pub outline: Outline,
     /// Variables that are no part of it, each with how many values it has.
     pub left_out: Vec<(String, usize)>,
     /// What was done to make it one, in words.
@@ -103,7 +115,7 @@ pub enum ImportError {
 #[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
 pub enum Problem {
     #[error("cannot be read: {0}")]
-    Unreadable(#[from] std::io::Error),
+    Unreadable(io::Error),
     #[error("cut off or damaged: {0}")]
     Damaged(String),
     #[error("{0}, which this mgpi was built without: the feature {1} of cargo")]
@@ -128,6 +140,13 @@ pub enum Problem {
     Nothing,
 }
 
+/// What has been read tells what was wrong with it.
+impl From<io::Error> for Problem {
+    fn from(error: io::Error) -> Self {
+        error.downcast().unwrap_or_else(Self::Unreadable)
+    }
+}
+
 /// What the user says of a file.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options<'a> {
@@ -137,6 +156,9 @@ pub struct Options<'a> {
     pub columns: &'a [Renamed],
     /// The topic of a bag whose times the recording has.
     pub clock: Option<&'a str>,
+    /// Where copies of what cannot be read twice are kept meanwhile, else where the system keeps
+    /// such files.
+    pub scratch: Option<&'a Path>,
 }
 
 /// The name of the times of a bag.
@@ -161,9 +183,9 @@ enum Kind {
 }
 
 impl Kind {
-    fn of(file: &Path) -> Result<Self, Problem> {
+    fn of(file: &Arc<File>) -> io::Result<Self> {
         let mut head = Vec::new();
-        File::open(file)?.take(HEAD as u64).read_to_end(&mut head)?;
+        FromPlace::new(file, 0).take(HEAD as u64).read_to_end(&mut head)?;
         Ok(match &head[..] {
             [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Self::Npy,
             [b'P', b'A', b'R', b'1', ..] => Self::Parquet,
@@ -178,77 +200,57 @@ impl Kind {
     }
 }
 
-/// Reads a file of whatever kind.
+/// Looks at a file of whatever kind; `-` is standard input.
 ///
 /// # Errors
 /// See [`ImportError`].
 pub fn read(file: &Path, options: &Options) -> Result<Imported, ImportError> {
-    if recording::input::is_standard(file) {
-        return text(file);
-    }
-    let file = &part(file).map_err(of(file))?;
-    let whole = || fs::read(file).map_err(|error| of(file)(error.into()));
-    let variables = match Kind::of(file).map_err(of(file))? {
-        Kind::Npy => npy::array(&stem(file), &whole()?),
-        Kind::Parquet => parquet_file(file),
-        Kind::Mat => mat::variables(&whole()?),
-        Kind::Mat73 => return hdf5_file(file, true).map_err(of(file))?.table(file),
-        Kind::Hdf5 => return hdf5_file(file, false).map_err(of(file))?.table(file),
-        Kind::Bag => return bag_file(file, options).map_err(of(file))?.table(file),
-        Kind::Sqlite => Err(Problem::Sqlite),
-        Kind::Archive => {
-            let bytes = whole()?;
-            match npy::is_archive(&bytes) {
-                true => npy::archive(&bytes),
-                false => {
-                    let text = sheet::text(bytes, options.sheet).map_err(of(file))?;
-                    let table = Table::parse(file, text.as_bytes())?;
-                    return Ok(Imported { table, left_out: Vec::new(), notes: Vec::new() });
-                }
-            }
-        }
-        Kind::Text => return text(file),
+    let of = |file: &Path| {
+        let file = file.to_owned();
+        |problem| ImportError::File { file, problem }
     };
-    of_one_length(variables.map_err(of(file))?).map_err(of(file))?.table(file)
-}
-
-/// The outline of a file of text, whose rows are then read in blocks; `None` of any other file, and
-/// of what can be read once only.
-///
-/// # Errors
-/// See [`ImportError`].
-pub fn outline(file: &Path) -> Result<Option<Outline<'_>>, ImportError> {
-    if recording::input::is_standard(file) || !file.is_file() {
-        return Ok(None);
+    let name = &part(file).map_err(of(file))?;
+    let file = open(name, options.scratch).map_err(|error| of(name)(error.into()))?;
+    let kind = Kind::of(&file).map_err(|error| of(name)(error.into()))?;
+    let text = |outline| Imported { outline, left_out: Vec::new(), notes: Vec::new() };
+    if kind == Kind::Text {
+        return Ok(text(Outline::of(name, file)?));
     }
-    match Kind::of(file).map_err(of(file))? {
-        Kind::Text => Ok(Outline::of(file)?),
-        _ => Ok(None),
+    if kind == Kind::Archive && !npy::is_archive(&file) {
+        let sheet = sheet::text(&file, options.sheet).map_err(of(name))?;
+        return Ok(text(Outline::of_text(name, sheet)?));
+    }
+    let Found { variables, left_out, notes } = found(name, &file, kind, options).map_err(of(name))?;
+    let (numbers, columns) = Variables::of(variables).map_err(of(name))?;
+    let outline =
+        Outline::of_numbers(name, &columns, Box::new(numbers)).map_err(|error| of(name)(error.into()))?;
+    Ok(Imported { outline: outline?, left_out, notes })
+}
+
+/// A file that can be read as often as wanted: of what comes through a pipe a copy.
+fn open(name: &Path, scratch: Option<&Path>) -> io::Result<Arc<File>> {
+    if input::is_standard(name) {
+        return scratch::copy(scratch, &mut io::stdin().lock());
+    }
+    let mut file = File::open(name)?;
+    match file.metadata()?.is_file() {
+        true => Ok(file.into()),
+        false => scratch::copy(scratch, &mut file),
     }
 }
 
-/// That there is a problem with a file.
-fn of(file: &Path) -> impl Fn(Problem) -> ImportError {
-    |problem| ImportError::File { file: file.to_owned(), problem }
-}
-
-/// What a file holds.
-struct Found {
-    variables: Vec<Variable>,
-    left_out: Vec<(String, usize)>,
-    notes: Vec<String>,
-}
-
-impl Found {
-    fn table(self, file: &Path) -> Result<Imported, ImportError> {
-        let Self { variables, left_out, notes } = self;
-        let columns: Vec<(&str, &[f64])> =
-            variables.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
-        if columns.is_empty() {
-            return Err(ImportError::File { file: file.to_owned(), problem: Problem::Nothing });
-        }
-        Ok(Imported { table: Table::of_columns(file, &columns)?, left_out, notes })
-    }
+fn found(name: &Path, file: &Arc<File>, kind: Kind, options: &Options) -> Result<Found, Problem> {
+    let all = match kind {
+        Kind::Npy => npy::array(&stem(name), file)?.into_iter().collect(),
+        Kind::Archive => npy::archive(file, options.scratch)?,
+        Kind::Mat => mat::variables(file, options.scratch)?,
+        Kind::Parquet => parquet_file(file)?,
+        Kind::Mat73 | Kind::Hdf5 => hdf5_file(file, kind == Kind::Mat73)?,
+        Kind::Bag => return bag_file(file, options),
+        Kind::Sqlite => return Err(Problem::Sqlite),
+        Kind::Text => Vec::new(),
+    };
+    Ok(of_one_length(all))
 }
 
 /// The file itself, or of a bag's folder the one that it has.
@@ -276,91 +278,35 @@ fn is_of_version_7_3(head: &[u8]) -> bool {
 }
 
 #[cfg(feature = "parquet")]
-fn parquet_file(file: &Path) -> Result<Vec<Variable>, Problem> {
-    parquet::variables(File::open(file)?)
+fn parquet_file(file: &File) -> Result<Vec<Box<dyn Variable>>, Problem> {
+    parquet::variables(file.try_clone()?)
 }
 
 #[cfg(not(feature = "parquet"))]
-fn parquet_file(_: &Path) -> Result<Vec<Variable>, Problem> {
+fn parquet_file(_: &File) -> Result<Vec<Box<dyn Variable>>, Problem> {
     Err(Problem::NotBuilt("a Parquet file", "parquet"))
 }
 
 #[cfg(feature = "hdf5")]
-fn hdf5_file(file: &Path, is_matlab: bool) -> Result<Found, Problem> {
-    of_one_length(hdf5::arrays(file, is_matlab)?)
+fn hdf5_file(file: &File, is_matlab: bool) -> Result<Vec<Box<dyn Variable>>, Problem> {
+    hdf5::variables(file, is_matlab)
 }
 
 #[cfg(not(feature = "hdf5"))]
-fn hdf5_file(_: &Path, _: bool) -> Result<Found, Problem> {
+fn hdf5_file(_: &File, _: bool) -> Result<Vec<Box<dyn Variable>>, Problem> {
     Err(Problem::NotBuilt("an HDF5 file", "hdf5"))
 }
 
 #[cfg(feature = "mcap")]
-fn bag_file(file: &Path, options: &Options) -> Result<Found, Problem> {
-    let (variables, notes) = bag::variables(File::open(file)?, options)?;
-    Ok(Found { variables, left_out: Vec::new(), notes })
+fn bag_file(file: &Arc<File>, options: &Options) -> Result<Found, Problem> {
+    bag::found(file, options)
 }
 
 #[cfg(not(feature = "mcap"))]
-fn bag_file(_: &Path, _: &Options) -> Result<Found, Problem> {
+fn bag_file(_: &Arc<File>, _: &Options) -> Result<Found, Problem> {
     Err(Problem::NotBuilt("a bag", "mcap"))
-}
-
-fn text(file: &Path) -> Result<Imported, ImportError> {
-    Ok(Imported { table: Table::read(file)?, left_out: Vec::new(), notes: Vec::new() })
-}
-
-/// What has a length before it is read.
-trait Shaped {
-    fn name(&self) -> &str;
-    fn rows(&self) -> usize;
-    fn read(&self) -> Result<Vec<Variable>, Problem>;
-}
-
-impl Shaped for Variable {
-    fn name(&self) -> &str {
-        &self.0
-    }
-
-    fn rows(&self) -> usize {
-        self.1.len()
-    }
-
-    fn read(&self) -> Result<Vec<Variable>, Problem> {
-        Ok(vec![self.clone()])
-    }
-}
-
-/// The variables that have as many values as most have, of equally many lengths the larger; and the
-/// others, which are not read.
-fn of_one_length<S: Shaped>(found: Vec<S>) -> Result<Found, Problem> {
-    let count = |length: usize| found.iter().filter(|one| one.rows() == length).count();
-    let length = found.iter().map(Shaped::rows).max_by_key(|&length| (count(length), length)).unwrap_or(0);
-    let (mut these, mut others) = (Vec::new(), Vec::new());
-    for one in &found {
-        match one.rows() == length {
-            true => these.extend(one.read()?),
-            false => others.push((one.name().to_owned(), one.rows())),
-        }
-    }
-    Ok(Found { variables: these, left_out: others, notes: Vec::new() })
 }
 
 fn stem(file: &Path) -> String {
     file.file_stem().unwrap_or_default().display().to_string()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn variables_of_another_length_are_listed() {
-        let named = |name: &str, count| (name.to_owned(), vec![0.0; count]);
-        let Found { variables: these, left_out: others, .. } =
-            of_one_length(vec![named("rate", 1), named("t", 5), named("p", 5), named("note", 2)])
-                .expect("in memory");
-        assert_eq!(these.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["t", "p"]);
-        assert_eq!(others, [("rate".to_owned(), 1), ("note".to_owned(), 2)]);
-    }
 }

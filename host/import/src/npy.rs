@@ -9,51 +9,57 @@
 //! Real numbers, truth values and fields of them, in either order of bytes; no text, no complex
 //! numbers, no Python objects.
 
-use std::io::{Cursor, Read};
+use std::fmt::Display;
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
 
+use recording::input::FromPlace;
 use zip::ZipArchive;
 
-use super::number::{Kind, columns, transposed};
-use super::{Problem, Variable};
+use super::array::{Array, ends, exactly, unreadable};
+use super::number::Kind;
+use super::variables::Variable;
+use super::{Problem, scratch};
 
 /// Whether an archive is one of NumPy's: all its files are arrays.
-pub fn is_archive(bytes: &[u8]) -> bool {
-    ZipArchive::new(Cursor::new(bytes)).is_ok_and(|archive| {
+pub fn is_archive(file: &File) -> bool {
+    ZipArchive::new(file).is_ok_and(|archive| {
         !archive.is_empty() && archive.file_names().all(|name| name.is_ok_and(|name| name.ends_with(".npy")))
     })
 }
 
-/// The variables of an archive.
+/// The variables of an archive, each of which is unpacked into a file of its own.
 ///
 /// # Errors
 /// The archive is damaged, or an array does not hold numbers.
-pub fn archive(bytes: &[u8]) -> Result<Vec<Variable>, Problem> {
-    let damaged = |error: &dyn std::fmt::Display| Problem::Damaged(error.to_string());
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
+pub fn archive(file: &File, folder: Option<&Path>) -> Result<Vec<Box<dyn Variable>>, Problem> {
+    let damaged = |error: &dyn Display| Problem::Damaged(error.to_string());
+    let mut archive = ZipArchive::new(file).map_err(|error| damaged(&error))?;
     let mut all = Vec::new();
     for place in 0..archive.len() {
         let mut file = archive.by_index(place).map_err(|error| damaged(&error))?;
         let name = file.name().map_err(|error| damaged(&error))?.trim_end_matches(".npy").to_owned();
-        let mut content = Vec::new();
-        file.read_to_end(&mut content).map_err(|error| damaged(&error))?;
+        let content = scratch::copy(folder, &mut file).map_err(unreadable(|| ends(&name)))?;
         all.extend(array(&name, &content)?);
     }
     Ok(all)
 }
 
-/// The variables of an array under a name.
+/// The variable of an array under a name; none of a matrix without rows.
 ///
 /// # Errors
 /// It is damaged, or no array of numbers.
-pub fn array(name: &str, bytes: &[u8]) -> Result<Vec<Variable>, Problem> {
-    let cut = || Problem::Damaged(format!("{name} ends within the array"));
+pub fn array(name: &str, file: &Arc<File>) -> Result<Option<Box<dyn Variable>>, Problem> {
     let refused = |why: String| Problem::Variable { name: name.to_owned(), why };
-    let version = *bytes.get(6).ok_or_else(cut)?;
-    let begins = if version == 1 { 10 } else { 12 };
-    let length = bytes.get(8..begins).ok_or_else(cut)?;
+    let mut bytes = FromPlace::new(file, 0);
+    let mut take = |count| exactly(&mut bytes, count).map_err(unreadable(|| ends(name)));
+    let version = take(8)?[6];
+    let length = take(if version == 1 { 2 } else { 4 })?;
+    let begins = 8 + length.len();
     let length = length.iter().rev().fold(0_usize, |sum, byte| (sum << 8) | usize::from(*byte));
-    let header = bytes.get(begins..begins + length).ok_or_else(cut)?;
-    let header = String::from_utf8_lossy(header);
+    let header = take(length)?;
+    let header = String::from_utf8_lossy(&header);
     let value = |key: &str| {
         let behind = header.split_once(&format!("'{key}':"))?.1.trim_start();
         Some(behind)
@@ -73,25 +79,23 @@ pub fn array(name: &str, bytes: &[u8]) -> Result<Vec<Variable>, Problem> {
         let end = descr.find(", 'fortran_order'").unwrap_or(descr.len());
         refused(format!("its type {} is none of real numbers", &descr[..end]))
     })?;
-    let count = shape.iter().try_fold(1_usize, |product, size| product.checked_mul(*size)).ok_or_else(cut)?;
-    let width: usize = fields.iter().map(|(_, kind)| kind.width).sum();
-    let end = count.checked_mul(width).and_then(|size| size.checked_add(begins + length)).ok_or_else(cut)?;
-    let data = bytes.get(begins + length..end).ok_or_else(cut)?;
-    let mut found = Vec::new();
-    let mut offset = 0;
-    for (field, kind) in fields {
-        let value = |row: &[u8]| kind.value(&field, &row[offset..offset + kind.width]);
-        let values: Vec<f64> = data.chunks_exact(width).map(value).collect::<Result<_, _>>()?;
-        offset += kind.width;
-        found.extend(match shape[..] {
-            [] | [_] => vec![(field, values)],
-            [1, _] => vec![(field, values)],
-            [rows, width] if !is_fortran => columns(&field, rows, transposed(rows, width, &values)),
-            [rows, _] => columns(&field, rows, values),
-            _ => return Err(refused(format!("it has {} dimensions; a row a sample is needed", shape.len()))),
-        });
+    let (rows, width, is_by_columns) = match shape[..] {
+        [] => (1, 1, false),
+        // A row is as good as a column.
+        [rows] | [1, rows] => (rows, 1, false),
+        [0, _] => return Ok(None),
+        [rows, width] => (rows, width, is_fortran),
+        _ => return Err(refused(format!("it has {} dimensions; a row a sample is needed", shape.len()))),
+    };
+    let begins = (begins + length) as u64;
+    let element: usize = fields.iter().map(|(_, kind)| kind.width).sum();
+    let size = [rows, width, element].iter().try_fold(1_u64, |size, &count| size.checked_mul(count as u64));
+    let last = size.and_then(|size| size.checked_add(begins));
+    if last.is_none_or(|last| file.metadata().is_ok_and(|file| file.len() < last)) {
+        return Err(Problem::Damaged(ends(name)));
     }
-    Ok(found)
+    let (file, name) = (Arc::clone(file), name.to_owned());
+    Ok(Some(Box::new(Array { file, begins, name, fields, rows, width, is_by_columns })))
 }
 
 /// The fields of a type, or the type under the array's name. None where one is no real number.
@@ -111,7 +115,17 @@ fn fields(name: &str, descr: &str) -> Option<Vec<(String, Kind)>> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write;
+
+    use super::super::variables::tests::read;
     use super::*;
+
+    /// The columns of an array, read so many rows at a time.
+    fn columns(name: &str, bytes: &[u8], most: usize) -> Result<Vec<(String, Vec<f64>)>, Problem> {
+        let mut file = tempfile::tempfile().expect("a file");
+        file.write_all(bytes).expect("it is written");
+        read(array(name, &Arc::new(file))?.into_iter().collect(), most)
+    }
 
     /// An array as NumPy writes it.
     fn npy(header: &str, data: &[u8]) -> Vec<u8> {
@@ -130,11 +144,13 @@ mod tests {
     fn rows_and_columns_are_told_apart_in_either_order() {
         let values = bytes(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         let of = |order: &str| {
+            let values = values.clone();
             let header = format!("{{'descr': '<f8', 'fortran_order': {order}, 'shape': (3, 2), }}");
-            array("x", &npy(&header, &values)).expect("an array")
+            (1..4).map(move |most| columns("x", &npy(&header, &values), most).expect("an array"))
         };
-        assert_eq!(of("False")[1], ("x_2".to_owned(), vec![2.0, 4.0, 6.0]));
-        assert_eq!(of("True")[1], ("x_2".to_owned(), vec![4.0, 5.0, 6.0]));
+        let second = |values: [f64; 3]| ("x_2".to_owned(), values.to_vec());
+        assert!(of("False").all(|columns| columns[1] == second([2.0, 4.0, 6.0])));
+        assert!(of("True").all(|columns| columns[1] == second([4.0, 5.0, 6.0])));
     }
 
     #[test]
@@ -147,7 +163,7 @@ mod tests {
             data.extend(p.to_le_bytes());
             data.push(on);
         }
-        let found = array("table", &npy(header, &data)).expect("fields");
+        let found = columns("table", &npy(header, &data), 1).expect("fields");
         let values: Vec<&[f64]> = found.iter().map(|(_, values)| values.as_slice()).collect();
         assert_eq!(values, [[-2.0, 300.0], [1.5, -0.25], [1.0, 0.0]]);
         assert_eq!(found[1].0, "p");
@@ -156,7 +172,7 @@ mod tests {
     #[test]
     fn what_is_cut_off_or_no_number_is_refused() {
         let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }";
-        let message = |bytes: &[u8]| array("x", bytes).expect_err("refused").to_string();
+        let message = |bytes: &[u8]| columns("x", bytes, 9).expect_err("refused").to_string();
         let whole = npy(header, &bytes(&[1.0, 2.0, 3.0]));
         for length in [6, 9, 20, whole.len() - 1] {
             assert!(message(&whole[..length]).contains("ends within the array"), "{length}");

@@ -1,18 +1,6 @@
-//! Numbers as files store them, and matrices of them.
+//! Numbers as files store them.
 
-use super::{Problem, Variable};
-
-/// The columns of a matrix in the order of Fortran, each under a name of its own.
-pub fn columns(name: &str, rows: usize, values: Vec<f64>) -> Vec<Variable> {
-    match rows {
-        0 => Vec::new(),
-        rows if rows == values.len() => vec![(name.to_owned(), values)],
-        rows => {
-            let named = |(place, column): (usize, &[f64])| (format!("{name}_{}", place + 1), column.to_vec());
-            values.chunks(rows).enumerate().map(named).collect()
-        }
-    }
-}
+use super::Problem;
 
 /// A whole number as an `f64`.
 ///
@@ -27,11 +15,6 @@ pub fn whole(name: &str, value: i128) -> Result<f64, Problem> {
             why: format!("{value} is no number of double precision; store differences to the first one"),
         }),
     }
-}
-
-/// A matrix whose rows stand one behind the other, its columns one behind the other.
-pub fn transposed(rows: usize, width: usize, values: &[f64]) -> Vec<f64> {
-    (0..width).flat_map(|column| (0..rows).map(move |row| values[row * width + column])).collect()
 }
 
 /// How a number is stored.
@@ -81,12 +64,6 @@ impl Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_matrix_is_a_column_each() {
-        let found = columns("x", 2, vec![1.0, 2.0, 3.0, 4.0]);
-        assert_eq!(found, [("x_1".to_owned(), vec![1.0, 2.0]), ("x_2".to_owned(), vec![3.0, 4.0])]);
-    }
 
     #[test]
     fn whole_numbers_that_would_be_rounded_are_refused() {

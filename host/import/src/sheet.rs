@@ -1,9 +1,12 @@
 //! A sheet of a spreadsheet as text, fields separated by tabs, so that it is read as a logger's
 //! file is: rows of units, repeated headers and comments too.
 
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::sync::Arc;
 
 use calamine::{Data, Reader, open_workbook_auto_from_rs};
+use recording::input::FromPlace;
 
 use super::Problem;
 
@@ -11,7 +14,9 @@ use super::Problem;
 ///
 /// # Errors
 /// The file is damaged; there is no such sheet.
-pub fn text(bytes: Vec<u8>, sheet: Option<&str>) -> Result<String, Problem> {
+pub fn text(file: &Arc<File>, sheet: Option<&str>) -> Result<String, Problem> {
+    let mut bytes = Vec::new();
+    FromPlace::new(file, 0).read_to_end(&mut bytes)?;
     let damaged = |error: calamine::Error| Problem::Damaged(error.to_string());
     let mut book = open_workbook_auto_from_rs(Cursor::new(bytes)).map_err(damaged)?;
     let names = book.sheet_names();

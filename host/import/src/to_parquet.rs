@@ -135,6 +135,7 @@ mod tests {
         let columns = [("pressure_bar", Values::Numbers(&numbers)), ("note", Values::Words(&words))];
         write(&mut file, &columns).expect("it is written");
         let found = crate::parquet::variables(file.reopen().expect("it is there")).expect("it is read");
+        let found = crate::variables::tests::read(found, 1000).expect("it is read");
         let [(name, values)] = &found[..] else { panic!("words are no variable: {}", found.len()) };
         assert_eq!(name, "pressure_bar");
         assert!(values.iter().map(|value| value.to_bits()).eq(numbers.iter().map(|value| value.to_bits())));

@@ -5,14 +5,19 @@
 //! [`Outputs::commit`] renames them. A command that fails before that leaves nothing behind. One
 //! output may be standard output, named `-`: what is said for people then goes to standard error.
 
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use tempfile::{Builder, NamedTempFile};
+use tempfile::{Builder, NamedTempFile, SpooledTempFile, spooled_tempfile};
 use thiserror::Error;
 
 use recording::input::is_standard;
+
+/// How much of a file for standard output is held. Unit: bytes.
+const HELD: usize = 1 << 20;
+/// Its name in messages.
+const STANDARD_OUTPUT: &str = "standard output";
 
 /// Whether standard output carries a file.
 static IS_STANDARD_OUTPUT_TAKEN: AtomicBool = AtomicBool::new(false);
@@ -38,7 +43,7 @@ pub enum OutputError {
 /// # Errors
 /// Standard output takes it not, or is closed.
 pub fn print(content: &[u8]) -> Result<(), OutputError> {
-    io::stdout().write_all(content).map_err(unwritable(Path::new("standard output")))
+    io::stdout().write_all(content).map_err(unwritable(Path::new(STANDARD_OUTPUT)))
 }
 
 /// Says a line for people: on standard output, unless that carries a file. That nobody reads on (a
@@ -55,8 +60,8 @@ pub fn say(line: std::fmt::Arguments<'_>) {
 pub struct Outputs {
     force: bool,
     staged: Vec<(NamedTempFile, PathBuf)>,
-    /// What goes to standard output.
-    standard: Vec<u8>,
+    /// What goes to standard output; from a size on in a file, since it may be a night's recording.
+    standard: SpooledTempFile,
 }
 
 impl Outputs {
@@ -100,7 +105,7 @@ impl Outputs {
                 )));
             }
         }
-        Ok(Self { force, staged: Vec::new(), standard: Vec::new() })
+        Ok(Self { force, staged: Vec::new(), standard: spooled_tempfile(HELD) })
     }
 
     /// Writes the content of a claimed file beside its place.
@@ -121,8 +126,9 @@ impl Outputs {
         write: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<(), OutputError> {
         if is_standard(path) {
-            self.standard.clear();
-            return write(&mut self.standard).map_err(unwritable(path));
+            self.standard = spooled_tempfile(HELD);
+            let mut buffered = BufWriter::new(&mut self.standard);
+            return write(&mut buffered).and_then(|()| buffered.flush()).map_err(unwritable(path));
         }
         let mut file = new_file(directory(path)).map_err(unwritable(path))?;
         let mut buffered = BufWriter::new(file.as_file_mut());
@@ -136,7 +142,7 @@ impl Outputs {
     ///
     /// # Errors
     /// A file cannot be renamed, or has come into being meanwhile without `force`.
-    pub fn commit(self) -> Result<(), OutputError> {
+    pub fn commit(mut self) -> Result<(), OutputError> {
         for (file, path) in self.staged {
             let persisted = if self.force { file.persist(&path) } else { file.persist_noclobber(&path) };
             persisted.map_err(|error| match error.error.kind() {
@@ -144,12 +150,16 @@ impl Outputs {
                 _ => unwritable(&path)(error.error),
             })?;
         }
-        print(&self.standard)
+        let copy = |content: &mut SpooledTempFile| {
+            content.rewind()?;
+            io::copy(content, &mut io::stdout().lock())
+        };
+        copy(&mut self.standard).map(drop).map_err(unwritable(Path::new(STANDARD_OUTPUT)))
     }
 }
 
 /// The directory that a file stands in.
-fn directory(path: &Path) -> &Path {
+pub fn directory(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),

@@ -4,12 +4,10 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use import::Values;
+use recording::table::outline::Sink;
 
 use crate::Error;
 use crate::output::Outputs;
-
-/// Takes some rows of columns.
-pub type Sink<'a> = dyn FnMut(&[&[f64]]) -> io::Result<()> + 'a;
 
 /// Whether an output is to be Parquet.
 pub fn is_parquet(output: &Path) -> bool {

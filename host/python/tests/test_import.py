@@ -4,6 +4,7 @@ import io
 import json
 import os
 import subprocess
+import sys
 
 import h5py
 import mcap.writer
@@ -90,6 +91,16 @@ def mat73(table, file):
             data.attrs["MATLAB_class"] = np.bytes_("double")
         text = book.create_dataset("note", data=np.zeros((len(table), 1), dtype="u2"))
         text.attrs["MATLAB_class"] = np.bytes_("char")
+    with file.open("r+b") as page:
+        page.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
+
+
+def mat73_in_chunks(table, file):
+    with h5py.File(file, "w", userblock_size=512) as book:
+        for name in table:
+            values = table[name].to_numpy()[None, :]
+            data = book.create_dataset(name, data=values, chunks=(1, 50_000), compression="gzip")
+            data.attrs["MATLAB_class"] = np.bytes_("double")
     with file.open("r+b") as page:
         page.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
 
@@ -328,6 +339,43 @@ def test_holes_are_those_of_the_csv(command, table, tmp_path):
         command("import", tmp_path / file, "--map", MAP, "-o", tmp_path / "rec.csv", "--force")
         ours, theirs = pd.read_csv(tmp_path / "rec.csv"), pd.read_csv(tmp_path / "wanted.csv")
         assert np.array_equal(ours[list(theirs)].to_numpy(), theirs.to_numpy(), equal_nan=True)
+
+
+MEASURE = """
+import resource, subprocess, sys
+subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=True)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+"""
+
+
+def peak_kb(*command):
+    """Memory of a command, at most. A small process starts it, since a child is held to have had its parent's."""
+    return int(subprocess.check_output([sys.executable, "-c", MEASURE, *map(str, command)]))
+
+
+@pytest.mark.parametrize(
+    ("write", "ending", "mapped", "rows"),
+    [
+        (npz, "npz", MAP, 1_500_000),
+        (npy, "npy", MAP, 1_500_000),
+        (mat, "mat", MAP, 1_500_000),
+        (parquet, "parquet", MAP, 1_500_000),
+        (hdf5, "h5", MAP, 1_500_000),
+        (hdf5_table, "h5", MAP_TABLE, 1_500_000),
+        (mat73_in_chunks, "mat", MAP, 1_500_000),
+        (mcap_json, "mcap", MAP_JSON, 400_000),
+    ],
+)
+def test_a_long_file_takes_the_memory_of_a_short_one(tmp_path, write, ending, mapped, rows):
+    """Held, a row of the long ones would take 24 bytes."""
+    program, taken = os.environ["MGPI_COMMAND"], []
+    for count in (rows // 4, rows):
+        t = np.arange(count) * 0.001
+        frame = pd.DataFrame({"t": t, "p": np.sin(t), "x": np.cos(t)})
+        file = tmp_path / f"file.{ending}"
+        write(frame, file)
+        taken.append(peak_kb(program, "import", file, "--map", mapped, "-o", tmp_path / f"{count}.csv"))
+    assert taken[1] - taken[0] < 0.25 * 24 * (rows - rows // 4) / 1024, taken
 
 
 def test_what_is_written_as_parquet_is_read_by_others_bit_for_bit(command, table, tmp_path):

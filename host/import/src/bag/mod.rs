@@ -1,7 +1,8 @@
 //! Bags: MCAP files, as ROS 2 and Foxglove record them, of messages in CDR or JSON.
 //!
 //! A variable is a number of a topic's messages: `/joint.position_1`; of a topic of one number the
-//! topic itself. Topics have rates of their own, a recording has one clock: see [`clock`].
+//! topic itself. Topics have rates of their own, a recording has one clock: see [`clock`]. Messages
+//! are read once, and their numbers put into a file ([`list`]).
 //!
 //! # Limits
 //! Text and arrays beyond [`ELEMENTS`] numbers are passed over, as are Protobuf, the messages of
@@ -10,20 +11,29 @@
 mod cdr;
 mod clock;
 mod definition;
+mod list;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader};
+use std::sync::Arc;
 
 use mcap::io::MessageReader;
+use mcap::sans_io::LinearReaderOptions;
+use recording::input::FromPlace;
 use serde_json::Value;
 
-use super::{Options, Problem, Variable};
-use clock::{Series, Topic};
+use super::variables::{Found, Variable};
+use super::{Options, Problem};
+use clock::Topic;
 use definition::Definition;
+use list::Store;
 
 /// How many elements of an array are variables, at most: an array of more is a picture or a scan.
 pub const ELEMENTS: usize = 64;
+/// A record that says to be longer than this, and longer than the file, is damaged: memory would be
+/// taken for all of it. Messages, which may be packed, are some megabytes at most. Unit: bytes.
+const RECORD: usize = 1 << 30;
 /// Nanoseconds in a second.
 const NANOSECONDS: f64 = 1e9;
 /// The parts of the time that a message is stamped with.
@@ -42,13 +52,17 @@ enum Reader {
 /// # Errors
 /// The bag is damaged, a message that is asked for cannot be read, or there is no such topic for a
 /// clock.
-pub fn variables(file: File, options: &Options) -> Result<(Vec<Variable>, Vec<String>), Problem> {
+pub fn found(file: &Arc<File>, options: &Options) -> Result<Found, Problem> {
     let is_asked_for = |topic: &str| {
         let mut asked = options.columns.iter().map(|renamed| renamed.column.as_str()).chain(options.clock);
         options.columns.is_empty() || asked.any(|name| belongs(name, topic))
     };
     let mut topics: BTreeMap<String, (Reader, Topic)> = BTreeMap::new();
-    for message in MessageReader::new(BufReader::new(file)) {
+    let store = &mut Store::new(options.scratch)?;
+    let most = usize::try_from(file.metadata()?.len()).map_or(usize::MAX, |length| length.max(RECORD));
+    let limits = LinearReaderOptions::default().with_record_length_limit(most);
+    let bytes = BufReader::new(FromPlace::new(file, 0));
+    for message in MessageReader::new_with_options(bytes, limits) {
         let message = message.map_err(|error| Problem::Damaged(error.to_string()))?;
         let name = &message.channel.topic;
         if !topics.contains_key(name) {
@@ -56,10 +70,11 @@ pub fn variables(file: File, options: &Options) -> Result<(Vec<Variable>, Vec<St
             topics.insert(name.clone(), (reader, Topic::new(name, kind)));
         }
         let Some((reader, topic)) = topics.get_mut(name) else { continue };
-        topic.count(message.log_time);
-        if is_asked_for(name) {
-            read(reader, topic, &message.data)?;
-        }
+        let stamp_ns = match is_asked_for(name) {
+            true => read(reader, topic, store, &message.data)?,
+            false => None,
+        };
+        topic.count(store, message.log_time, stamp_ns)?;
     }
     if topics.is_empty() {
         return Err(Problem::Nothing);
@@ -71,7 +86,7 @@ pub fn variables(file: File, options: &Options) -> Result<(Vec<Variable>, Vec<St
         let why_not =
             if let Reader::Not(why) = &reader { format!("; not read: {why}") } else { String::new() };
         if options.columns.is_empty() {
-            notes.push(format!("{}{why_not}", topic.in_words()));
+            notes.push(format!("{}{why_not}", topic.in_words(store)?));
         } else if !why_not.is_empty() && is_asked_for(&topic.name) {
             return Err(Problem::Variable {
                 name: topic.name,
@@ -87,9 +102,10 @@ pub fn variables(file: File, options: &Options) -> Result<(Vec<Variable>, Vec<St
         let present = if names.is_empty() { all.join(", ") } else { names.join(", ") };
         return Err(Problem::NoVariable { wanted: missing.column.clone(), present });
     }
-    let (variables, how) = clock::on_one(read, options)?;
+    let (columns, how) = clock::on_one(read, store, options)?;
     notes.extend(how);
-    Ok((variables, notes))
+    let variables = columns.into_iter().map(|column| Box::new(column) as Box<dyn Variable>).collect();
+    Ok(Found { variables, left_out: Vec::new(), notes })
 }
 
 /// Whether a variable is one of a topic, or the topic itself.
@@ -118,19 +134,23 @@ fn reader(channel: &mcap::Channel) -> (Reader, String) {
     (reader, schema.name.clone())
 }
 
-/// Adds what a message holds.
-fn read(reader: &Reader, topic: &mut Topic, data: &[u8]) -> Result<(), Problem> {
+/// Adds what a message holds; answers its stamp, if it has one. Unit: ns.
+fn read(reader: &Reader, topic: &mut Topic, store: &mut Store, data: &[u8]) -> Result<Option<i64>, Problem> {
     let mut stamp = [None; 2];
-    let Topic { fields, log_ns, .. } = topic;
-    let message = log_ns.len() - 1;
+    let message = topic.messages();
+    let mut written: io::Result<()> = Ok(());
     let mut add = |path: &str, value: f64| {
         if let Some(part) = STAMP.iter().position(|part| *part == path) {
             stamp[part] = Some(value);
             return;
         }
-        match fields.get_mut(path) {
-            Some(series) => series.push((message, value)),
-            None => drop(fields.insert(path.to_owned(), Series::from([(message, value)]))),
+        let item = (message as i64, value);
+        let pushed = match topic.fields.get_mut(path) {
+            Some(list) => store.push(list, item),
+            None => store.push(topic.fields.entry(path.to_owned()).or_default(), item),
+        };
+        if written.is_ok() {
+            written = pushed;
         }
     };
     let done = match reader {
@@ -144,13 +164,13 @@ fn read(reader: &Reader, topic: &mut Topic, data: &[u8]) -> Result<(), Problem> 
         },
         Reader::Not(_) => Ok(()),
     };
-    if let [Some(seconds), Some(nanoseconds)] = stamp {
-        topic.stamp_ns.push((seconds * NANOSECONDS) as i64 + nanoseconds as i64);
-    }
+    written?;
     done.map_err(|why| Problem::Variable {
         name: topic.name.clone(),
         why: format!("message {}: {why}", message + 1),
-    })
+    })?;
+    let [Some(seconds), Some(nanoseconds)] = stamp else { return Ok(None) };
+    Ok(Some((seconds * NANOSECONDS) as i64 + nanoseconds as i64))
 }
 
 /// The numbers of a message in JSON.

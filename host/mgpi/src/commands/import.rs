@@ -6,12 +6,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::Error;
-use crate::output::Outputs;
-use crate::parquet::{Sink, is_parquet, write_blocks};
+use crate::output::{Outputs, directory};
+use crate::parquet::{is_parquet, write_blocks};
 use import::{Imported, Options, read};
+use recording::input::is_standard;
 use recording::numbers::{legible, median, range};
 use recording::table::naming::{Naming, Renamed};
-use recording::table::{Store, Table, VALID};
+use recording::table::outline::{Outline, Sink};
+use recording::table::{DataProblem, Place, Store, Table, VALID};
 use recording::unit::Unit;
 
 /// Rows that are written together: a megabyte of a column.
@@ -51,19 +53,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { file, map, sheet, clock, output, force } = arguments;
     let mut outputs = Outputs::claim(output, &[file], *force)?;
     let naming = Naming { columns: map.clone(), ..Naming::default() };
-    // Text is not held, since a night of it may be larger than the memory.
-    if let Some(output) = output
-        && let Some(mut outline) = import::outline(file)?
-    {
-        outline.table.name(&naming)?;
-        let columns = written(&outline.table)?;
-        columns.stage(&mut outputs, output, |sink| outline.blocks(&columns.places, BLOCK, sink))?;
-        outputs.commit()?;
-        columns.say(outline.table.rows(), output);
-        return Ok(());
-    }
-    let options = Options { sheet: sheet.as_deref(), columns: map, clock: clock.as_deref() };
-    let Imported { mut table, left_out, notes } = read(file, &options)?;
+    let options = Options {
+        sheet: sheet.as_deref(),
+        columns: map,
+        clock: clock.as_deref(),
+        // The output has to have room there, too.
+        scratch: output.as_deref().filter(|output| !is_standard(output)).map(directory),
+    };
+    let Imported { mut outline, left_out, notes } = read(file, &options)?;
     notes.iter().for_each(|note| say!("{note}"));
     for (name, count) in &left_out {
         if let Some(wanted) = map.iter().find(|wanted| wanted.column == *name) {
@@ -71,47 +68,53 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
                 "{}: {name}, which is to be {}, has {count} values, the others {}",
                 file.display(),
                 wanted.name,
-                table.rows()
+                outline.table.rows()
             )));
         }
     }
-    table.name(&naming)?;
+    outline.table.name(&naming)?;
     let Some(output) = output else {
-        list(&table);
+        list(&outline)?;
         for (name, count) in &left_out {
             say!("{name:<24}{count} values, of another length than the others");
         }
         return Ok(());
     };
-    let columns = written(&table)?;
-    let numbers = columns.places.iter().map(|&place| Ok(table.numbers(place)?.numbers));
-    let numbers: Vec<&[f64]> = numbers.collect::<Result<_, Error>>()?;
-    columns.stage(&mut outputs, output, |sink| {
-        (0..table.rows()).step_by(BLOCK).try_for_each(|first| {
-            let last = table.rows().min(first + BLOCK);
-            sink(&numbers.iter().map(|numbers| &numbers[first..last]).collect::<Vec<_>>())
-        })
-    })?;
+    let columns = written(&outline.table)?;
+    columns.stage(&mut outputs, output, |sink| outline.blocks(&columns.places, BLOCK, sink))?;
     outputs.commit()?;
-    columns.say(table.rows(), output);
+    columns.say(outline.table.rows(), output);
     Ok(())
 }
 
 /// What the file has: a line a column.
-fn list(table: &Table) {
+fn list(outline: &Outline) -> Result<(), Error> {
+    let table = &outline.table;
     for index in 0..table.columns() {
         let unit = match table.unit_of(index) {
             Ok(Some(unit)) => unit.to_string(),
             Ok(None) => "no unit in its name".to_owned(),
             Err(error) => error.problem.to_string(),
         };
-        let words = match table.numbers(index) {
-            Ok(values) => of_values(values.numbers),
+        let words = match table.are_stamps(index) {
+            Ok(_) => of_values(&values(outline, index)?),
             Err(error) => error.problem.to_string(),
         };
         say!("{:<24}{words}; {unit}", table.shown(index));
     }
     say!("{} rows; -o REC.csv writes a recording, --map says which variable is which", table.rows());
+    Ok(())
+}
+
+/// The numbers of a column: the usual step is the middle one of all.
+fn values(outline: &Outline, index: usize) -> Result<Vec<f64>, Error> {
+    let mut values = Vec::with_capacity(outline.table.rows());
+    let read = outline.blocks(&[index], BLOCK, &mut |columns| {
+        columns.iter().for_each(|some| values.extend_from_slice(some));
+        Ok(())
+    });
+    read.map_err(|error| Place::file(outline.table.file()).error(DataProblem::Unreadable(error)))?;
+    Ok(values)
 }
 
 /// Range and, of what only increases, the usual step.

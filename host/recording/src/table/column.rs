@@ -72,10 +72,9 @@ enum Bad {
 impl Column {
     /// A column of numbers, NaN where one is missing.
     pub fn of_numbers(heading: Heading, values: &[f64]) -> Self {
-        let infinite = values.iter().position(|value| value.is_infinite());
-        let bad = infinite.map(|row| (row, Bad::Infinite(values[row].to_string())));
-        let numbers = values[..infinite.unwrap_or(values.len())].to_vec();
-        Self { numbers, bad, ..Self::new(heading, false) }
+        let mut column = Self { numbers: Vec::with_capacity(values.len()), ..Self::new(heading, false) };
+        column.extend(0, values);
+        column
     }
 
     /// The numbers, one a row, as far as they are any.
@@ -101,6 +100,20 @@ impl<S: Store> Column<S> {
             comma: None,
             has_decimal_commas: false,
             has_points: false,
+        }
+    }
+
+    /// Adds the numbers of the rows from this one on, NaN where one is missing.
+    pub fn extend(&mut self, first: usize, values: &[f64]) {
+        if self.bad.is_some() {
+            return;
+        }
+        for (place, value) in values.iter().enumerate() {
+            if value.is_infinite() {
+                self.bad = Some((first + place, Bad::Infinite(value.to_string())));
+                return;
+            }
+            self.numbers.push(*value);
         }
     }
 

@@ -73,6 +73,7 @@ pub const VALID: &str = "valid";
 #[derive(Debug)]
 pub struct Table<S = Vec<f64>> {
     file: PathBuf,
+    /// Empty in an outline of columns: who reads it asks for no hash.
     sha256: String,
     /// What was done that a strict reader would not.
     notes: Vec<String>,
@@ -100,7 +101,7 @@ impl Table {
     /// # Errors
     /// The contents are no table.
     pub fn parse(file: &Path, bytes: &[u8]) -> Result<Self, DataError> {
-        Text::of(file, Source::Bytes(bytes))?.table()
+        Text::of(file, Source::Bytes(bytes.into()))?.table()
     }
 
     /// A table of columns that are in memory: each a name and a value a row, NaN where one is
@@ -144,6 +145,12 @@ impl Table {
             rows,
             jumps: Vec::new(),
         })
+    }
+
+    /// SHA-256 of the file's bytes, in hexadecimal; of columns in memory that of their names and
+    /// numbers.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
     }
 
     /// A column's values, one a row; NaN where one is missing.
@@ -194,11 +201,6 @@ impl<S: Store> Table<S> {
     /// The file, as it was named.
     pub fn file(&self) -> &Path {
         &self.file
-    }
-
-    /// SHA-256 of the file's bytes, in hexadecimal.
-    pub fn sha256(&self) -> &str {
-        &self.sha256
     }
 
     /// Number of rows.

@@ -1,8 +1,13 @@
-//! A text as a table, in two passes: what its columns are, and their numbers, which need not be
-//! held together.
+//! Tables whose numbers are not held: what their columns are, and their rows, some at a time.
+//!
+//! A text is gone through once to see how it is written and what its columns are, and again for
+//! numbers; files of other programs are [`Numbers`] that are gone through as often.
 
+use std::fmt;
+use std::fs::File;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
@@ -16,6 +21,22 @@ use super::lines::{Stream, number};
 use super::pieces::{Pieces, Source};
 use super::{DataError, DataProblem, Place, Table};
 
+/// Rows that are looked at together: a megabyte of a column.
+const BLOCK: usize = 1 << 17;
+
+/// Takes some rows of columns.
+pub type Sink<'a> = dyn FnMut(&[&[f64]]) -> io::Result<()> + 'a;
+
+/// Columns of numbers that can be gone through again and again.
+pub trait Numbers: fmt::Debug {
+    /// Gives these columns to `sink`, from the first row to the last: so many rows at a time, and
+    /// the last time what is left. NaN stands for a missing number.
+    ///
+    /// # Errors
+    /// What `sink` says; they cannot be read.
+    fn blocks(&self, columns: &[usize], most: usize, sink: &mut Sink) -> io::Result<()>;
+}
+
 /// What a file's columns are, without their numbers: for files of any size.
 ///
 /// ```
@@ -24,10 +45,10 @@ use super::{DataError, DataProblem, Place, Table};
 /// # let folder = tempfile::tempdir()?;
 /// # let file = &folder.path().join("rec.csv");
 /// std::fs::write(file, "time_s,pressure_bar\n0.0,1.0\n0.1,1.5\n0.2,2.0\n")?;
-/// let outline = Outline::of(file)?.expect("a file, no pipe");
+/// let outline = Outline::of(file, std::fs::File::open(file)?.into())?;
 /// assert_eq!(outline.table.rows(), 3);
 /// let mut sum = 0.0;
-/// outline.blocks(&[1], 2, |columns| {
+/// outline.blocks(&[1], 2, &mut |columns| {
 ///     sum += columns[0].iter().sum::<f64>();
 ///     Ok(())
 /// })?;
@@ -35,56 +56,83 @@ use super::{DataError, DataProblem, Place, Table};
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Outline<'a> {
+pub struct Outline {
     /// The table, whose columns have no numbers.
     pub table: Table<Unkept>,
-    text: Text<'a>,
+    numbers: Box<dyn Numbers>,
 }
 
-impl<'a> Outline<'a> {
-    /// The outline of a file; `None` of what can be read once only.
+impl Outline {
+    /// The outline of a file of text; `name` is the file's in messages.
     ///
     /// # Errors
     /// The file cannot be read, or is no table.
-    pub fn of(file: &'a Path) -> Result<Option<Self>, DataError> {
-        let refuse = |error| Place::file(file).error(DataProblem::Unreadable(error));
-        match Source::of_file(file).map_err(refuse)? {
-            Some(source) => {
-                let text = Text::of(file, source)?;
-                Ok(Some(Self { table: text.table()?, text }))
-            }
-            None => Ok(None),
-        }
+    pub fn of(name: &Path, file: Arc<File>) -> Result<Self, DataError> {
+        let refuse = |error| Place::file(name).error(DataProblem::Unreadable(error));
+        Self::of_source(name, Source::of_file(file).map_err(refuse)?)
     }
 
-    /// Reads columns again, so many rows at a time at most, and gives their numbers to `sink`.
+    /// The same of a text in memory.
+    ///
+    /// # Errors
+    /// The text is no table.
+    pub fn of_text(name: &Path, text: String) -> Result<Self, DataError> {
+        Self::of_source(name, Source::Bytes(text.into_bytes().into()))
+    }
+
+    fn of_source(name: &Path, source: Source<'static>) -> Result<Self, DataError> {
+        let text = Text::of(name, source)?;
+        let table: Table<Unkept> = text.table()?;
+        let headings = table.columns.iter().map(|column| column.heading.clone()).collect();
+        let numbers = Box::new(Rows { headings, count: table.rows(), text });
+        Ok(Self { table, numbers })
+    }
+
+    /// The outline of columns of numbers with these names, which are gone through once; `name` is
+    /// the table's in messages, which count its rows from 0.
+    ///
+    /// # Errors
+    /// There is no row; the outer error: they cannot be read.
+    pub fn of_numbers(
+        name: &Path,
+        columns: &[String],
+        numbers: Box<dyn Numbers>,
+    ) -> io::Result<Result<Self, DataError>> {
+        let mut found: Vec<Column<Unkept>> =
+            columns.iter().map(|column| Column::new(Heading::of(column), false)).collect();
+        let all: Vec<usize> = (0..columns.len()).collect();
+        let mut rows = 0;
+        numbers.blocks(&all, BLOCK, &mut |block| {
+            found.iter_mut().zip(block).for_each(|(column, values)| column.extend(rows, values));
+            rows += block.first().map_or(0, |values| values.len());
+            Ok(())
+        })?;
+        if rows == 0 {
+            return Ok(Err(Place::file(name).error(DataProblem::NoRows)));
+        }
+        let table = Table {
+            file: name.to_owned(),
+            sha256: String::new(),
+            notes: Vec::new(),
+            header_line: None,
+            columns: found,
+            rows,
+            jumps: Vec::new(),
+        };
+        Ok(Ok(Self { table, numbers }))
+    }
+
+    /// Reads columns again, so many rows at a time, and gives their numbers to `sink`.
     ///
     /// # Errors
     /// What `sink` says; the file cannot be read, or is not what it was.
-    pub fn blocks(
-        &self,
-        columns: &[usize],
-        most: usize,
-        sink: impl FnMut(&[&[f64]]) -> io::Result<()>,
-    ) -> io::Result<()> {
-        let headings = self.table.columns.iter().map(|column| column.heading.clone());
-        let mut blocks = Blocks {
-            header: &self.text.header,
-            columns: headings.map(|heading| self.text.column(heading)).collect(),
-            wanted: columns,
-            most,
-            count: 0,
-            left: self.table.rows(),
-            sink,
-        };
-        self.text.rows(&mut blocks).map_err(|problem| match problem {
-            DataProblem::Unreadable(error) => error,
-            other => io::Error::other(other),
+    pub fn blocks(&self, columns: &[usize], most: usize, sink: &mut Sink) -> io::Result<()> {
+        let mut rows = 0;
+        self.numbers.blocks(columns, most, &mut |block| {
+            rows += block.first().map_or(0, |values| values.len());
+            sink(block)
         })?;
-        if blocks.left > 0 {
-            return Err(changed());
-        }
-        blocks.flush()
+        if rows == self.table.rows() { Ok(()) } else { Err(changed()) }
     }
 }
 
@@ -92,10 +140,38 @@ fn changed() -> io::Error {
     io::Error::other("the file has changed while it was read")
 }
 
+/// The first rows of a text.
+#[derive(Debug)]
+struct Rows {
+    text: Text<'static>,
+    headings: Vec<Heading>,
+    count: usize,
+}
+
+impl Numbers for Rows {
+    fn blocks(&self, columns: &[usize], most: usize, sink: &mut Sink) -> io::Result<()> {
+        let headings = self.headings.iter().cloned();
+        let mut blocks = Blocks {
+            header: &self.text.header,
+            columns: headings.map(|heading| self.text.column(heading)).collect(),
+            wanted: columns,
+            most,
+            count: 0,
+            left: self.count,
+            sink,
+        };
+        self.text.rows(&mut blocks).map_err(|problem| match problem {
+            DataProblem::Unreadable(error) => error,
+            other => io::Error::other(other),
+        })?;
+        blocks.flush()
+    }
+}
+
 /// A text whose header has been found.
 #[derive(Debug)]
 pub(super) struct Text<'a> {
-    file: &'a Path,
+    file: PathBuf,
     source: Source<'a>,
     written: encoding::Written,
     sha256: String,
@@ -110,12 +186,11 @@ pub(super) struct Text<'a> {
 
 impl<'a> Text<'a> {
     /// Looks through a text, and finds its header.
-    pub fn of(file: &'a Path, source: Source<'a>) -> Result<Self, DataError> {
+    pub fn of(file: &Path, source: Source<'a>) -> Result<Self, DataError> {
         let refuse = |problem| Place::file(file).error(problem);
-        let open = |skipped| source.open(skipped).map_err(|error| refuse(DataProblem::Unreadable(error)));
         let mut hash = Sha256::new();
-        let written = encoding::of(open(0)?, |bytes| hash.update(bytes)).map_err(refuse)?;
-        let mut pieces = Pieces::of(open(written.mark)?, written.encoding);
+        let written = encoding::of(source.open(0), |bytes| hash.update(bytes)).map_err(refuse)?;
+        let mut pieces = Pieces::of(source.open(written.mark), written.encoding);
         pieces.advance().map_err(|error| refuse(DataProblem::Unreadable(error)))?;
         let begin = pieces.text();
         let Layout { separator, header_line, headings, header, rows, notes } =
@@ -127,14 +202,14 @@ impl<'a> Text<'a> {
         let before = (begin.len() - left, lines);
         let notes = written.note.map(str::to_owned).into_iter().chain(notes).collect();
         drop(pieces);
-        let sha256 = hexadecimal(&hash.finalize());
+        let (file, sha256) = (file.to_owned(), hexadecimal(&hash.finalize()));
         Ok(Self { file, source, written, sha256, notes, separator, header_line, headings, header, before })
     }
 
     /// The table.
     pub fn table<S: Store>(&self) -> Result<Table<S>, DataError> {
         let mut table = Table {
-            file: self.file.to_owned(),
+            file: self.file.clone(),
             sha256: self.sha256.clone(),
             notes: self.notes.clone(),
             header_line: Some(self.header_line),
@@ -144,7 +219,7 @@ impl<'a> Text<'a> {
         };
         let mut filler =
             Filler { table: &mut table, header: &self.header, repeated: 0, wide: None, whole: None, cut: 0 };
-        self.rows(&mut filler).map_err(|problem| Place::file(self.file).error(problem))?;
+        self.rows(&mut filler).map_err(|problem| Place::file(&self.file).error(problem))?;
         filler.finish()?;
         Ok(table)
     }
@@ -155,8 +230,7 @@ impl<'a> Text<'a> {
 
     /// Gives every row to `taker`, as long as that takes any.
     fn rows(&self, taker: &mut impl Taker) -> Result<(), DataProblem> {
-        let bytes = self.source.open(self.written.mark).map_err(DataProblem::Unreadable)?;
-        let mut pieces = Pieces::of(bytes, self.written.encoding);
+        let mut pieces = Pieces::of(self.source.open(self.written.mark), self.written.encoding);
         pieces.advance().map_err(DataProblem::Unreadable)?;
         let mut lines = Stream::of(pieces, self.before.0, self.before.1);
         if self.separator == b' ' {
@@ -201,7 +275,7 @@ fn is_header<'f>(header: &[String], fields: impl Iterator<Item = &'f str>) -> bo
 }
 
 /// Gives blocks of rows away.
-struct Blocks<'a, F> {
+struct Blocks<'a, 's> {
     header: &'a [String],
     columns: Vec<Column>,
     /// The columns that are wanted.
@@ -211,10 +285,10 @@ struct Blocks<'a, F> {
     count: usize,
     /// Rows of the table that have not come yet.
     left: usize,
-    sink: F,
+    sink: &'a mut Sink<'s>,
 }
 
-impl<F: FnMut(&[&[f64]]) -> io::Result<()>> Taker for Blocks<'_, F> {
+impl Taker for Blocks<'_, '_> {
     fn take<'f>(&mut self, _: usize, fields: impl Iterator<Item = &'f str> + Clone) -> io::Result<bool> {
         if is_header(self.header, fields.clone()) {
             return Ok(true);
@@ -235,7 +309,7 @@ impl<F: FnMut(&[&[f64]]) -> io::Result<()>> Taker for Blocks<'_, F> {
     }
 }
 
-impl<F: FnMut(&[&[f64]]) -> io::Result<()>> Blocks<'_, F> {
+impl Blocks<'_, '_> {
     fn flush(&mut self) -> io::Result<()> {
         if self.count == 0 {
             return Ok(());
@@ -347,6 +421,10 @@ mod tests {
 
     use super::*;
 
+    fn reopened(file: &tempfile::NamedTempFile) -> Arc<File> {
+        file.reopen().expect("it is there").into()
+    }
+
     #[test]
     fn blocks_have_the_numbers_of_the_whole_table() {
         for text in [
@@ -359,21 +437,20 @@ mod tests {
             let file = tempfile::NamedTempFile::new().expect("a file");
             fs::write(file.path(), text).expect("it is written");
             let whole = Table::parse(file.path(), text.as_bytes()).expect("a table");
-            let outline = Outline::of(file.path()).expect("a table").expect("a file");
+            let outline = Outline::of(file.path(), reopened(&file)).expect("a table");
             assert_eq!(
                 (outline.table.rows(), outline.table.notes()),
                 (whole.rows(), whole.notes()),
                 "{text}"
             );
-            assert_eq!(outline.table.sha256(), whole.sha256());
             for most in 1..=whole.rows() {
                 let mut found = [Vec::new(), Vec::new()];
-                let sink = |columns: &[&[f64]]| {
+                let mut sink = |columns: &[&[f64]]| {
                     assert!(columns[0].len() <= most);
                     found.iter_mut().zip(columns).for_each(|(all, some)| all.extend_from_slice(some));
                     Ok(())
                 };
-                outline.blocks(&[1, 0], most, sink).expect("as before");
+                outline.blocks(&[1, 0], most, &mut sink).expect("as before");
                 for (found, place) in found.iter().zip([1, 0]) {
                     let expected = whole.numbers(place).expect("numbers").numbers;
                     let bits = |numbers: &[f64]| numbers.iter().map(|it| it.to_bits()).collect::<Vec<_>>();
@@ -383,19 +460,47 @@ mod tests {
         }
     }
 
+    /// Two columns of five rows.
+    #[derive(Debug)]
+    struct Two([[f64; 5]; 2]);
+
+    impl Numbers for Two {
+        fn blocks(&self, columns: &[usize], most: usize, sink: &mut Sink) -> io::Result<()> {
+            (0..5).step_by(most.min(2)).try_for_each(|first| {
+                let last = 5.min(first + most.min(2));
+                sink(&columns.iter().map(|&column| &self.0[column][first..last]).collect::<Vec<_>>())
+            })
+        }
+    }
+
+    #[test]
+    fn columns_of_numbers_are_a_table_that_tells_the_row_of_what_is_infinite() {
+        let outline = |values: [f64; 5]| {
+            let names = ["time_s", "pressure_bar"].map(str::to_owned);
+            let numbers = Box::new(Two([[0.0, 1.0, 2.0, 3.0, 4.0], values]));
+            Outline::of_numbers("x.npy".as_ref(), &names, numbers).expect("in memory").expect("a table")
+        };
+        let sound = outline([1.0, f64::NAN, 3.0, 4.0, 5.0]).table;
+        assert_eq!((sound.rows(), sound.are_stamps(1).expect("numbers")), (5, false));
+        let table = outline([1.0, f64::NAN, 3.0, f64::NEG_INFINITY, f64::INFINITY]).table;
+        let error = table.are_stamps(1).expect_err("refused").to_string();
+        assert_eq!(error, "x.npy, row 3, column pressure_bar: `-inf` is not finite");
+        assert!(table.are_stamps(0).is_ok());
+    }
+
     #[test]
     fn a_file_that_grows_is_what_it_was_and_one_that_changes_is_told() {
         let file = tempfile::NamedTempFile::new().expect("a file");
         let text = "time_s,pressure_bar\n0,1\n1,2\n";
         fs::write(file.path(), text).expect("it is written");
-        let outline = Outline::of(file.path()).expect("a table").expect("a file");
+        let outline = Outline::of(file.path(), reopened(&file)).expect("a table");
         let rows = || {
             let mut rows = 0;
-            let sink = |columns: &[&[f64]]| {
+            let mut sink = |columns: &[&[f64]]| {
                 rows += columns[0].len();
                 Ok(())
             };
-            outline.blocks(&[0], 9, sink).map(|()| rows)
+            outline.blocks(&[0], 9, &mut sink).map(|()| rows)
         };
         fs::write(file.path(), format!("{text}2,3\n")).expect("it is written");
         assert_eq!(rows().expect("what it was"), 2);

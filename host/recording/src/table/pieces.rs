@@ -1,8 +1,10 @@
 //! A text out of bytes, of which a piece of whole lines is held at a time.
 
+use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
+use std::sync::Arc;
 
 use encoding_rs::{CoderResult, Decoder, Encoding};
 
@@ -15,11 +17,9 @@ const PIECE: usize = 1 << 20;
 #[derive(Clone, Debug)]
 pub enum Source<'a> {
     /// The first so many bytes of a file: what is added meanwhile is left for the next time.
-    File(&'a Path, u64),
+    File(Arc<File>, u64),
     /// Bytes in memory.
-    Bytes(&'a [u8]),
-    /// The same, of a pipe.
-    Read(Vec<u8>),
+    Bytes(Cow<'a, [u8]>),
 }
 
 impl<'a> Source<'a> {
@@ -27,37 +27,31 @@ impl<'a> Source<'a> {
     ///
     /// # Errors
     /// It cannot be read.
-    pub fn of(file: &'a Path) -> io::Result<Self> {
-        match Self::of_file(file)? {
-            Some(source) => Ok(source),
-            None => Ok(Self::Read(input::bytes(file)?)),
+    pub fn of(file: &Path) -> io::Result<Self> {
+        if input::is_standard(file) || !fs::metadata(file)?.is_file() {
+            return Ok(Self::Bytes(input::bytes(file)?.into()));
         }
+        Self::of_file(Arc::new(File::open(file)?))
     }
 
-    /// The bytes of a file, none of which are held; `None` of what can be read once only.
+    /// The bytes of a file, none of which are held.
     ///
     /// # Errors
-    /// It cannot be read.
-    pub fn of_file(file: &'a Path) -> io::Result<Option<Self>> {
-        if input::is_standard(file) {
-            return Ok(None);
-        }
-        let metadata = fs::metadata(file)?;
-        Ok(metadata.is_file().then_some(Self::File(file, metadata.len())))
+    /// Its length is not known.
+    pub fn of_file(file: Arc<File>) -> io::Result<Self> {
+        let length = file.metadata()?.len();
+        Ok(Self::File(file, length))
     }
 
     /// The bytes behind the first `skipped` ones.
-    ///
-    /// # Errors
-    /// The file cannot be opened.
-    pub fn open(&self, skipped: usize) -> io::Result<Box<dyn Read + '_>> {
-        let mut bytes: Box<dyn Read + '_> = match self {
-            Self::File(file, length) => Box::new(File::open(file)?.take(*length)),
-            Self::Bytes(bytes) => Box::new(*bytes),
-            Self::Read(bytes) => Box::new(bytes.as_slice()),
-        };
-        io::copy(&mut bytes.by_ref().take(skipped as u64), &mut io::sink())?;
-        Ok(bytes)
+    pub fn open(&self, skipped: usize) -> Box<dyn Read + '_> {
+        match self {
+            Self::File(file, length) => {
+                let skipped = skipped as u64;
+                Box::new(input::FromPlace::new(file, skipped).take(length.saturating_sub(skipped)))
+            }
+            Self::Bytes(bytes) => Box::new(bytes.get(skipped..).unwrap_or_default()),
+        }
     }
 }
 

@@ -20,6 +20,7 @@ use export::c::NotExported;
 use export::fmu::NoUnit;
 #[cfg(unix)]
 use fleet::FleetError;
+use gateway::lines::LinesError;
 use identification::IdentificationError;
 use import::ImportError;
 use recording::model_file::ModelFileError;
@@ -86,6 +87,9 @@ pub enum Error {
     /// A board does not take a new image.
     #[error(transparent)]
     Update(#[from] UpdateError),
+    /// A file of lines is of no use.
+    #[error(transparent)]
+    Lines(#[from] LinesError),
     /// The live page cannot be served.
     #[error(transparent)]
     Live(#[from] LiveError),

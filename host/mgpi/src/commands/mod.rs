@@ -19,6 +19,7 @@ pub mod export;
 #[cfg(unix)]
 pub mod fleet;
 mod gains;
+pub mod gateway;
 pub mod identify;
 pub mod import;
 mod instructions;
@@ -89,6 +90,7 @@ enum Command {
     Calibrate(calibrate::Arguments),
     Update(update::Arguments),
     Watch(watch::Arguments),
+    Gateway(gateway::Arguments),
     /// The simulated muscle: recordings, references and a plant to try everything without hardware
     #[command(subcommand)]
     Rig(Box<Rig>),
@@ -130,6 +132,7 @@ impl CommandLine {
             Command::Calibrate(arguments) => calibrate::run(&arguments),
             Command::Update(arguments) => update::run(&arguments),
             Command::Watch(arguments) => watch::run(&arguments),
+            Command::Gateway(arguments) => gateway::run(&arguments),
             Command::Rig(command) => rig::run(&command),
             Command::Completions(arguments) => completions::run(&arguments),
             Command::Man(arguments) => man::run(&arguments),

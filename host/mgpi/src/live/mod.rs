@@ -1,11 +1,12 @@
-//! A board on a page of this machine's browser: its loop and traces as they come, its faults, and a
-//! stop.
+//! Boards on a page of this machine's browser. One board: its loop and traces as they come, its
+//! faults, and a stop. Many: what each was last seen to do.
 //!
 //! | file | what it does |
 //! |---|---|
 //! | [`feed`] | what is shown, handed from the board's thread to the page's, and orders the other way |
-//! | [`server`] | HTTP: the page, its script, a stream of events, two orders |
-//! | [`page`] | the page |
+//! | [`server`] | HTTP: a page, its script, a stream of events, orders |
+//! | [`page`], `board` | the page of one board, and how it is served |
+//! | [`fleet`] | the page of many boards, and their figures for Prometheus |
 //!
 //! # Contract
 //! The page loads nothing from outside, and is served to this machine alone unless another address
@@ -13,7 +14,9 @@
 //! need a host that is an address or `localhost`, so that no name can be bent to it, and orders a
 //! header that a foreign page may not send.
 
+mod board;
 pub mod feed;
+pub mod fleet;
 pub mod page;
 pub mod server;
 

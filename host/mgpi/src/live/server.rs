@@ -1,5 +1,7 @@
 //! HTTP for one page: as little of it as a browser needs, a thread each connection.
 //!
+//! What is served is a [`Site`]: the page of one board, or of a fleet.
+//!
 //! # Limits
 //! At most `MOST` connections at once, requests of at most `LONGEST` bytes that come within
 //! `LIMIT`; each connection serves one request.
@@ -11,10 +13,6 @@ use std::thread;
 use std::time::Duration;
 
 use thiserror::Error;
-
-use super::feed::{Feed, Order, Seen};
-use super::page;
-use report::page::PLOTS;
 
 /// The most connections at once.
 const MOST: usize = 16;
@@ -35,22 +33,38 @@ pub struct LiveError {
     problem: io::Error,
 }
 
+/// The kind of a page.
+pub const HTML: &str = "text/html; charset=utf-8";
+/// The kind of a script.
+pub const SCRIPT: &str = "text/javascript; charset=utf-8";
+
+/// A page with all that belongs to it.
+pub trait Site: Clone + Send + 'static {
+    /// What is at a path, its kind first.
+    fn get(&self, path: &str) -> Option<(&'static str, String)>;
+    /// Passes on what the page asks for by a path; whether there is such an order.
+    fn order(&self, path: &str) -> bool;
+    /// What there is to show beyond what was shown, as soon as there is something; none within
+    /// `limit` is `None`. A call of its own for each browser, with what that has seen.
+    fn events(&self) -> impl FnMut(Duration) -> Option<String>;
+}
+
 /// Serves the page until the program ends; answers the address, whose port is a free one if 0 was
 /// asked for.
 ///
 /// # Errors
 /// The address is taken, or not this machine's.
-pub fn serve(address: SocketAddr, feed: &Feed) -> Result<SocketAddr, LiveError> {
+pub fn serve(address: SocketAddr, site: &impl Site) -> Result<SocketAddr, LiveError> {
     let bound = TcpListener::bind(address).and_then(|listener| Ok((listener.local_addr()?, listener)));
     let (bound, listener) = bound.map_err(|problem| LiveError { address, problem })?;
-    let (feed, connections) = (feed.clone(), Arc::new(()));
+    let (site, connections) = (site.clone(), Arc::new(()));
     thread::spawn(move || {
         for stream in listener.incoming().flatten() {
-            let (feed, connection) = (feed.clone(), connections.clone());
+            let (site, connection) = (site.clone(), connections.clone());
             if Arc::strong_count(&connections) <= MOST + 1 {
                 thread::spawn(move || {
                     // A browser that went away is nobody's error.
-                    let _ = answer(&stream, &feed);
+                    let _ = answer(&stream, &site);
                     drop(connection);
                 });
             }
@@ -60,7 +74,7 @@ pub fn serve(address: SocketAddr, feed: &Feed) -> Result<SocketAddr, LiveError> 
 }
 
 /// Reads a request and answers it.
-fn answer(stream: &TcpStream, feed: &Feed) -> io::Result<()> {
+fn answer(stream: &TcpStream, site: &impl Site) -> io::Result<()> {
     stream.set_read_timeout(Some(LIMIT))?;
     stream.set_write_timeout(Some(LIMIT))?;
     let head = BufReader::new(stream.take(LONGEST))
@@ -74,12 +88,14 @@ fn answer(stream: &TcpStream, feed: &Feed) -> io::Result<()> {
     }
     let is_order = headers.iter().any(|header| header == ORDER_HEADER);
     match request.split_whitespace().collect::<Vec<_>>()[..] {
-        ["GET", "/", _] => send(stream, "200 OK", "text/html; charset=utf-8", &page::page()),
-        ["GET", "/plot.js", _] => send(stream, "200 OK", "text/javascript; charset=utf-8", PLOTS),
-        ["GET", "/live.js", _] => send(stream, "200 OK", "text/javascript; charset=utf-8", page::SCRIPT),
-        ["GET", "/events", _] => stream_events(stream, feed),
-        ["POST", "/stop", _] if is_order => obey(stream, feed, Order::Stop),
-        ["POST", "/acknowledge", _] if is_order => obey(stream, feed, Order::Acknowledge),
+        ["GET", "/events", _] => stream_events(stream, site.events()),
+        ["GET", path, _] => match site.get(path) {
+            Some((kind, content)) => send(stream, "200 OK", kind, &content),
+            None => send(stream, "404 Not Found", "text/plain", "there is only the page /"),
+        },
+        ["POST", path, _] if is_order && site.order(path) => {
+            send(stream, "202 Accepted", "text/plain", "passed on to the board")
+        }
         ["POST", ..] => send(stream, "403 Forbidden", "text/plain", "no order of this page"),
         _ => send(stream, "404 Not Found", "text/plain", "there is only the page /"),
     }
@@ -98,11 +114,6 @@ fn is_own_host(header: &str) -> bool {
     })
 }
 
-fn obey(stream: &TcpStream, feed: &Feed, order: Order) -> io::Result<()> {
-    feed.order(order);
-    send(stream, "202 Accepted", "text/plain", "passed on to the board")
-}
-
 fn send(mut stream: &TcpStream, status: &str, kind: &str, content: &str) -> io::Result<()> {
     let length = content.len();
     write!(
@@ -115,13 +126,12 @@ fn send(mut stream: &TcpStream, status: &str, kind: &str, content: &str) -> io::
 }
 
 /// Sends what is new as it comes, until the browser has gone.
-fn stream_events(mut stream: &TcpStream, feed: &Feed) -> io::Result<()> {
+fn stream_events(mut stream: &TcpStream, mut news: impl FnMut(Duration) -> Option<String>) -> io::Result<()> {
     stream.write_all(
         b"HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nConnection: close\r\nCache-Control: no-store\r\n\r\n",
     )?;
-    let mut seen = Seen::default();
     loop {
-        match feed.news(&mut seen, BEAT) {
+        match news(BEAT) {
             Some(news) => write!(stream, "data: {news}\n\n")?,
             None => stream.write_all(b": nothing new\n\n")?,
         }
@@ -130,6 +140,7 @@ fn stream_events(mut stream: &TcpStream, feed: &Feed) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::feed::{Feed, Order};
     use super::*;
 
     #[test]

@@ -21,7 +21,7 @@
 //! within it turn the direction.
 //!
 //! # Contract
-//! One [`Observer::factor`] a period, whether or not the feedback acts. The factor lies between 1
+//! One `Observer::factor` a period, whether or not the feedback acts. The factor lies between 1
 //! and the reach: it never makes feedback weaker than the PID's gains are.
 //!
 //! # Limits

@@ -35,7 +35,7 @@ fn a_number_or_a_rate_that_no_board_has_is_refused_before_the_board_is_asked() {
 fn the_status_tells_the_processors_number_and_the_boards_revision() {
     let bench = Bench::new();
     let said = bench.succeeds("status");
-    let hardware = "number 003900453134510e32383732, revision 3, processor 0x413 revision 0x1007";
+    let hardware = "number 003900453134510e32380001, revision 3, processor 0x413 revision 0x1007";
     assert!(said.contains(hardware), "{said}");
-    assert_eq!(bench.status()["about"]["unique_id"], "003900453134510e32383732");
+    assert_eq!(bench.status()["about"]["unique_id"], "003900453134510e32380001");
 }

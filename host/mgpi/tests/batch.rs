@@ -48,6 +48,31 @@ fn every_recording_has_a_line_and_what_is_wrong_with_one_stands_in_its_own() {
 }
 
 #[test]
+fn the_page_follows_every_muscle_from_day_to_day() {
+    let bench = archive();
+    for (name, to) in [("one", "2026-01-10"), ("two", "2026-05-20")] {
+        std::fs::rename(
+            bench.path(&format!("archive/{name}.csv")),
+            bench.path(&format!("archive/march/m_{to}.csv")),
+        )
+        .expect("renamed");
+    }
+    bench.succeeds("batch archive -o results.csv --report page.html");
+    let page = bench.read("page.html");
+    for wanted in [
+        "4 recordings of 2 muscles, 1 of them refused",
+        "<h2>march</h2>",
+        "Stroke of march",
+        "march/m_2026-05-20.csv",
+        "line 3, column pressure_bar",
+    ] {
+        assert!(page.contains(wanted), "{wanted}");
+    }
+    assert!(!page.contains("http-equiv") && !page.contains("src=\"http"), "it needs nothing from outside");
+    assert!(bench.refuses("batch archive -o other.csv --report page.html").contains("exists already"));
+}
+
+#[test]
 fn a_run_that_was_killed_goes_on_and_comes_to_the_same() {
     let bench = archive();
     bench.succeeds("batch archive -o whole.csv");

@@ -12,6 +12,7 @@
 //! A recording is held in memory, 8 bytes a value.
 
 pub mod course;
+pub mod day;
 pub mod drop_out;
 pub mod figures;
 pub mod history;

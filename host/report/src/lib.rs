@@ -17,8 +17,10 @@
 //! | `bars` | bars with names, in the same look |
 //! | [`diagnosed`] | report of `mgpi diagnose` |
 //! | [`comparison`] | report of `mgpi compare` |
+//! | [`archive`] | report of `mgpi batch`: many recordings, muscle by muscle |
 //! | `paper_figures` | report of `mgpi report`: Figs. 8 and 11 to 13 of the paper from own data |
 
+pub mod archive;
 mod axis;
 pub mod bars;
 pub mod comparison;

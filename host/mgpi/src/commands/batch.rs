@@ -24,8 +24,10 @@ use crate::parquet::{self, is_parquet};
 use diagnosis::diagnosed::{Diagnosed, Examined};
 use diagnosis::{Named, cause::Cause};
 use import::Values;
+use recording::day::Day;
 use recording::table::Table;
 use recording::{Choice, TOOL};
+use report::archive::{self, Figures, Found};
 
 /// Endings of files that are taken for recordings.
 const ENDINGS: [&str; 3] = ["csv", "tsv", "txt"];
@@ -70,6 +72,10 @@ pub struct Arguments {
     /// Where the table goes: a line a file; as Parquet if it ends in .parquet
     #[arg(short = 'o', value_name = "RESULTS.csv")]
     results: PathBuf,
+    /// Also write a page (one HTML file): each folder of the folder is a muscle, followed from day
+    /// to day, by the date in a file's name or that of its last change
+    #[arg(long, value_name = "REPORT.html")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     columns: Columns,
     /// Overwrite an existing output, and begin from nothing
@@ -86,8 +92,8 @@ type Line = Vec<String>;
 /// The folder cannot be read, has no recording, or the output cannot be written. What is wrong with
 /// a recording stands in its line.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { folder, results: output, columns, force } = arguments;
-    let mut outputs = Outputs::claim([output], &[], *force)?;
+    let Arguments { folder, results: output, report, columns, force } = arguments;
+    let mut outputs = Outputs::claim([output].into_iter().chain(report), &[], *force)?;
     let part = PathBuf::from(format!("{}.part", output.display()));
     let unwritable = |source| OutputError::Unwritable { path: part.clone(), source };
     let mut files = Vec::new();
@@ -124,6 +130,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     bar.finish_and_clear();
     let lines: Vec<&Line> = done.iter().map(|(line, _)| line).collect();
     stage(&mut outputs, output, &lines)?;
+    if let Some(report) = report {
+        let found: Vec<Found> = lines.iter().map(|line| found(folder, line)).collect();
+        outputs.stage(report, archive::to_html(folder, &found).as_bytes())?;
+    }
     outputs.commit()?;
     // Whatever is left of it is in the output.
     let _ = fs::remove_file(&part);
@@ -138,6 +148,33 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         say!("refused       {}", line[2]);
     }
     Ok(())
+}
+
+/// A line for the page. A muscle is the folder that its recordings are in.
+fn found(folder: &Path, line: &Line) -> Found {
+    let field = |name: &str| {
+        let place = HEADER.iter().position(|known| *known == name);
+        place.map_or("", |place| line[place].as_str())
+    };
+    let number = |name: &str| field(name).parse().unwrap_or(f64::NAN);
+    let file = Path::new(field("file"));
+    let inside = file.strip_prefix(folder).unwrap_or(file);
+    Found {
+        file: inside.display().to_string(),
+        muscle: inside.parent().map(|muscle| muscle.display().to_string()).unwrap_or_default(),
+        day: Day::of_file(file),
+        result: match field("error") {
+            "" => Ok(Figures {
+                unit: field("unit").to_owned(),
+                stroke: number("stroke"),
+                verdict: field("verdict").to_owned(),
+                causes: field("causes").to_owned(),
+                plain_rmse: number("plain_rmse"),
+                written_rmse: number("written_rmse"),
+            }),
+            error => Err(error.to_owned()),
+        },
+    }
 }
 
 /// Stages the table: CSV, or Parquet with figures as numbers.

@@ -11,7 +11,7 @@
 //! # Limits
 //! A crystal's rate is taken as constant to `WANDER` within `SPAN_S`. Intervals that have
 //! nothing in common mean a board that has restarted, or a clock of this machine that was set: the
-//! clock then begins anew.
+//! estimate then starts again from the next exchange.
 
 /// The most by which a board's rate may be off: ten times a crystal's tolerance and ageing together,
 /// below the error of the oscillator that takes over when the crystal fails. Unit: share.
@@ -19,7 +19,8 @@ const LARGEST_DRIFT: f64 = 1e-3;
 /// By how much a crystal's rate may change within `SPAN_S`, by temperature (AT cut: 0.04 ppm/K²
 /// off its turning point, some ppm over 10 K). Unit: share.
 const WANDER: f64 = 5e-6;
-/// After so long the interval that the rate is counted from is taken anew. Unit: s.
+/// The rate is measured from an exchange that is at most this old: long enough for intervals of
+/// some milliseconds to bound it within 10 ppm, short beside changes of temperature. Unit: s.
 const SPAN_S: f64 = 600.0;
 
 /// What is known of a board's clock: host's time of the board's. Unit: s.
@@ -43,8 +44,8 @@ impl Clock {
         Self { board_s, host_s, rate, anchor: (board_s, host_s) }
     }
 
-    /// From one more exchange. Answers whether it goes with those before; else the clock has begun
-    /// anew.
+    /// Takes in one more exchange. Answers whether it agrees with those before; if not, the estimate
+    /// starts again from this one.
     pub fn exchange(&mut self, board_s: f64, host_s: [f64; 2]) -> bool {
         let known = self.host_s(board_s);
         let both = [known[0].max(host_s[0]), known[1].min(host_s[1])];
@@ -140,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_drift_is_told_with_its_bound_and_a_restart_begins_anew() {
+    fn the_drift_is_told_with_its_bound_and_after_a_restart_the_estimate_starts_again() {
         let mut clock = Clock::new(5.0, [100.0, 100.002]);
         for k in 1..=3000 {
             let host_s = 100.001 + 0.1 * f64::from(k);

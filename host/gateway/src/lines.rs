@@ -11,8 +11,11 @@ use serde::Deserialize;
 use thiserror::Error;
 use wire::registers::BAUD;
 
-/// How long an answer may take, if the file does not say. Unit: s.
+/// How long an answer may take beside its bytes, if the file does not say: a board answers within
+/// 1 ms and may be told to wait up to 50 ms. Unit: s.
 const ANSWER_S: f64 = 0.05;
+/// Question and answer: 8 and 49 bytes, of 11 bits each with parity. Unit: bit.
+const ANSWER_BITS: f64 = 57.0 * 11.0;
 /// Rates of a board.
 const RATES: std::ops::RangeInclusive<u32> = 9_600..=1_000_000;
 /// Numbers of boards.
@@ -93,8 +96,7 @@ impl From<FileParity> for Parity {
     }
 }
 
-/// Reads the lines of a file. Ports are looked for beside the file if their path is none from the
-/// root.
+/// Reads the lines of a file. A relative path of a port is relative to the file's folder.
 ///
 /// # Errors
 /// It cannot be read; what is wrong in it, by place.
@@ -128,7 +130,7 @@ fn lines(File { line }: File, directory: &Path) -> Result<Vec<Line>, String> {
                 RATES.end()
             ));
         }
-        let answer_s = line.answer_s.unwrap_or(ANSWER_S);
+        let answer_s = line.answer_s.unwrap_or(ANSWER_S + ANSWER_BITS / f64::from(baud));
         let Some(limit) = Duration::try_from_secs_f64(answer_s).ok().filter(|limit| !limit.is_zero()) else {
             return wrong(format!("answer_s = {answer_s} is no time"));
         };
@@ -186,6 +188,16 @@ mod tests {
         assert_eq!(lines[0].address.port, Path::new("/lab/line-1"));
         assert_eq!(lines[1].address.port, Path::new("/dev/ttyUSB0"));
         assert_eq!((lines[1].address.line.baud, lines[1].address.line.parity), (1_000_000, Parity::Even));
+    }
+
+    #[test]
+    fn a_slow_line_is_given_the_time_that_its_bytes_take() {
+        let limit = |rate: u32| {
+            let lines = parsed(&format!("[[line]]\nport = \"p\"\nrate_bit_per_s = {rate}\nboards = [1]\n"));
+            lines.expect("a line")[0].address.limit.as_secs_f64()
+        };
+        // 57 bytes take 65 ms there.
+        assert!(limit(9_600) > 0.1 && limit(1_000_000) < 0.06);
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! The log by which the starter knows what to start: a word for each step, behind the others.
 //!
 //! # Contract
-//! A word is a code and its complement, so that a word cut short by a loss of power is none: in
-//! programming bits go from 1 to 0 only, and for each bit one of the two halves has to. Such a word
-//! is passed over: the step was not taken. The log of a board that was flashed is blank, and says
+//! A word is a code and its complement, so that a word that a loss of power cuts short is not
+//! valid: programming clears bits only, and of each bit one of the two halves has to be cleared.
+//! Such a word is skipped: the step was not taken. The log of a board that was flashed is blank, and says
 //! [`Place::A`].
 //!
 //! # Limits

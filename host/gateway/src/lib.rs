@@ -7,7 +7,7 @@
 //! | `lines` | the file that says which boards there are |
 //! | `clock` | a board's ticks on this machine's clock, with a bound |
 //! | `seen` | what a board tells |
-//! | `fleet` | all boards as they were last seen, shared |
+//! | `boards` | all boards as they were last seen, shared |
 //! | `line` | a line's thread |
 //! | `lib` | the threads together |
 //!
@@ -16,8 +16,8 @@
 //! program started by the same line vents within its own patience. What it sends beside questions
 //! are stops and acknowledgements.
 
+pub mod boards;
 pub mod clock;
-pub mod fleet;
 pub mod line;
 pub mod lines;
 pub mod seen;
@@ -25,14 +25,14 @@ pub mod seen;
 use std::sync::mpsc::{Sender, channel};
 use std::thread::{self, JoinHandle};
 
-use crate::fleet::Fleet;
+use crate::boards::Boards;
 use crate::line::Order;
 use crate::lines::Line;
 
 /// The threads of all lines, until it is dropped.
 #[derive(Debug)]
 pub struct Gateway {
-    fleet: Fleet,
+    boards: Boards,
     /// Those of the lines, and how many boards each has.
     orders: Vec<(usize, Sender<Order>)>,
     threads: Vec<JoinHandle<()>>,
@@ -41,21 +41,21 @@ pub struct Gateway {
 impl Gateway {
     /// Starts a thread a line.
     pub fn start(lines: Vec<Line>) -> Self {
-        let fleet = Fleet::of(&lines);
+        let boards = Boards::of(&lines);
         let (mut orders, mut threads, mut first) = (Vec::new(), Vec::new(), 0);
         for line in lines {
             let (sender, receiver) = channel();
-            let (count, begin, fleet) = (line.boards.len(), first, fleet.clone());
+            let (count, begin, all) = (line.boards.len(), first, boards.clone());
             orders.push((count, sender));
-            threads.push(thread::spawn(move || line::run(&line, begin, &fleet, &receiver)));
+            threads.push(thread::spawn(move || line::run(&line, begin, &all, &receiver)));
             first += count;
         }
-        Self { fleet, orders, threads }
+        Self { boards, orders, threads }
     }
 
     /// All boards.
-    pub fn fleet(&self) -> &Fleet {
-        &self.fleet
+    pub fn boards(&self) -> &Boards {
+        &self.boards
     }
 
     /// Stops and vents all boards of all lines.
@@ -66,7 +66,7 @@ impl Gateway {
         });
     }
 
-    /// Releases the latched fault of the board at this place of the fleet; whether there is one.
+    /// Releases the latched fault of the board at this place among all; whether there is one.
     pub fn acknowledge(&self, index: usize) -> bool {
         let mut first = 0;
         for (count, line) in &self.orders {

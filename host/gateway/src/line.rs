@@ -15,8 +15,8 @@ use board_client::bus::client::{BusError, Client};
 use board_client::bus::port::PortError;
 use wire::registers::{Command, Id, VERSION};
 
+use crate::boards::Boards;
 use crate::clock::Clock;
-use crate::fleet::Fleet;
 use crate::lines::{Line, Member};
 use crate::seen::{Problem, Telemetry};
 
@@ -39,7 +39,7 @@ pub enum Order {
 /// A board as its line's thread knows it.
 struct Asked<'a> {
     member: &'a Member,
-    /// Its place in the fleet.
+    /// Its place among all boards.
     index: usize,
     /// Time from tick to tick, once it has said who it is. Unit: s.
     period_s: Option<f64>,
@@ -59,8 +59,8 @@ enum Ended {
 }
 
 /// Asks the boards of a line until the sender of its orders is gone. `first`: the place of its first
-/// board in the fleet.
-pub fn run(line: &Line, first: usize, fleet: &Fleet, orders: &Receiver<Order>) {
+/// board among all boards.
+pub fn run(line: &Line, first: usize, all: &Boards, orders: &Receiver<Order>) {
     let asked = |(index, member)| Asked {
         member,
         index: first + index,
@@ -73,12 +73,12 @@ pub fn run(line: &Line, first: usize, fleet: &Fleet, orders: &Receiver<Order>) {
     let mut boards: Vec<Asked<'_>> = line.boards.iter().enumerate().map(asked).collect();
     loop {
         let ended = match Client::open(line.address.clone()) {
-            Ok(mut client) => rounds(&mut client, &mut boards, fleet, orders),
+            Ok(mut client) => rounds(&mut client, &mut boards, all, orders),
             Err(error) => Ended::Port(error),
         };
         let Ended::Port(error) = ended else { return };
         for board in &mut boards {
-            fleet.problem(board.index, Problem::Port(error.to_string()));
+            all.problem(board.index, Problem::Port(error.to_string()));
             (board.period_s, board.clock) = (None, None);
         }
         if !is_patient(orders) {
@@ -99,7 +99,7 @@ fn is_patient(orders: &Receiver<Order>) -> bool {
     }
 }
 
-fn rounds(client: &mut Client, boards: &mut [Asked<'_>], fleet: &Fleet, orders: &Receiver<Order>) -> Ended {
+fn rounds(client: &mut Client, boards: &mut [Asked<'_>], all: &Boards, orders: &Receiver<Order>) -> Ended {
     let numbers: Vec<u8> = boards.iter().map(|board| board.member.number).collect();
     loop {
         let begin = Instant::now();
@@ -117,16 +117,16 @@ fn rounds(client: &mut Client, boards: &mut [Asked<'_>], fleet: &Fleet, orders: 
                 Ok(telemetry) => {
                     board.lost = 0;
                     board.until = None;
-                    fleet.telemetry(board.index, telemetry);
+                    all.telemetry(board.index, telemetry);
                 }
                 Err(Unanswered::Port(error)) => return Ended::Port(error),
                 Err(Unanswered::Other(problem)) => {
                     board.lost = board.lost.saturating_add(1);
-                    fleet.lost(board.index);
+                    all.lost(board.index);
                     if board.lost >= LOST || !matches!(problem, Problem::Silent(_)) {
                         board.until = Some(Instant::now() + PATIENCE);
                         board.period_s = None;
-                        fleet.problem(board.index, problem);
+                        all.problem(board.index, problem);
                     }
                 }
             }
@@ -134,7 +134,7 @@ fn rounds(client: &mut Client, boards: &mut [Asked<'_>], fleet: &Fleet, orders: 
         if is_idle {
             thread::sleep(Duration::from_millis(10));
         } else {
-            fleet.round(boards.iter().map(|board| board.index), begin.elapsed());
+            all.round(boards.iter().map(|board| board.index), begin.elapsed());
         }
     }
 }
@@ -193,9 +193,9 @@ impl Asked<'_> {
             None => *self.period_s.insert(period_s(client)?),
         };
         let (first, last) = (Id::State.register(), Telemetry::LAST.register());
-        let sent_s = Fleet::now_s();
+        let sent_s = Boards::now_s();
         let words = client.read_in(first.address, last.end() - first.address, 1)?;
-        let received_s = Fleet::now_s();
+        let received_s = Boards::now_s();
         let mut telemetry = Telemetry::of_words(&words);
         // What passed since the last tick the board does not tell.
         let interval = [sent_s - period_s, received_s];

@@ -74,8 +74,8 @@ pub fn variables(file: &Arc<File>, folder: Option<&Path>) -> Result<Vec<Box<dyn 
     Ok(found)
 }
 
-/// An array whose content begins there and has so many bytes; None where it is none of real
-/// numbers, or has none, or no name, as what MATLAB keeps for itself.
+/// The array whose content begins at byte `begins` and has `size` bytes; None where it holds
+/// something else than real numbers, is empty, or has no name, as what MATLAB keeps for itself.
 fn array(file: &Arc<File>, begins: u64, size: u64, is_big_endian: bool) -> Result<Option<Array>, Problem> {
     let mut content = Content { bytes: FromPlace::new(file, begins).take(size), place: 0, is_big_endian };
     let flags = content.whole(FLAGS)?;

@@ -78,7 +78,7 @@ impl Variables {
     /// Variables of one length, and the names of their columns.
     ///
     /// # Errors
-    /// One has no columns of this length; there is none.
+    /// There is no variable, or not all have the same number of rows.
     pub fn of(these: Vec<Box<dyn Variable>>) -> Result<(Self, Vec<String>), Problem> {
         let rows = these.first().ok_or(Problem::Nothing)?.rows();
         let (mut all, mut names) = (Vec::new(), Vec::new());

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use gateway::Gateway;
-use gateway::fleet::{Board, Fleet};
+use gateway::boards::{Board, Boards};
 use maud::{DOCTYPE, PreEscaped, html};
 use report::page::head;
 use serde_json::{Value, json};
@@ -54,10 +54,8 @@ impl Site for FleetSite {
         match path {
             "/" => Some((HTML, page())),
             "/fleet.js" => Some((SCRIPT, PAGE_SCRIPT.to_owned())),
-            "/fleet.json" => Some(("application/json", in_json(self.0.fleet()).to_string())),
-            "/metrics" => {
-                Some(("text/plain; version=0.0.4; charset=utf-8", metrics(&self.0.fleet().boards())))
-            }
+            "/fleet.json" => Some(("application/json", in_json(self.0.boards()).to_string())),
+            "/metrics" => Some(("text/plain; version=0.0.4; charset=utf-8", metrics(&self.0.boards().all()))),
             _ => None,
         }
     }
@@ -72,11 +70,11 @@ impl Site for FleetSite {
     }
 
     fn events(&self) -> impl FnMut(Duration) -> Option<String> {
-        let (fleet, mut seen, mut last) = (self.0.fleet().clone(), 0, None::<Instant>);
+        let (boards, mut seen, mut last) = (self.0.boards().clone(), 0, None::<Instant>);
         move |limit| {
             let early = last.map_or(Duration::ZERO, |last| EVENT.saturating_sub(last.elapsed()));
             thread::sleep(early);
-            let news = fleet.news(&mut seen, limit).then(|| in_json(&fleet).to_string());
+            let news = boards.news(&mut seen, limit).then(|| in_json(&boards).to_string());
             last = Some(Instant::now());
             news
         }
@@ -84,7 +82,7 @@ impl Site for FleetSite {
 }
 
 /// All boards; what is latched with its cause and its cure.
-fn in_json(fleet: &Fleet) -> Value {
+fn in_json(boards: &Boards) -> Value {
     let board = |board: &Board| {
         let mut told = board.to_json();
         let fault = board.telemetry.as_ref().and_then(|telemetry| telemetry.fault());
@@ -93,12 +91,12 @@ fn in_json(fleet: &Fleet) -> Value {
             row.map_or(Value::Null, |row| json!({"title": row.title, "cause": row.cause, "cure": row.cure}));
         told
     };
-    json!({"now_s": Fleet::now_s(), "boards": fleet.boards().iter().map(board).collect::<Vec<_>>()})
+    json!({"now_s": Boards::now_s(), "boards": boards.all().iter().map(board).collect::<Vec<_>>()})
 }
 
 /// The figures in the text format of Prometheus, version 0.0.4.
 fn metrics(boards: &[Board]) -> String {
-    let now_s = Fleet::now_s();
+    let now_s = Boards::now_s();
     type Figure = fn(&Board, f64) -> Option<f64>;
     let figures: [(&str, &str, &str, Figure); 12] = [
         ("seen", "gauge", "1 where the board answers", |board, _| {

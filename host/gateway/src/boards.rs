@@ -13,7 +13,7 @@ static START: LazyLock<Instant> = LazyLock::new(Instant::now);
 
 /// All boards.
 #[derive(Clone, Debug)]
-pub struct Fleet(Arc<Shared>);
+pub struct Boards(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
@@ -44,7 +44,7 @@ pub struct Board {
     changes: u64,
 }
 
-impl Fleet {
+impl Boards {
     /// The boards of these lines, none of them seen so far.
     pub fn of(lines: &[Line]) -> Self {
         LazyLock::force(&START);
@@ -106,7 +106,7 @@ impl Fleet {
     }
 
     /// All boards, now.
-    pub fn boards(&self) -> Vec<Board> {
+    pub fn all(&self) -> Vec<Board> {
         self.lock().clone()
     }
 

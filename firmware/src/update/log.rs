@@ -3,7 +3,8 @@
 //! # Contract
 //! A word is a code and its complement, so that a word that a loss of power cuts short is not
 //! valid: programming clears bits only, and of each bit one of the two halves has to be cleared.
-//! Such a word is skipped: the step was not taken. The log of a board that was flashed is blank, and says
+//! Such a word is skipped: the step was not taken. The log of a board that was flashed is blank,
+//! and says
 //! [`Place::A`].
 //!
 //! # Limits

@@ -80,7 +80,7 @@ enum FileParity {
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a board is its number, 1 to 247, or { number = 1, name = \"biceps\" }")]
 enum FileBoard {
     Number(u8),
     Named { number: u8, name: String },
@@ -206,6 +206,7 @@ mod tests {
         for (rest, message) in [
             ("boards = []", "line left: there is no board"),
             ("boards = [0]", "line left: board 0: numbers are 1 to 247"),
+            ("boards = [300]", "a board is its number, 1 to 247"),
             ("boards = [3, 3]", "line left: board 3 is there twice"),
             (
                 "boards = [1]\nrate_bit_per_s = 4000000",

@@ -25,12 +25,13 @@ use model_core::{Mode, TrackingState};
 use wire::fault::times::{DUMP_TICKS, STOP_TICKS};
 use wire::{CaptureSample, Fault, OnModelFault, PLAYS, Protection, Refusal, State, TraceEntry};
 
+use crate::adaptation::{Adaptation, Told};
 use crate::board::{AcquisitionError, Board, DacCode, Samples};
 use crate::bus::player::Player;
 use crate::capture::Capture;
 use crate::faults::black_box::BlackBox;
 use crate::faults::log::FaultLog;
-use crate::law::{controller_act, controller_prepare};
+use crate::law::{controller_act, controller_asked, controller_learn, controller_prepare};
 use crate::monitors::Monitors;
 use crate::monitors::persistence::InARow;
 use crate::order::Installation;
@@ -93,6 +94,7 @@ pub struct Control {
     running: Option<Running>,
     installed: Option<Installation>,
     pub(crate) player: Player,
+    pub(crate) adaptation: Adaptation,
     /// Of a single conversion of pressure and contraction, one standard deviation. Unit: code.
     pub(crate) noise_codes: [f32; 2],
 }
@@ -173,6 +175,7 @@ impl Control {
             stop: InARow::default(),
             held: InARow::default(),
             player: Player::new(),
+            adaptation: Adaptation::default(),
             noise_codes: [0.0; 2],
         }
     }
@@ -208,6 +211,16 @@ impl Control {
         self.clock.map(|clock| clock.period_s).or_else(of_installation).unwrap_or(UNCLOCKED_PERIOD_S)
     }
 
+    /// What the board has learnt of its muscle.
+    pub fn learnt(&self) -> Told {
+        self.adaptation.told(self.installed.as_ref().map(|installed| installed.tracking.adapter()))
+    }
+
+    /// What the board learns of its muscle.
+    pub fn adaptation(&mut self) -> &mut Adaptation {
+        &mut self.adaptation
+    }
+
     /// The fault that is latched.
     pub fn fault(&self) -> Option<Fault> {
         self.faults.latched()
@@ -228,7 +241,8 @@ impl Control {
         outcome.is_limited |= outcome.code != asked;
         let reference_mm = self.reference_mm;
         // The valve has its code in time; what is looked at from here on can only take it back.
-        if let Err(fault) = self.watch(before, outcome.feedback_bar).and_then(|()| self.prepare()) {
+        let watched = self.watch(before, outcome.feedback_bar).and_then(|()| self.learn(&outcome));
+        if let Err(fault) = watched.and_then(|()| self.prepare()) {
             self.report(fault);
             outcome = TickOutcome { code: self.output.vent(), ..VENTED };
             board.drive(outcome.code);
@@ -278,6 +292,28 @@ impl Control {
         }
     }
 
+    /// Learns from the tick, if that is switched on.
+    ///
+    /// # Errors
+    /// The muscle has left what may be learnt.
+    #[inline(always)]
+    fn learn(&mut self, outcome: &TickOutcome) -> Result<(), Fault> {
+        let Some((adapted, is_new)) = self.adaptation.learner(self.monitors.bridged()) else {
+            return Ok(());
+        };
+        let (Some(Installation { tracking, .. }), Some(running)) = (&self.installed, &self.running) else {
+            adapted.interrupt();
+            return Ok(());
+        };
+        let pressure_bar = self.scalings.pressure.value(self.monitors.samples().pressure.0);
+        let command_bar = self.scalings.command.value(outcome.code.0);
+        let follows = (command_bar - pressure_bar).abs() <= self.protection.following_band_bar;
+        let is_trusted = is_new && follows && !outcome.is_limited;
+        let Running { state, prepared, .. } = running;
+        controller_learn(tracking, state, prepared, is_trusted, adapted);
+        if adapted.is_beyond() { Err(Fault::Adaptation) } else { Ok(()) }
+    }
+
     /// Does what the next tick can do without its samples.
     fn prepare(&mut self) -> Result<(), Fault> {
         self.play();
@@ -289,7 +325,11 @@ impl Control {
         let surroundings = &self.monitors.samples().surroundings;
         // As in `track`.
         let (tracking, state) = (black_box(tracking), black_box(&mut running.state));
-        running.prepared = controller_prepare(tracking, state, self.reference_mm, surroundings)
+        let asked_mm = match self.adaptation.acting() {
+            Some(adapted) => controller_asked(tracking, adapted, self.reference_mm),
+            None => self.reference_mm,
+        };
+        running.prepared = controller_prepare(tracking, state, (asked_mm, self.reference_mm), surroundings)
             .map_err(|_| Fault::Reference)?;
         Ok(())
     }

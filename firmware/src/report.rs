@@ -2,6 +2,7 @@
 
 use wire::{Hello, Signals, Telemetry, VERSION};
 
+use crate::adaptation::Told;
 use crate::board::Samples;
 use crate::control::Control;
 use crate::scaling::{REFERENCE_CODE, REFERENCE_SUPPLY_V, TEMPERATURE};
@@ -32,6 +33,8 @@ pub struct Outputs {
     /// Supply of the converters, measured against the processor's reference; 0 on a board without
     /// one. Unit: V.
     pub converters_supply_v: f32,
+    /// What was learnt of the muscle.
+    pub adaptation: Told,
 }
 
 /// The highest code of a converter, that of its supply.
@@ -71,6 +74,7 @@ impl Control {
             command_bar: self.scalings.command.value(self.output.code().0),
             service_bar: self.scalings.command.value(self.service_code.0),
             deadline_cycles: self.clock.map_or(0, |clock| clock.deadline_cycles),
+            adaptation: self.learnt(),
         }
     }
 

@@ -143,6 +143,28 @@ fn a_reference_is_tracked_and_logged_as_by_pil() {
 }
 
 #[test]
+fn a_board_that_adapts_follows_a_muscle_that_is_not_its_models() {
+    let bench = Bench::new();
+    let turns: String = (0..6).map(|turn| format!("{},80\n{},30\n", 10 * turn + 6, 10 * turn + 11)).collect();
+    bench.write("ref.csv", &format!("time_s,reference_mm\n0,10\n1,30\n{turns}"));
+    bench.succeeds("deploy paper.toml");
+    let rmse_mm = |options: &str| {
+        let said = bench.succeeds(&format!(
+            "track --reference ref.csv --mode feedforward --json log.json --force {options}"
+        ));
+        let json: Value = serde_json::from_str(&bench.read("log.json")).expect("JSON");
+        (json["feedforward_only"]["rmse_mm"].as_f64().expect("a number"), said)
+    };
+    let (plain_mm, said) = rmse_mm("");
+    assert!(!said.contains("learnt"), "{said}");
+    rmse_mm("--adapt");
+    let (adapted_mm, said) = rmse_mm("--adapt");
+    assert!(said.contains("learnt            offset"), "{said}");
+    assert!(adapted_mm < 0.5 * plain_mm, "{plain_mm} mm, {adapted_mm} mm, {said}");
+    assert!(bench.succeeds("status").contains("learnt      offset"));
+}
+
+#[test]
 fn a_bus_that_loses_and_damages_answers_costs_time_and_nothing_else() {
     let mut answers = 0;
     let bench = Bench::disturbed(move |way, mut bytes| {

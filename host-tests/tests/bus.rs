@@ -6,8 +6,8 @@ use std::collections::HashSet;
 use board_models::extended_parameters;
 use host_tests::bus::{BusBoard, frame, random_frames, refused};
 use wire::registers::{
-    Access, Command, Exception, GROUPS, Id, Kind, MOST_READ, MOST_WRITTEN, Register, TABLE, UNIT, Value,
-    fields,
+    Access, Command, Exception, GROUPS, Id, Kind, Learning, MOST_READ, MOST_WRITTEN, Register, TABLE, UNIT,
+    Value, fields,
 };
 use wire::{Configuration, Protection, Request, Response, VERSION};
 
@@ -425,6 +425,24 @@ fn commands_lead_through_the_states() {
     assert_eq!(board.number(Id::RecordFault), u32::from(wire::Fault::Leak.code()));
     order(&mut board, Command::Acknowledge).expect("taken");
     assert_eq!((board.number(Id::State), board.number(Id::Fault)), (2, 0));
+}
+
+#[test]
+fn what_is_learnt_is_switched_by_the_bus_and_not_forgotten_while_the_valve_is_driven() {
+    let mut board = BusBoard::configured();
+    assert_eq!(board.number(Id::Adaptation), u32::from(Learning::Off.number()));
+    board.set(Id::Adaptation, Learning::On.number().into()).expect("taken");
+    board.open(Command::Start);
+    let busy = Exception::DeviceBusy.number() as u8;
+    assert_eq!(board.set(Id::Adaptation, Learning::Off.number().into()), Err(busy));
+    assert_eq!(board.number(Id::Adaptation), u32::from(Learning::On.number()));
+    board.set(Id::Adaptation, Learning::Kept.number().into()).expect("taken");
+    order(&mut board, Command::Stop).expect("taken");
+    assert_eq!(board.number(Id::Adaptation), u32::from(Learning::Kept.number()));
+    board.set(Id::Adaptation, Learning::Off.number().into()).expect("taken");
+    for id in [Id::AdaptedOffset, Id::AdaptedGain, Id::AdaptedBend, Id::AdaptedWidth, Id::AdaptedFlare] {
+        assert_eq!(board.get(id).number(), 0.0, "{id:?}");
+    }
 }
 
 #[test]

@@ -20,6 +20,7 @@
 //! | [`extension`] | what a muscle on a valve does beside hysteresis, and its compensation | |
 //! | [`pid`] | the feedback controller | (24) |
 //! | [`observer`] | gains by the slope of the inverse | |
+//! | [`adaptation`] | offset, gain and width that follow the muscle | |
 //! | [`tracking`] | feed-forward plus feedback, limits, slew | Fig. 10 |
 //! | [`paper`] | the paper's Tables 1 and 2 as a model | |
 //!
@@ -42,6 +43,7 @@
     deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)
 )]
 
+pub mod adaptation;
 pub mod agpi;
 pub mod atanh;
 pub mod cascade;

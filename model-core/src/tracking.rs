@@ -38,6 +38,7 @@
 //! output range and a tenth of it on either side: a wild sample moves the integral no more than a
 //! real one could.
 
+use crate::adaptation::{Adapted, Adapter, Lesson};
 use crate::error::{Check, InputError, ParameterError, finite_input};
 use crate::extension::output::reach;
 use crate::extension::preview::{Preview, PreviewLine};
@@ -239,6 +240,44 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         self.inverse.operator()
     }
 
+    /// What adapts its feed-forward: a few operations, made anew each time.
+    pub fn adapter(&self) -> Adapter<T> {
+        let inputs = self.inverse.input_range();
+        Adapter::new(self.inverse.output_range(), (inputs.min(), inputs.max()))
+    }
+
+    /// What the inverse is to be asked for in the place of a reference (mm), by what has been learnt
+    /// ([`Adapter::asked`]). Unit: mm.
+    pub fn asked(&self, adapted: &mut Adapted<T>, reference: T) -> T {
+        self.adapter().asked(adapted, reference)
+    }
+
+    /// Learns from a sample that has just been acted on, and what was prepared for it.
+    /// `is_trusted`: whether no limit has changed the command, and valve and sensors did what they
+    /// were told, as far as the caller knows.
+    pub fn learn(
+        &self,
+        state: &TrackingState<T, N>,
+        prepared: &Prepared<T>,
+        is_trusted: bool,
+        adapted: &mut Adapted<T>,
+    ) {
+        let has_feedforward = matches!(state.mode, Some(Mode::Both | Mode::FeedforwardOnly));
+        let (stands, inputs) =
+            (self.inverse.stands(&state.inverse, prepared.feedforward), self.inverse.input_range());
+        // At its ends the inverse answers less than it was asked for.
+        let is_inside = stands.0 > inputs.min() && stands.0 < inputs.max();
+        let lesson = Lesson {
+            due: prepared.due,
+            contraction: state.contraction,
+            // What fades in after a change of mode is missing beside the feed-forward too.
+            feedback: state.command - prepared.feedforward,
+            stands,
+            is_trusted: is_trusted && has_feedforward && is_inside,
+        };
+        self.adapter().learn(adapted, &lesson);
+    }
+
     /// The state of a controller whose muscle is at rest, the valve at the lowest command.
     pub fn rest_state(&self, mode: Mode) -> TrackingState<T, N> {
         TrackingState {
@@ -286,11 +325,26 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         reference: T,
         surroundings: &Surroundings<T>,
     ) -> Result<Prepared<T>, InputError> {
+        self.prepare_asked(state, (reference, reference), surroundings)
+    }
+
+    /// The same where the inverse is asked for something else than the reference, as
+    /// [`Tracking::asked`] tells: what it is asked for, and the reference. Unit: mm.
+    ///
+    /// # Errors
+    /// A value that is not finite; the state is then as it was.
+    #[inline(always)]
+    pub fn prepare_asked(
+        &self,
+        state: &mut TrackingState<T, N>,
+        (asked, reference): (T, T),
+        surroundings: &Surroundings<T>,
+    ) -> Result<Prepared<T>, InputError> {
         // The inverse follows the reference in every mode, so that its memory is right when it is
         // needed.
         let feedforward = match &self.smoother {
-            None => self.inverse.step(&mut state.inverse, reference, surroundings)?,
-            Some(smoother) => self.smoothly(smoother, state, reference, surroundings)?,
+            None => self.inverse.step(&mut state.inverse, asked, surroundings)?,
+            Some(smoother) => self.smoothly(smoother, state, asked, surroundings)?,
         };
         let due = match &self.preview {
             Some(preview) => preview.due(&mut state.preview, reference),

@@ -17,7 +17,7 @@ use crate::parameters::DEAD_LOAD_N;
 use crate::scale::Scale;
 use crate::sensor::{Measurement, Sensors};
 use crate::set_point::DeadBand;
-use crate::surroundings::{Course, Surroundings};
+use crate::surroundings::{Course, REFERENCE_TEMPERATURE_C, Surroundings};
 use crate::truth::Truth;
 use crate::valve::{Regulator, Valve};
 use crate::wander::Staircase;
@@ -98,6 +98,8 @@ pub struct Plant {
     time_s: f64,
     /// Load that somebody puts on it, N.
     put_on_n: f64,
+    /// How warm it is kept, K above where it is a sound one; None where the room does that.
+    heated_k: Option<f64>,
 }
 
 impl Plant {
@@ -146,6 +148,7 @@ impl Plant {
             sensors,
             time_s: 0.0,
             put_on_n: 0.0,
+            heated_k: None,
             effects,
         }
     }
@@ -158,6 +161,12 @@ impl Plant {
     /// Puts a load (N) on the muscle, beside what hangs there, from now on; no sensor sees it.
     pub fn put_on(&mut self, load_n: f64) {
         self.put_on_n = load_n;
+    }
+
+    /// Keeps the muscle from now on so much (K) above the temperature at which it is a sound one,
+    /// whatever the room does; no sensor sees it.
+    pub fn heat(&mut self, kelvin: f64) {
+        self.heated_k = Some(kelvin);
     }
 
     /// Holds `command_bar` for `dt_s` (0 s and more), then measures.
@@ -204,6 +213,9 @@ impl Plant {
         }
         let mut surroundings = self.course.at(self.time_s);
         surroundings.load_n += self.put_on_n;
+        if let Some(kelvin) = self.heated_k {
+            surroundings.temperature_c = REFERENCE_TEMPERATURE_C + kelvin;
+        }
         self.contraction_mm = self.body.step(pressure_bar, &surroundings, dt_s);
     }
 }

@@ -157,6 +157,7 @@ fn value(session: &Session, view: &View, id: Id, index: u16) -> Value {
             Id::SetpointMm => Value::F32(outputs.next_reference_mm),
             Id::Heartbeat => Value::U16(outputs.heartbeat),
             Id::Armed => Value::U16(outputs.armed_ticks),
+            Id::Adaptation => Value::U16(outputs.adaptation.learning.number()),
             _ => Value::F32(outputs.service_bar),
         },
         View::Status(telemetry, outputs) => status(session, telemetry, outputs, id),
@@ -228,6 +229,11 @@ fn status(session: &Session, telemetry: &Telemetry, outputs: &Outputs, id: Id) -
         Id::ContractionNoise => Value::F32(outputs.contraction_noise_mm),
         Id::OutputV => Value::F32(outputs.output_v),
         Id::ConvertersSupplyV => Value::F32(outputs.converters_supply_v),
+        Id::AdaptedOffset => Value::F32(outputs.adaptation.change.offset),
+        Id::AdaptedGain => Value::F32(outputs.adaptation.change.gain),
+        Id::AdaptedBend => Value::F32(outputs.adaptation.change.bend),
+        Id::AdaptedWidth => Value::F32(outputs.adaptation.change.width),
+        Id::AdaptedFlare => Value::F32(outputs.adaptation.change.flare),
         _ => Value::U32(match id {
             Id::Ticks => telemetry.ticks,
             Id::WorstTick => telemetry.worst_tick_cycles,
@@ -240,6 +246,7 @@ fn status(session: &Session, telemetry: &Telemetry, outputs: &Outputs, id: Id) -
             Id::Resets => telemetry.resets,
             Id::BusFrames => session.frames,
             Id::BusDamaged => session.damaged,
+            Id::AdaptedSteps => outputs.adaptation.steps,
             _ => session.refused,
         }),
     }

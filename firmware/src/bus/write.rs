@@ -7,8 +7,8 @@
 use heapless::Vec;
 use model_core::Mode;
 use wire::registers::{
-    Access, Command, Exception, Id, MOST_WRITTEN, Register, STREAM_POINTS, StreamOrder, UpdateOrder,
-    UpdateResult, UploadOrder, UploadResult, Value, fields, mode,
+    Access, Command, Exception, Id, Learning, MOST_WRITTEN, Register, STREAM_POINTS, StreamOrder,
+    UpdateOrder, UpdateResult, UploadOrder, UploadResult, Value, fields, mode,
 };
 use wire::{BoardParameters, CaptureOrder, Configuration, Refusal, Request, Response, State, VERSION};
 
@@ -120,7 +120,7 @@ fn control(
     node: &mut impl Node,
 ) -> Result<(), Exception> {
     let (mut command, mut wanted, mut mm, mut bar) = (Command::None, None, None, None);
-    let mut heartbeat = None;
+    let (mut heartbeat, mut learning) = (None, None);
     for Assignment { id, value, .. } in values {
         match (id, value) {
             (Id::Command, Value::U16(number)) => command = Command::of_number(number).unwrap_or(command),
@@ -128,6 +128,7 @@ fn control(
             (Id::SetpointMm, Value::F32(value)) => mm = Some(value),
             (Id::SetpointBar, Value::F32(value)) => bar = Some(value),
             (Id::Heartbeat, Value::U16(number)) => heartbeat = Some(number),
+            (Id::Adaptation, Value::U16(number)) => learning = Learning::of_number(number),
             _ => {}
         }
     }
@@ -144,6 +145,13 @@ fn control(
         let state = control.state();
         let is_set = mm.is_some() || bar.is_some();
         if is_set && control.player.is_playing() || bar.is_some() && state != State::Service {
+            return Err(Refusal::WrongState(state));
+        }
+        // What is forgotten at once would be missing at once.
+        if learning == Some(Learning::Off)
+            && control.adaptation.learning() != Learning::Off
+            && state.is_driven()
+        {
             return Err(Refusal::WrongState(state));
         }
         let order = match command {
@@ -171,6 +179,7 @@ fn control(
         }
         if done.is_ok() {
             heartbeat.into_iter().for_each(|number| control.beat(number));
+            learning.into_iter().for_each(|learning| control.adaptation.switch(learning));
         }
         done
     });

@@ -5,8 +5,9 @@ use wire::registers::ARMED_TICKS;
 use wire::{Fault, Protection, Refusal, Response};
 
 use super::{Control, Running, TickClock};
+use crate::adaptation::Adaptation;
 use crate::board::DacCode;
-use crate::law::controller_prepare;
+use crate::law::{controller_asked, controller_prepare};
 use crate::monitors::Monitors;
 use crate::order::{Installation, Order};
 use crate::output;
@@ -95,6 +96,10 @@ impl Control {
             return Err(Refusal::parameter(format_args!("period_s is {found} s, must be {period_s} s")));
         }
         self.demand(Event::Install)?;
+        let inverse = installation.tracking.inverse();
+        if self.installed.as_ref().is_none_or(|installed| installed.tracking.inverse() != inverse) {
+            self.adaptation = Adaptation::default();
+        }
         self.installed = Some(installation);
         self.scale();
         self.advance(Event::Install)
@@ -110,7 +115,14 @@ impl Control {
         self.demand(event)?;
         self.demand_armed()?;
         let mode = self.permitted(mode)?;
-        let running = self.installed.as_ref().map(|installed| self.running(installed, mode)).transpose()?;
+        let asked_mm = match (&self.installed, self.adaptation.acting()) {
+            (Some(Installation { tracking, .. }), Some(adapted)) => {
+                controller_asked(tracking, adapted, self.next_reference_mm)
+            }
+            _ => self.next_reference_mm,
+        };
+        let installed = self.installed.as_ref();
+        let running = installed.map(|installed| self.running(installed, mode, asked_mm)).transpose()?;
         self.advance(event)?;
         self.monitors.start_anew();
         self.running = running;
@@ -131,11 +143,11 @@ impl Control {
     }
 
     /// The controller at rest, its first tick prepared.
-    fn running(&self, installed: &Installation, mode: Mode) -> Result<Running, Refusal> {
+    fn running(&self, installed: &Installation, mode: Mode, asked_mm: f32) -> Result<Running, Refusal> {
         let mut state = installed.tracking.rest_state(mode);
         let reference_mm = self.next_reference_mm;
         let surroundings = &self.monitors.samples().surroundings;
-        controller_prepare(&installed.tracking, &mut state, reference_mm, surroundings)
+        controller_prepare(&installed.tracking, &mut state, (asked_mm, reference_mm), surroundings)
             .map(|prepared| Running { mode, state, prepared })
             .map_err(|_| {
                 Refusal::parameter(format_args!("the reference is {reference_mm} mm, must be finite"))

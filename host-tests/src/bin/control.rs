@@ -8,6 +8,7 @@ use clap::{Parser, ValueEnum};
 use host_tests::PERIOD_S;
 use host_tests::control::controller::{Controller, Tunings};
 use host_tests::control::course::{Converter, Setting, run};
+use host_tests::control::drift::{self, Drifted};
 use host_tests::control::known::{Desk, model};
 use host_tests::control::reference::Course;
 use host_tests::control::score::{Score, score};
@@ -50,6 +51,9 @@ struct Cli {
     /// The table for these plants too: the rig with a delay, a mass, a viscous lag
     #[arg(long)]
     all: bool,
+    /// In place of the table: half an hour of a muscle that warms up, by the feed-forward alone
+    #[arg(long)]
+    drift: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -75,6 +79,7 @@ fn main() -> Result<()> {
     rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build_global()?;
     match cli.zoo {
         Some(plants) => of_zoo(&cli, plants),
+        None if cli.drift => of_drift(&cli),
         None => table(&cli),
     }
 }
@@ -240,6 +245,84 @@ fn table(cli: &Cli) -> Result<()> {
     }
     Ok(())
 }
+
+/// Half an hour with what is sound and with what warms up, for both ways to record.
+fn of_drift(cli: &Cli) -> Result<()> {
+    use rig::effect::Effect;
+    println!(
+        "RMSE of the feed-forward alone behind the first minute, % of stroke; the worst minute over that of the sound muscle"
+    );
+    for (rich, desk) in [(false, Desk::Identify), (true, Desk::Diagnose)] {
+        let of_sound = Subject::Rig { effects: Vec::new(), rich, seed: FIRST_SEED };
+        let ready = Ready::of(of_sound, desk, cli.models.as_deref())?;
+        let parameters = Controller::Inverse.parameters(&ready.model, &ready.tunings)?;
+        let tracking = Tracking::try_new(&parameters)?;
+        let preview_s = f64::from(parameters.extensions.preview_s(parameters.period_s));
+        let share = |drifted: &Drifted| 100.0 * drifted.whole_mm() / ready.model.stroke();
+        for (course, name) in DRIFT_COURSES {
+            let given = (course, preview_s, ready.range_mm());
+            let run = |effects: &[Effect], seed: u64, learns: bool| {
+                let subject = Subject::Rig { effects: effects.to_vec(), rich, seed };
+                drift::run(&tracking, &mut subject.plant(true), given, !effects.is_empty(), learns)
+            };
+            let fresh = run(&[], FIRST_SEED, false);
+            let learnt = run(&[], FIRST_SEED, true);
+            println!(
+                "{} {name}: sound {:.3}, with adaptation {:.3}, {:.2}",
+                if rich { "many speeds" } else { "slow triangles" },
+                share(&fresh),
+                share(&learnt),
+                learnt.worst_over(&fresh)
+            );
+            let (low, high) = ready.range_mm();
+            let lower = (course, preview_s, (low - SHIFT_MM, high - SHIFT_MM));
+            let lower = drift::run(&tracking, &mut fresh_plant(rich), lower, false, false);
+            println!(
+                "  sound, the reference {SHIFT_MM} mm lower: {:.3}, {:.2}",
+                share(&lower),
+                lower.worst_over(&fresh)
+            );
+            let warm = [Effect::Temperature, Effect::WarmUp];
+            let seeds: Vec<u64> = (FIRST_SEED..FIRST_SEED + DRIFT_SEEDS).collect();
+            let runs: Vec<_> = seeds
+                .par_iter()
+                .map(|&seed| (seed, run(&warm, seed, false), run(&warm, seed, true)))
+                .collect();
+            for (seed, plain, learnt) in &runs {
+                println!(
+                    "  warming, seed {seed}: {:.3}, {:.1}; with adaptation {:.3}, {:.2}; {:?}",
+                    share(plain),
+                    plain.worst_over(&fresh),
+                    share(learnt),
+                    learnt.worst_over(&fresh),
+                    learnt.change
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// About what heat of 15 K moves the muscle by: a warm one is asked for what a sound one gives there.
+/// Unit: mm.
+const SHIFT_MM: f64 = 12.0;
+
+/// The sound muscle.
+fn fresh_plant(rich: bool) -> rig::plant::Plant {
+    Subject::Rig { effects: Vec::new(), rich, seed: FIRST_SEED }.plant(true)
+}
+
+/// Of the rig whose model is taken, and of the first that warms up.
+const FIRST_SEED: u64 = 5;
+/// How many that warm up.
+const DRIFT_SEEDS: u64 = 8;
+/// What they follow: 0.2 to 0.8 of the range, which a muscle that is a tenth of it longer or shorter
+/// still reaches.
+const DRIFT_COURSES: [(Course, &str); 3] = [
+    (Course::Cosines(0.05, 0.6), "0.05 Hz"),
+    (Course::Cosines(0.2, 0.6), "0.2 Hz"),
+    (Course::Multisine, "0.05 to 2 Hz"),
+];
 
 fn cell(score: &Score) -> String {
     let settling = score.settling_s.map_or(String::new(), |s| format!(" {s:.2}"));

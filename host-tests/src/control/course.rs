@@ -9,7 +9,7 @@ use crate::PERIOD_S;
 use wire::registers::HIGHEST_BAR;
 
 /// A step of the command's converter: 10 bar in 12 bits. Unit: bar.
-const STEP_BAR: f64 = 10.0 / 4096.0;
+pub(super) const STEP_BAR: f64 = 10.0 / 4096.0;
 
 /// A tick in the log.
 #[derive(Clone, Copy, Debug)]

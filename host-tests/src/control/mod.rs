@@ -7,6 +7,7 @@
 //! | [`mod@reference`] | what is to be tracked |
 //! | [`course`] | one run of the control code with a plant, tick by tick |
 //! | [`controller`] | the controllers that are compared, from the paper's PID to learning |
+//! | [`drift`] | half an hour of a muscle that warms up, with and without adaptation |
 //! | [`score`] | error, settling and effort of a run |
 //! | [`sensitivity`] | the largest sensitivity of a loop, measured |
 //!
@@ -16,6 +17,7 @@
 
 pub mod controller;
 pub mod course;
+pub mod drift;
 pub mod known;
 pub mod reference;
 pub mod score;

@@ -7,6 +7,7 @@ use firmware::watchdog::Task;
 use host_tests::bench::Bench;
 use host_tests::configuration;
 use model_core::{Mode, ModelParameters, paper};
+use wire::registers::Learning;
 use wire::{Configuration, Fault, OnModelFault, Protection, Request};
 
 /// A fault that is being injected.
@@ -33,7 +34,9 @@ pub fn configuration_for(fault: Fault) -> Configuration {
 /// Its mode. Without feedback nothing makes good what a leak takes away.
 pub fn mode_for(fault: Fault) -> Mode {
     match fault {
-        Fault::NotFinite | Fault::Leak | Fault::ValveStuck | Fault::PressureStuck => Mode::FeedforwardOnly,
+        Fault::NotFinite | Fault::Leak | Fault::ValveStuck | Fault::PressureStuck | Fault::Adaptation => {
+            Mode::FeedforwardOnly
+        }
         _ => Mode::Both,
     }
 }
@@ -105,6 +108,14 @@ impl Injection {
             Fault::ValveStuck => {
                 wrong.valve_bar.get_or_insert(pressure_bar);
                 return (command_bar - pressure_bar).abs() >= 2.0;
+            }
+            Fault::Adaptation => {
+                // A sensor that slips, slowly enough to be learnt: it goes to the end of the bounds.
+                // Steps are counted, not ticks: the time of the table is that behind the last of them.
+                let step = (-40.0 - wrong.contraction_mm).clamp(-0.005, 0.005);
+                wrong.contraction_mm += step;
+                bench.control().adaptation().switch(Learning::On);
+                return false;
             }
             Fault::NotFinite => {
                 bench.reference_mm += 20.0;

@@ -87,6 +87,7 @@ fn every_row_of_the_table_ends_as_it_says_by_its_own_fault() {
             Fault::ValveStuck | Fault::VentIneffective => {
                 Protection { stuck_command_bar: f32::INFINITY, ..on }
             }
+            Fault::Adaptation => Protection { implausible_share: f32::INFINITY, ..on },
             Fault::ContractionStuck => {
                 Protection { implausible_share: f32::INFINITY, authority_bar: f32::INFINITY, ..on }
             }

@@ -139,6 +139,20 @@ impl<T: Real, const N: usize, const M: usize> ExtendedInverse<T, N, M> {
         &self.limits
     }
 
+    /// Where the operator stands: its input and output. `answer`: of the last sample, which is the
+    /// input where nothing is compensated.
+    pub(crate) fn stands(&self, state: &ExtendedInverseState<T, N>, answer: T) -> (T, T) {
+        match &state.compensation {
+            Some(CompensationState { effects, .. }) => (effects.u, effects.y0),
+            None => (answer, self.operator.last_output(&state.operator)),
+        }
+    }
+
+    /// The inputs that the operator's model is for.
+    pub(crate) fn input_range(&self) -> &Range<T> {
+        &self.input_range
+    }
+
     /// The state before the first sample, of a muscle at rest.
     pub fn rest_state(&self) -> ExtendedInverseState<T, N> {
         let (u, (y0, _)) = (self.input_range.min(), self.output_range);

@@ -51,6 +51,7 @@ pub enum Fault {
     DumpHeld = 38,
     CalibrationCorrupt = 39,
     HeartbeatStands = 40,
+    Adaptation = 41,
 }
 
 /// Number of faults.
@@ -58,7 +59,7 @@ pub const FAULTS: usize = Fault::ALL.len();
 
 impl Fault {
     /// All of them, in the order of their numbers, which begin at 1.
-    pub const ALL: [Self; 40] = [
+    pub const ALL: [Self; 41] = [
         Self::Acquisition,
         Self::PressureSensor,
         Self::ContractionSensor,
@@ -99,6 +100,7 @@ impl Fault {
         Self::DumpHeld,
         Self::CalibrationCorrupt,
         Self::HeartbeatStands,
+        Self::Adaptation,
     ];
 
     /// The stable number.

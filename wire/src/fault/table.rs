@@ -409,6 +409,16 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
          image, a thread that hangs",
         "see to the program; the number has to be counted by what computes the set points, not by what sends them",
     ),
+    vent(
+        Fault::Adaptation,
+        "muscle left what may be learnt",
+        "where adaptation is switched on: of its steps, one each hundredth of the stroke, a hundred more lead out of the bounds than \
+         do not. The bounds are an offset of a fifth of the range, and what is asked of the model still rising by a quarter of the \
+         reference",
+        1,
+        "another muscle or another load than the model's; a sensor or the valve has drifted; the muscle is worn out",
+        "compare the sensors with a gauge and a rule (`mgpi calibrate`), look at the muscle; then record it again and deploy its model",
+    ),
 ];
 
 // All resets that the text of the loop tells.

@@ -26,8 +26,8 @@ mod value;
 mod windows;
 
 pub use names::{
-    BusListens, Command, Exception, StreamOrder, StreamState, UpdateOrder, UpdateResult, UpdateTrial,
-    UploadOrder, UploadResult, mode, mode_number, state, state_number,
+    BusListens, Command, Exception, Learning, StreamOrder, StreamState, UpdateOrder, UpdateResult,
+    UpdateTrial, UploadOrder, UploadResult, mode, mode_number, state, state_number,
 };
 pub use table::{GROUPS, Group, HIGHEST_BAR, Id, TABLE};
 pub use value::{Kind, Value};

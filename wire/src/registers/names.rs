@@ -49,6 +49,18 @@ numbered! {
 }
 
 numbered! {
+    /// What is done with what is learnt of the muscle.
+    Learning {
+        /// Nothing is learnt; what was is forgotten.
+        Off = 0,
+        /// The feed-forward follows the muscle.
+        On = 1,
+        /// What was learnt stays, and nothing is learnt.
+        Kept = 2,
+    }
+}
+
+numbered! {
     /// The orders of the command word.
     Command {
         /// Nothing; for a PLC that writes its outputs all the time.

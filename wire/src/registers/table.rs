@@ -195,6 +195,7 @@ table! {
     0x0104 SetpointBar "setpoint_bar" F32 [1] "bar" BAR, "The command in the service state";
     0x0106 Heartbeat "heartbeat" U16 [1] "" WORD, "Any number, another one each time: what a host that lives can write and one that only repeats itself cannot";
     0x0107 Armed "armed_ticks" U16 [1] "tick" READ, "How long command 1 or 5 is still taken";
+    0x0108 Adaptation "adaptation" U16 [1] "" write(0.0, 2.0), "0 off, and what was learnt is forgotten (refused while the valve is driven), 1 the feed-forward follows the muscle, 2 what was learnt stays, nothing is learnt; 0 at each start of the board and for another model";
 
     0x0200 State "state" U16 [1] "" READ, "0 off, 1 self-test, 2 ready, 3 tracking, 4 holding, 5 fault, 6 service";
     0x0201 Fault "fault" U16 [1] "" READ, "Number of the latched fault, 0 for none";
@@ -220,6 +221,12 @@ table! {
     0x0228 ContractionNoise "contraction_noise_mm" F32 [1] "mm" READ, "The same of the contraction";
     0x022A OutputV "output_v" F32 [1] "V" READ, "Voltage at the valve's output, PA4, read back; 0 where it is not";
     0x022C ConvertersSupplyV "converters_supply_v" F32 [1] "V" READ, "Supply of the converters, by the processor's reference voltage; 0 in the emulator";
+    0x022E AdaptedOffset "adapted_offset_mm" F32 [1] "mm" READ, "What was learnt of the muscle: how much further than its model it contracts in the middle of its range";
+    0x0230 AdaptedGain "adapted_gain_mm" F32 [1] "mm" READ, "By how much more at the upper end";
+    0x0232 AdaptedBend "adapted_bend_mm" F32 [1] "mm" READ, "By how much more at both ends";
+    0x0234 AdaptedWidth "adapted_width_mm" F32 [1] "mm" READ, "How much further on the way up than in the middle of the loop";
+    0x0236 AdaptedFlare "adapted_flare_mm" F32 [1] "mm" READ, "By how much more so at the upper end";
+    0x0238 AdaptedSteps "adapted_steps" U32 [1] "" READ, "In how many steps that was learnt";
 
     0x0300 Kp "kp_bar_per_mm" F32 [1] "bar/mm" write(0.0, 10.0), "Proportional gain";
     0x0302 Ki "ki_bar_per_mm_s" F32 [1] "bar/mm s" write(0.0, 100.0), "Integral gain, bar/(mm s)";

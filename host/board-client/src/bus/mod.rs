@@ -20,6 +20,7 @@
 //! The registers themselves are those of [`wire::registers`].
 
 pub mod about;
+pub mod adapted;
 pub mod board;
 pub mod calibration;
 pub mod client;

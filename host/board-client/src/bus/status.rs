@@ -7,6 +7,7 @@ use wire::registers::{Id, UpdateTrial, mode};
 use wire::{FAULTS, Fault, Inputs, State};
 
 use super::about::About;
+use super::adapted::Adapted;
 use super::board::{Block, Board, Identity};
 use super::calibration::{in_words, read_inputs};
 use super::client::BusError;
@@ -23,6 +24,8 @@ pub struct Status {
     now: Block,
     /// What the board reads of itself; none of one whose firmware is older.
     own: Option<Block>,
+    /// What it has learnt of its muscle; none of one whose firmware is older.
+    adapted: Option<Adapted>,
     /// How its sensors are connected; none of one whose firmware is older.
     inputs: Option<Inputs>,
     mode: Block,
@@ -121,6 +124,10 @@ impl Status {
                 Err(error) if error.exception().is_some() => None,
                 own => Some(own?),
             },
+            adapted: match Adapted::read(board) {
+                Err(error) if error.exception().is_some() => None,
+                adapted => Some(adapted?),
+            },
             inputs: read_inputs(board)?,
             mode: board.read(Id::Mode, Id::Mode)?,
             gains: board.read(Id::Kp, Id::Kd)?,
@@ -218,6 +225,8 @@ impl Status {
             });
             format!("itself      {}", shown.join(", "))
         }));
+        let learnt = self.adapted.filter(|adapted| adapted.steps > 0);
+        lines.extend(learnt.map(|adapted| format!("learnt      {adapted}")));
         let counters = COUNTERS
             .iter()
             .map(|&id| format!("{} {}", id.register().name.replace('_', " "), self.number(id)));

@@ -14,8 +14,9 @@ use super::reading::Reading;
 use super::show::{Show, show_rows};
 use crate::Error;
 use crate::output::Outputs;
+use board_client::bus::adapted::Adapted;
 use board_client::bus::play::{Drive, POINTS_PER_S, Piece, Played, Tick, play};
-use board_client::bus::{Board, upload};
+use board_client::bus::{Board, BoardError, upload};
 use board_client::part::Part;
 use board_client::pil::lock_step::{Measurement, Run, Sample};
 use board_client::pil::reference::Reference;
@@ -23,6 +24,7 @@ use board_client::pil::{followed, preview_s, results};
 use board_client::stop::Stop;
 use recording::unit::Unit;
 use report::tracked::{self, Stroke};
+use wire::registers::{self, Id};
 
 /// Columns of the live view's track.
 const TRACK: usize = 30;
@@ -50,6 +52,10 @@ pub struct Arguments {
     /// Also write a page that shows the run: one HTML file
     #[arg(long, value_name = "REPORT.html")]
     report: Option<PathBuf>,
+    /// The board's feed-forward follows a muscle that warms up, ages or is loaded. What it has learnt
+    /// stays until the board starts anew or gets another model
+    #[arg(long, conflicts_with = "learn")]
+    adapt: bool,
     /// Log every so-manieth tick [default: as many as the bus carries]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..=1000))]
     every: Option<u16>,
@@ -105,6 +111,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let installed = upload::fetch(&mut board)?;
     board_model::say_installed(&installed, model.as_ref());
     let ahead_s = preview_s(&installed);
+    if arguments.adapt {
+        board.set(Id::Adaptation, f64::from(registers::Learning::On.number())).map_err(BoardError::from)?;
+    }
     let (mode, name) = mode.mode();
     let (corner_hz, range_mm) = match (&learning.learn, &model, &arguments.model) {
         (Some(_), Some(model), Some(file)) => {
@@ -197,6 +206,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     say!("{name:<17} {}", results::figures(&run).in_words_beside((stroke.mm, stroke.whose), unit));
     say!("{}", in_words(&played, board.identity().period_s));
+    if arguments.adapt {
+        say!("learnt            {}", Adapted::read(&mut board).map_err(BoardError::from)?);
+    }
     Ok(())
 }
 

@@ -1,4 +1,4 @@
-//! What the board learns of its muscle: the switch, and what was learnt ([`model_core::adaptation`]).
+//! What the board learns of its muscle: the switch, and the result ([`model_core::adaptation`]).
 //!
 //! # Contract
 //! Off at each start of the program, and for another model. A stop, a fault and other gains leave

@@ -25,7 +25,7 @@ fn board(learning: Learning) -> Bench {
     bench
 }
 
-/// Follows a raised cosine for so many cycles; answers the root mean square of the error of the last
+/// Follows a raised cosine for so many cycles; answers the root mean square error of the last
 /// one. Unit: mm.
 fn follow(bench: &mut Bench, cycles: u32) -> f64 {
     let mut squares = 0.0;

@@ -7,7 +7,7 @@
 //! asked = reference − half ( offset + gain ρ + bend (ρ² − ½) + (width + flare ρ) h )
 //! ```
 //! h is where a play of half width [`PLAY`], driven by ρ, stands within its play, −1 to 1: the
-//! branch. So offset, gain and bend move both branches of the loop, width and flare draw them apart.
+//! branch. So offset, gain and bend move both branches, width and flare draw them apart.
 //! All five are linear in what is to be learnt and explicit in the reference, and they act on the
 //! contraction, as heat does.
 //!
@@ -25,8 +25,8 @@
 //! no moves and so no steps.
 //!
 //! # Contract
-//! * The inverse stays one: what is asked for rises with the reference by at least [`LEFT`] of it on
-//!   every branch ([`Adapter::held`]), whatever is learnt; the offset stays within [`OFFSET`].
+//! * The inverse stays one: what is asked for rises with the reference by at least [`LEFT`] on
+//!   every branch (`Adapter::held`), whatever is learnt; the offset stays within [`OFFSET`].
 //! * Nothing is learnt in a tick that its caller does not trust, whose reference is outside the
 //!   model's range, whose feed-forward is at the end of it, or in which more is missing than the
 //!   bounds allow; nor in the rest of such a move.
@@ -49,7 +49,7 @@ const CHANGES: usize = 1;
 pub const MOVE: f64 = 0.01;
 /// Steps after which 1/e of a step's weight is left: one stroke.
 pub const MEMORY: f64 = 100.0;
-/// Half width of the play that tells the branch, in halves of the output range: a tenth of the range,
+/// Half width of the play that tells the branch, in halves of the output range: a tenth of it,
 /// within which the branches of a muscle's loop part after a turn.
 pub const PLAY: f64 = 0.2;
 /// How far the offset may go, in halves of the output range: a fifth of the range. Heat of 15 K
@@ -280,7 +280,7 @@ impl<T: Real> Adapter<T> {
         let found = solved(&information, &regressors.map(|value| value * error));
         let found = found.filter(|found| found.iter().chain(&learnt).all(|value| value.is_finite()));
         let Some(found) = found else {
-            // What was learnt stays, and is learnt from anew.
+            // What was learnt stays; learning begins again.
             *adapted = Adapted { learnt: adapted.learnt, steps: adapted.steps, ..Adapted::default() };
             return;
         };

@@ -240,13 +240,13 @@ impl<T: Real, const N: usize, const M: usize> Tracking<T, N, M> {
         self.inverse.operator()
     }
 
-    /// What adapts its feed-forward: a few operations, made anew each time.
+    /// What adapts its feed-forward: a few operations, made each time.
     pub fn adapter(&self) -> Adapter<T> {
         let inputs = self.inverse.input_range();
         Adapter::new(self.inverse.output_range(), (inputs.min(), inputs.max()))
     }
 
-    /// What the inverse is to be asked for in the place of a reference (mm), by what has been learnt
+    /// What the inverse is to be asked for in the place of a reference (mm), by what was learnt
     /// ([`Adapter::asked`]). Unit: mm.
     pub fn asked(&self, adapted: &mut Adapted<T>, reference: T) -> T {
         self.adapter().asked(adapted, reference)

@@ -110,8 +110,8 @@ impl Injection {
                 return (command_bar - pressure_bar).abs() >= 2.0;
             }
             Fault::Adaptation => {
-                // A sensor that slips, slowly enough to be learnt: it goes to the end of the bounds.
-                // Steps are counted, not ticks: the time of the table is that behind the last of them.
+                // A sensor that slips, slowly enough to be learnt, to the end of the bounds.
+                // Steps are counted, not ticks: the table's time begins behind the last one.
                 let step = (-40.0 - wrong.contraction_mm).clamp(-0.005, 0.005);
                 wrong.contraction_mm += step;
                 bench.control().adaptation().switch(Learning::On);

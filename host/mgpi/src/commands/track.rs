@@ -52,8 +52,8 @@ pub struct Arguments {
     /// Also write a page that shows the run: one HTML file
     #[arg(long, value_name = "REPORT.html")]
     report: Option<PathBuf>,
-    /// The board's feed-forward follows a muscle that warms up, ages or is loaded. What it has learnt
-    /// stays until the board starts anew or gets another model
+    /// The board's feed-forward follows a muscle that warms up, ages or is loaded. What it has
+    /// learnt stays until the board starts again or gets another model
     #[arg(long, conflicts_with = "learn")]
     adapt: bool,
     /// Log every so-manieth tick [default: as many as the bus carries]

@@ -387,6 +387,17 @@ fn orders_that_the_state_does_not_take_are_busy_and_change_nothing() {
 }
 
 #[test]
+fn the_whole_group_of_orders_may_be_written_all_the_time() {
+    let mut board = BusBoard::configured();
+    board.open(Command::Start);
+    let mode = Id::Mode.register().address;
+    let points = [Value::F32(12.5), Value::F32(0.0), Value::U16(77)].into_iter().flat_map(Value::words);
+    let words: Vec<u16> = std::iter::once(0).chain(points).collect();
+    board.write(mode, &words).expect("0 bar is what stands there");
+    assert_eq!((board.get(Id::SetpointMm), board.number(Id::Heartbeat)), (Value::F32(12.5), 77));
+}
+
+#[test]
 fn a_write_of_many_registers_is_refused_as_a_whole() {
     let mut board = BusBoard::configured();
     board.open(Command::Start);

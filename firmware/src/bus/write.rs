@@ -143,6 +143,8 @@ fn control(
     let new_mode = wanted.unwrap_or(session.mode);
     let done = node.control(|control| {
         let state = control.state();
+        // Outside the service state it is 0: who writes the whole group all the time writes that.
+        let bar = bar.filter(|bar| state == State::Service || *bar != 0.0);
         let is_set = mm.is_some() || bar.is_some();
         if is_set && control.player.is_playing() || bar.is_some() && state != State::Service {
             return Err(Refusal::WrongState(state));

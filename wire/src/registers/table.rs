@@ -42,8 +42,8 @@ pub const GROUPS: [Group; 12] = [
         title: "Control",
         doc: "Orders and set points. Written together they are taken in this order: mode, set points, command; they may be \
               written all the time with command 0. A command that the state does not take is refused with exception 6, as \
-              is `setpoint_bar` outside the service state, and a set point while the stream plays; set points that are \
-              written together with command 2, to stop, are not taken. A valve is opened in two steps: command 6, then 1 or 5 \
+              is `setpoint_bar` outside the service state, other than 0, and a set point while the stream plays; set points that \
+              are written together with command 2, to stop, are not taken. A valve is opened in two steps: command 6, then 1 or 5 \
               within 2000 ticks; each by a request of its own, to this board alone. While it is driven the host has to write another \
               number to `heartbeat` at least every `bus_silent_ticks`: the same again is no sign of life.",
     },

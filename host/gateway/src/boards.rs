@@ -1,7 +1,9 @@
 //! All boards as they were last seen, shared by the lines' threads and by those who look.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
@@ -11,14 +13,46 @@ use crate::seen::{Problem, Telemetry};
 /// The moment from which times are counted.
 static START: LazyLock<Instant> = LazyLock::new(Instant::now);
 
+/// How much news is kept for who does not take it: ten seconds of sixteen boards at 100 Hz.
+const QUEUE: usize = 16_000;
+
 /// All boards.
 #[derive(Clone, Debug)]
 pub struct Boards(Arc<Shared>);
+
+/// What is new of a board.
+#[derive(Clone, Debug)]
+pub enum News {
+    /// It has answered; which board of all.
+    Telemetry(usize, Telemetry),
+    /// It is not seen, or is again not seen.
+    Problem(usize, Problem),
+}
+
+/// All news, one by one.
+#[derive(Debug)]
+pub struct Listener {
+    news: Receiver<News>,
+    missed: Arc<AtomicU64>,
+}
+
+impl Listener {
+    /// The next news, if there are any within the limit.
+    pub fn next(&self, limit: Duration) -> Option<News> {
+        self.news.recv_timeout(limit).ok()
+    }
+
+    /// How much was lost since it was not taken in time.
+    pub fn missed(&self) -> u64 {
+        self.missed.load(Ordering::Relaxed)
+    }
+}
 
 #[derive(Debug)]
 struct Shared {
     boards: Mutex<Vec<Board>>,
     is_new: Condvar,
+    listeners: Mutex<Vec<(SyncSender<News>, Arc<AtomicU64>)>>,
 }
 
 /// A board as it was last seen.
@@ -61,7 +95,14 @@ impl Boards {
                 changes: 0,
             })
         });
-        Self(Arc::new(Shared { boards: Mutex::new(boards.collect()), is_new: Condvar::new() }))
+        let boards = Mutex::new(boards.collect());
+        Self(Arc::new(Shared { boards, is_new: Condvar::new(), listeners: Mutex::default() }))
+    }
+
+    /// A time since the gateway's start, on the clock of the day: since 1970. Unit: s.
+    pub fn unix_s(since_start_s: f64) -> f64 {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |now| now.as_secs_f64());
+        now - Self::now_s() + since_start_s
     }
 
     /// Now, since the gateway's start. Unit: s.
@@ -69,8 +110,29 @@ impl Boards {
         START.elapsed().as_secs_f64()
     }
 
+    /// Everything that is new from now on.
+    pub fn listen(&self) -> Listener {
+        let (sender, news) = sync_channel(QUEUE);
+        let missed = Arc::new(AtomicU64::new(0));
+        self.listeners().push((sender, missed.clone()));
+        Listener { news, missed }
+    }
+
+    fn tell(&self, news: &News) {
+        use std::sync::mpsc::TrySendError::{Disconnected, Full};
+        self.listeners().retain(|(listener, missed)| match listener.try_send(news.clone()) {
+            Ok(()) => true,
+            Err(Full(_)) => {
+                missed.fetch_add(1, Ordering::Relaxed);
+                true
+            }
+            Err(Disconnected(_)) => false,
+        });
+    }
+
     /// A board has answered.
     pub fn telemetry(&self, index: usize, telemetry: Telemetry) {
+        self.tell(&News::Telemetry(index, telemetry.clone()));
         self.change(index, |board| {
             board.telemetry = Some(telemetry);
             board.problem = None;
@@ -85,6 +147,7 @@ impl Boards {
 
     /// A board is not to be seen.
     pub fn problem(&self, index: usize, problem: Problem) {
+        self.tell(&News::Problem(index, problem.clone()));
         self.change(index, |board| board.problem = Some(problem));
     }
 
@@ -120,6 +183,10 @@ impl Boards {
         self.0.is_new.notify_all();
     }
 
+    fn listeners(&self) -> MutexGuard<'_, Vec<(SyncSender<News>, Arc<AtomicU64>)>> {
+        self.0.listeners.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn lock(&self) -> MutexGuard<'_, Vec<Board>> {
         // A thread that panicked while it held the lock left something to show all the same.
         self.0.boards.lock().unwrap_or_else(PoisonError::into_inner)
@@ -135,5 +202,31 @@ impl Board {
             "problem": self.problem.as_ref().map(Problem::in_words),
             "telemetry": self.telemetry.as_ref().map(Telemetry::to_json),
         })
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::lines::tests::parsed;
+    use crate::seen::tests::telemetry;
+
+    /// Three boards of one line.
+    pub(crate) fn three() -> Boards {
+        Boards::of(&parsed("[[line]]\nport = \"p\"\nboards = [1, 2, 3]\n").expect("a line"))
+    }
+
+    #[test]
+    fn a_listener_hears_everything_in_order_and_counts_what_it_was_too_slow_for() {
+        let boards = three();
+        let listener = boards.listen();
+        for _ in 0..QUEUE + 5 {
+            boards.telemetry(1, telemetry());
+        }
+        assert_eq!(listener.missed(), 5);
+        let heard = std::iter::from_fn(|| listener.next(Duration::ZERO)).count();
+        assert_eq!(heard, QUEUE);
+        boards.problem(2, Problem::Silent("no answer".to_owned()));
+        assert!(matches!(listener.next(Duration::ZERO), Some(News::Problem(2, _))));
     }
 }

@@ -1,5 +1,5 @@
-//! A line and its thread: each board in turn is asked for what it measures, and orders go between
-//! the questions.
+//! A line and its thread: each board in turn is given its next set point and asked for what it
+//! measures, in one exchange; orders go between the questions.
 //!
 //! # Timing contract
 //! A round takes an exchange a board: the frames' bytes, the silence between frames, up to a tick
@@ -7,16 +7,18 @@
 //! `PATIENCE` from then on, so that one that is switched off costs the others an answer's time a
 //! second. Orders go before the next question; a stop goes to all boards of the line at once.
 
-use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use board_client::bus::client::{BusError, Client};
 use board_client::bus::port::PortError;
-use wire::registers::{Command, Id, VERSION};
+use model_core::Mode;
+use wire::registers::{Access, Command, Id, VERSION, Value, mode_number};
 
 use crate::boards::Boards;
 use crate::clock::Clock;
+use crate::driving::Driving;
 use crate::lines::{Line, Member};
 use crate::seen::{Problem, Telemetry};
 
@@ -26,14 +28,27 @@ const LOST: u32 = 3;
 const PATIENCE: Duration = Duration::from_secs(1);
 /// How often all boards are told to vent, which none of them answers.
 const STOPS: usize = 3;
+/// How often a board is asked where its muscle is before it starts.
+const READS: usize = 3;
+
+/// What is asked of a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ask {
+    /// To track, from where the muscle is.
+    Start,
+    /// To stop and vent.
+    Stop,
+    /// To release the latched fault.
+    Acknowledge,
+}
 
 /// What a line is asked to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 pub enum Order {
     /// Stop and vent every board.
     StopAll,
-    /// Release the latched fault of the board at this place of the line.
-    Acknowledge(usize),
+    /// Something of the board at this place of the line; who is told what became of it.
+    One(usize, Ask, Sender<Result<(), String>>),
 }
 
 /// A board as its line's thread knows it.
@@ -49,6 +64,8 @@ struct Asked<'a> {
     lost: u32,
     /// When it is asked again, if it is left alone.
     until: Option<Instant>,
+    /// The last sign of life.
+    heartbeat: u16,
 }
 
 /// Why a round ends.
@@ -60,7 +77,7 @@ enum Ended {
 
 /// Asks the boards of a line until the sender of its orders is gone. `first`: the place of its first
 /// board among all boards.
-pub fn run(line: &Line, first: usize, all: &Boards, orders: &Receiver<Order>) {
+pub fn run(line: &Line, first: usize, all: &Boards, driving: &Driving, orders: &Receiver<Order>) {
     let asked = |(index, member)| Asked {
         member,
         index: first + index,
@@ -69,15 +86,17 @@ pub fn run(line: &Line, first: usize, all: &Boards, orders: &Receiver<Order>) {
         clock: None,
         lost: 0,
         until: None,
+        heartbeat: 0,
     };
     let mut boards: Vec<Asked<'_>> = line.boards.iter().enumerate().map(asked).collect();
     loop {
         let ended = match Client::open(line.address.clone()) {
-            Ok(mut client) => rounds(&mut client, &mut boards, all, orders),
+            Ok(mut client) => rounds(&mut client, &mut boards, (all, driving), orders),
             Err(error) => Ended::Port(error),
         };
         let Ended::Port(error) = ended else { return };
         for board in &mut boards {
+            driving.end(board.index);
             all.problem(board.index, Problem::Port(error.to_string()));
             (board.period_s, board.clock) = (None, None);
         }
@@ -99,24 +118,32 @@ fn is_patient(orders: &Receiver<Order>) -> bool {
     }
 }
 
-fn rounds(client: &mut Client, boards: &mut [Asked<'_>], all: &Boards, orders: &Receiver<Order>) -> Ended {
-    let numbers: Vec<u8> = boards.iter().map(|board| board.member.number).collect();
+fn rounds(
+    client: &mut Client,
+    boards: &mut [Asked<'_>],
+    (all, driving): (&Boards, &Driving),
+    orders: &Receiver<Order>,
+) -> Ended {
     loop {
         let begin = Instant::now();
         let mut is_idle = true;
-        for board in &mut *boards {
-            if let Err(ended) = obey(client, &numbers, orders) {
+        for place in 0..boards.len() {
+            if let Err(ended) = obey(client, boards, driving, orders) {
                 return ended;
             }
+            let Some(board) = boards.get_mut(place) else { continue };
             if board.until.is_some_and(|until| Instant::now() < until) {
                 continue;
             }
             is_idle = false;
             client.turn_to(board.member.number);
-            match board.ask(client) {
+            match board.ask(client, driving) {
                 Ok(telemetry) => {
                     board.lost = 0;
                     board.until = None;
+                    if !telemetry.state.is_driven() {
+                        driving.vented(board.index);
+                    }
                     all.telemetry(board.index, telemetry);
                 }
                 Err(Unanswered::Port(error)) => return Ended::Port(error),
@@ -126,6 +153,7 @@ fn rounds(client: &mut Client, boards: &mut [Asked<'_>], all: &Boards, orders: &
                     if board.lost >= LOST || !matches!(problem, Problem::Silent(_)) {
                         board.until = Some(Instant::now() + PATIENCE);
                         board.period_s = None;
+                        driving.end(board.index);
                         all.problem(board.index, problem);
                     }
                 }
@@ -140,7 +168,12 @@ fn rounds(client: &mut Client, boards: &mut [Asked<'_>], all: &Boards, orders: &
 }
 
 /// Carries out what the line was asked for.
-fn obey(client: &mut Client, numbers: &[u8], orders: &Receiver<Order>) -> Result<(), Ended> {
+fn obey(
+    client: &mut Client,
+    boards: &mut [Asked<'_>],
+    driving: &Driving,
+    orders: &Receiver<Order>,
+) -> Result<(), Ended> {
     loop {
         let order = match orders.try_recv() {
             Ok(order) => order,
@@ -149,24 +182,41 @@ fn obey(client: &mut Client, numbers: &[u8], orders: &Receiver<Order>) -> Result
         };
         match order {
             Order::StopAll => {
+                boards.iter().for_each(|board| driving.end(board.index));
                 for _ in 0..STOPS {
                     let stop = [Command::Stop.number()];
                     client.write_all(Id::Command.register().address, &stop).map_err(Ended::Port)?;
                 }
             }
-            Order::Acknowledge(place) => {
-                let Some(&number) = numbers.get(place) else { continue };
-                client.turn_to(number);
-                // Whether it was taken shows in the board's state; it may be repeated.
-                let acknowledge = [Command::Acknowledge.number()];
-                if let Err(BusError::Port(error)) =
-                    client.write_once(Id::Command.register().address, &acknowledge, 1)
-                {
+            Order::One(place, ask, told) => {
+                let Some(board) = boards.get_mut(place) else { continue };
+                client.turn_to(board.member.number);
+                let done = match ask {
+                    Ask::Start => board.start(client),
+                    Ask::Stop => {
+                        driving.end(board.index);
+                        command(client, Command::Stop)
+                    }
+                    Ask::Acknowledge => command(client, Command::Acknowledge),
+                };
+                match (ask, &done) {
+                    (Ask::Start, Ok(())) => driving.started(board.index),
+                    (Ask::Start, Err(_)) => driving.end(board.index),
+                    _ => {}
+                }
+                // Who has asked may have given up meanwhile.
+                let _ = told.send(done.as_ref().copied().map_err(BusError::to_string));
+                if let Err(BusError::Port(error)) = done {
                     return Err(Ended::Port(error));
                 }
             }
         }
     }
+}
+
+/// Gives the board that the client is turned to a command, once.
+fn command(client: &mut Client, command: Command) -> Result<(), BusError> {
+    client.write_once(Id::Command.register().address, &[command.number()], 1)
 }
 
 /// Why there is no telemetry.
@@ -186,15 +236,50 @@ impl From<BusError> for Unanswered {
 }
 
 impl Asked<'_> {
-    /// Asks once.
-    fn ask(&mut self, client: &mut Client) -> Result<Telemetry, Unanswered> {
+    /// Brings the board to track from where its muscle is. The valve opens in two steps; if the
+    /// answer to one of them is lost, the board is stopped.
+    fn start(&mut self, client: &mut Client) -> Result<(), BusError> {
+        let (setpoint, contraction) = (Id::SetpointMm.register(), Id::ContractionMm.register());
+        let words = client.read_in(contraction.address, contraction.words(), READS)?;
+        let measured_mm = Value::of_words(contraction.kind, &words).map_or(0.0, Value::number);
+        let here_mm = match setpoint.access {
+            Access::Write(min, max) => measured_mm.clamp(min, max),
+            _ => measured_mm,
+        };
+        let mode = [mode_number(Mode::Both)];
+        let words: Vec<u16> = mode.into_iter().chain(self.set_point(here_mm)).collect();
+        client.write_once(Id::Mode.register().address, &words, 1)?;
+        let started = command(client, Command::Arm).and_then(|()| command(client, Command::Start));
+        if started.as_ref().is_err_and(BusError::is_lost) {
+            // Whether it opens is not known: it does not stay so.
+            command(client, Command::Stop)?;
+        }
+        started
+    }
+
+    /// A set point with the next sign of life, from the register `setpoint_mm` on.
+    fn set_point(&mut self, mm: f64) -> Vec<u16> {
+        self.heartbeat = self.heartbeat.wrapping_add(1);
+        let points = [Value::F32(mm as f32), Value::F32(0.0), Value::U16(self.heartbeat)];
+        points.into_iter().flat_map(Value::words).collect()
+    }
+
+    /// Asks once; gives the board its next set point, if there is one.
+    fn ask(&mut self, client: &mut Client, driving: &Driving) -> Result<Telemetry, Unanswered> {
         let period_s = match self.period_s {
             Some(period_s) => period_s,
             None => *self.period_s.insert(period_s(client)?),
         };
         let (first, last) = (Id::State.register(), Telemetry::LAST.register());
         let sent_s = Boards::now_s();
-        let words = client.read_in(first.address, last.end() - first.address, 1)?;
+        let (address, count) = (first.address, last.end() - first.address);
+        let words = match driving.take(self.index) {
+            Some(mm) => {
+                let written = self.set_point(mm);
+                client.write_and_read((Id::SetpointMm.register().address, &written), address, count)
+            }
+            None => client.read_in(address, count, 1),
+        }?;
         let received_s = Boards::now_s();
         let mut telemetry = Telemetry::of_words(&words);
         // What passed since the last tick the board does not tell.

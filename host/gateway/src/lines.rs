@@ -168,10 +168,10 @@ fn lines(File { line }: File, directory: &Path) -> Result<Vec<Line>, String> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn parsed(text: &str) -> Result<Vec<Line>, String> {
+    pub(crate) fn parsed(text: &str) -> Result<Vec<Line>, String> {
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
         lines(file, Path::new("/lab"))
     }

@@ -118,3 +118,13 @@ impl Problem {
         }
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A board at rest.
+    pub(crate) fn telemetry() -> Telemetry {
+        Telemetry::of_words(&[])
+    }
+}

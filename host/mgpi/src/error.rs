@@ -21,8 +21,10 @@ use export::fmu::NoUnit;
 #[cfg(unix)]
 use fleet::FleetError;
 use gateway::lines::LinesError;
+use gateway::record::RecordError;
 use identification::IdentificationError;
 use import::ImportError;
+use network::NetworkError;
 use recording::model_file::ModelFileError;
 use recording::simulation::SimulationError;
 use recording::table::DataError;
@@ -90,6 +92,12 @@ pub enum Error {
     /// A file of lines is of no use.
     #[error(transparent)]
     Lines(#[from] LinesError),
+    /// A gateway cannot be on the network.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// A gateway cannot record.
+    #[error(transparent)]
+    Record(#[from] RecordError),
     /// The live page cannot be served.
     #[error(transparent)]
     Live(#[from] LiveError),

@@ -181,3 +181,24 @@ fn a_file_of_no_use_is_refused_by_name_and_place() {
     }
     assert!(bench.refuses("gateway none.toml").contains("none.toml"));
 }
+
+#[test]
+fn a_network_that_cannot_be_is_refused_and_nothing_is_recorded() {
+    let bench = Bench::new();
+    bench.write("lines.toml", LINES);
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let taken = format!("--zenoh tcp/{}", taken.local_addr().expect("bound"));
+    for (options, message) in [
+        ("--ros-domain 0", "--ros-domain needs --zenoh"),
+        ("--zenoh tcp/127.0.0.1:0 --name a/b", "the name \"a/b\" cannot be part of a key"),
+        ("--zenoh 127.0.0.1", "Zenoh: "),
+        (&*taken, "Zenoh: "),
+        ("--zenoh-config none.json5", "none.json5"),
+        ("--zenoh-config lines.toml", "lines.toml"),
+    ] {
+        let said =
+            bench.refuses(&format!("gateway lines.toml --http 127.0.0.1:0 --record lab.mcap {options}"));
+        assert!(said.contains(message), "{options}: {said}");
+    }
+    assert_eq!(bench.files(), ["lines.toml"]);
+}

@@ -11,9 +11,13 @@ use crate::{firmware, run, setup};
 /// The environment variable by which tests and `mgpi` find the firmware.
 const FIRMWARE_VARIABLE: &str = "MGPI_FIRMWARE";
 
-/// Those by which tests find a Python with Modbus clients, and one with the chip's processor.
-const PYTHON_VARIABLES: [(&str, setup::Python); 2] =
-    [("MGPI_BUS_PYTHON", setup::BUS_PYTHON), ("MGPI_CHIP_PYTHON", setup::CHIP_PYTHON)];
+/// Those by which tests find a Python with Modbus clients, one with the chip's processor, and one
+/// with clients of Zenoh and ROS 2.
+const PYTHON_VARIABLES: [(&str, setup::Python); 3] = [
+    ("MGPI_BUS_PYTHON", setup::BUS_PYTHON),
+    ("MGPI_CHIP_PYTHON", setup::CHIP_PYTHON),
+    ("MGPI_NETWORK_PYTHON", setup::NETWORK_PYTHON),
+];
 
 /// The packages that have tests. Those of the Python package are run by Python; with it the others'
 /// macros would be built with more features, and everything a second time.

@@ -67,6 +67,14 @@ const CHIP_MODEL: Need = Need {
     by_hand: PYTHON_BY_HAND,
 };
 
+/// What the tests of the network need: programs that others have written.
+const NETWORK_CLIENTS: Need = Need {
+    name: "a Python with eclipse-zenoh",
+    is_met: || NETWORK_PYTHON.is_made(),
+    cures: &[Cure::Python(&NETWORK_PYTHON), Cure::Packages(&["python3-venv"]), Cure::Python(&NETWORK_PYTHON)],
+    by_hand: PYTHON_BY_HAND,
+};
+
 /// What the tests of models in C need, to run them on the board's processor too.
 const BOARD_C: Need = Need {
     name: "a C compiler for the board (arm-none-eabi-gcc)",
@@ -93,6 +101,10 @@ pub const BUS_PYTHON: Python =
 /// The Python of the tests of the chip.
 pub const CHIP_PYTHON: Python =
     Python { directory: "chip-model", requirements: "host-tests/chip/requirements.txt" };
+
+/// The Python of the tests of the network.
+pub const NETWORK_PYTHON: Python =
+    Python { directory: "network-clients", requirements: "host-tests/network/requirements.txt" };
 
 /// The Python that builds and tests the package.
 pub const PACKAGE_PYTHON: Python =
@@ -209,7 +221,8 @@ pub fn ensure_python_package() -> Result<()> {
 /// skipped.
 pub fn offer_test_tools() {
     let of_bus = BUS_CLIENTS.iter().map(|need| ("bus", need));
-    for (tests, need) in of_bus.chain([("chip", &CHIP_MODEL), ("C sources", &BOARD_C)]) {
+    let others = [("chip", &CHIP_MODEL), ("network", &NETWORK_CLIENTS), ("C sources", &BOARD_C)];
+    for (tests, need) in of_bus.chain(others) {
         if let Err(missing) = need.meet() {
             println!("setup: the tests of the {tests} are skipped without\n{missing}");
         }

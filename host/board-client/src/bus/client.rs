@@ -120,12 +120,22 @@ const LEAST_SILENCE: Duration = Duration::from_micros(1750);
 /// The same for slow lines, in bits: 3.5 characters.
 const SILENCE_BITS: f64 = 3.5 * 11.0;
 
+/// What a question does.
+#[derive(Clone, Copy, Debug)]
+enum Kind<'a> {
+    /// Reads; it may carry the heartbeat.
+    Reading,
+    /// Writes these values from this address on, then reads.
+    WritingFirst(u16, &'a [u16]),
+    /// Writes.
+    Writing,
+}
+
 /// What is asked.
 struct Question<'a> {
     request: &'a ModbusRequest,
     frame: &'a [u8],
-    /// It may carry the heartbeat.
-    is_reading: bool,
+    kind: Kind<'a>,
     /// Length of the answer. Unit: byte.
     expected: usize,
     /// For a message.
@@ -177,12 +187,13 @@ fn framed(content: Vec<u8>) -> Vec<u8> {
     [content, crc.to_vec()].concat()
 }
 
-/// The frame of a reading as one that writes the heartbeat, too: the registers to read, those to
-/// write, bytes and content of these.
-fn with_heartbeat(reading: &[u8], number: u16) -> Vec<u8> {
+/// The frame of a reading as one that writes first: the registers to read, those to write, bytes
+/// and content of these.
+fn with_writing(reading: &[u8], address: u16, values: &[u16]) -> Vec<u8> {
     let [unit, _, registers @ .., _, _] = reading else { return reading.to_vec() };
-    let write = [Id::Heartbeat.register().address, 1].map(u16::to_be_bytes).concat();
-    framed([&[*unit, READ_WRITE], registers, &write[..], &[2], &number.to_be_bytes()].concat())
+    let write = [address, values.len() as u16].map(u16::to_be_bytes).concat();
+    let content: Vec<u8> = values.iter().flat_map(|value| value.to_be_bytes()).collect();
+    framed([&[*unit, READ_WRITE], registers, &write[..], &[content.len() as u8], &content[..]].concat())
 }
 
 /// The answer to such a frame as that to the reading alone; anything else as it is.
@@ -234,19 +245,38 @@ impl Client {
     /// # Errors
     /// No answer, or a refusal.
     pub fn read_in(&mut self, address: u16, count: u16, tries: usize) -> Result<Vec<u16>, BusError> {
+        self.get(Kind::Reading, address, count, tries)
+    }
+
+    fn get(&mut self, kind: Kind<'_>, address: u16, count: u16, tries: usize) -> Result<Vec<u16>, BusError> {
         let mut request = self.request();
         let mut frame = Vec::new();
         let made = request.generate_get_holdings(address, count, &mut frame);
-        let question = || format!("read {}", named(address));
+        let question = || match kind {
+            Kind::WritingFirst(to, _) => format!("write {} and read {}", named(to), named(address)),
+            _ => format!("read {}", named(address)),
+        };
         made.map_err(|exception| BusError::Refused { question: question(), exception })?;
         let expected = SHORTEST + 2 * usize::from(count);
-        let question =
-            Question { request: &request, frame: &frame, is_reading: true, expected, words: &question };
+        let question = Question { request: &request, frame: &frame, kind, expected, words: &question };
         let answer = self.ask(&question, tries, self.address.limit)?;
         let mut values = Vec::with_capacity(count.into());
         let damaged = |problem| self.damaged(problem);
         request.parse_u16(&answer, &mut values).map_err(damaged)?;
         Ok(values)
+    }
+
+    /// Writes values and then reads, in one exchange that is tried once (function 23).
+    ///
+    /// # Errors
+    /// A refusal: then nothing was written; or no answer: then perhaps.
+    pub fn write_and_read(
+        &mut self,
+        (to, values): (u16, &[u16]),
+        address: u16,
+        count: u16,
+    ) -> Result<Vec<u16>, BusError> {
+        self.get(Kind::WritingFirst(to, values), address, count, 1)
     }
 
     /// Writes values, at most [`MOST_WRITTEN`], that may be written twice.
@@ -277,13 +307,8 @@ impl Client {
         let made = request.generate_set_holdings_bulk(address, values, &mut frame);
         let question = || format!("write {}", named(address));
         made.map_err(|exception| BusError::Refused { question: question(), exception })?;
-        let question = Question {
-            request: &request,
-            frame: &frame,
-            is_reading: false,
-            expected: WRITTEN,
-            words: &question,
-        };
+        let (kind, expected) = (Kind::Writing, WRITTEN);
+        let question = Question { request: &request, frame: &frame, kind, expected, words: &question };
         self.ask(&question, tries, limit).map(drop)
     }
 
@@ -307,18 +332,22 @@ impl Client {
 
     /// Asks until there is an answer of the expected length, or an exception.
     fn ask(&mut self, question: &Question<'_>, tries: usize, limit: Duration) -> Result<Vec<u8>, BusError> {
-        let &Question { request, frame, is_reading, expected, words } = question;
+        let &Question { request, frame, kind, expected, words } = question;
         let mut damage = None;
         for attempt in 0..tries {
-            let answer = match self.heartbeat.as_mut().filter(|_| is_reading) {
-                Some(heartbeat) => {
-                    let frame = with_heartbeat(frame, heartbeat.next());
+            let answer = match (kind, &mut self.heartbeat) {
+                (Kind::WritingFirst(to, values), _) => {
+                    as_reading(self.exchange(&with_writing(frame, to, values), expected, limit)?)
+                }
+                (Kind::Reading, Some(heartbeat)) => {
+                    let beat = Id::Heartbeat.register().address;
+                    let frame = with_writing(frame, beat, &[heartbeat.next()]);
                     let answer = as_reading(self.exchange(&frame, expected, limit)?);
                     let is_taken = request.parse_ok(&answer).is_ok();
                     self.heartbeat.iter_mut().filter(|_| is_taken).for_each(Heartbeat::taken);
                     answer
                 }
-                None => {
+                _ => {
                     self.beat()?;
                     self.exchange(frame, expected, limit)?
                 }
@@ -341,17 +370,16 @@ impl Client {
                 Err(problem) => damage = Some(problem),
             }
         }
-        let Address { port, line, unit, .. } = &self.address;
         Err(match damage {
             Some(problem) => self.damaged(problem),
-            None => BusError::Silent {
-                port: port.clone(),
-                unit: *unit,
-                limit_s: limit.as_secs_f64(),
-                tries,
-                baud: line.baud,
-            },
+            None => self.silent(tries, limit),
         })
+    }
+
+    fn silent(&self, tries: usize, limit: Duration) -> BusError {
+        let Address { port, line, unit, .. } = &self.address;
+        let (port, unit, limit_s, baud) = (port.clone(), *unit, limit.as_secs_f64(), line.baud);
+        BusError::Silent { port, unit, limit_s, tries, baud }
     }
 
     /// Writes the heartbeat, if it is due, once: one that was lost, or is refused by a board that

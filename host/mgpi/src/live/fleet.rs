@@ -66,7 +66,7 @@ impl Site for FleetSite {
             return true;
         }
         let index = path.strip_prefix("/acknowledge/").and_then(|index| index.parse().ok());
-        index.is_some_and(|index| self.0.acknowledge(index))
+        index.is_some_and(|index| self.0.acknowledge(index).is_ok())
     }
 
     fn events(&self) -> impl FnMut(Duration) -> Option<String> {

@@ -1,0 +1,214 @@
+//! `mgpi gateway` on the network, seen by programs that others have written: Zenoh's own Python,
+//! rosbags and mcap (`host-tests/network/client.py`).
+//!
+//! Skipped, in so many words, where that Python is missing; `cargo xtask test` provides it.
+#![cfg(unix)]
+
+mod common;
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpListener;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use common::Bench;
+use libtest_mimic::{Arguments, Trial};
+use serde_json::Value;
+
+/// The environment variable that names the Python which has the clients.
+const VARIABLE: &str = "MGPI_NETWORK_PYTHON";
+/// What they do.
+const CLIENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../host-tests/network/client.py");
+/// Four boards on two lines.
+const LINES: &str = "[[line]]\nport = \"boards/line-1\"\nboards = [1, 2]\n\
+    [[line]]\nname = \"arm\"\nport = \"boards/line-2\"\nboards = [{number = 3, name = \"biceps\"}, 4]\n";
+/// How long a board of a fleet bears its host to be silent: `bus_silent_ticks` of 1 ms. Unit: s.
+const SILENT_S: f64 = 0.5;
+/// What may come on top: a round of a line, and a machine that does much else. Unit: s.
+const LATE_S: f64 = 0.5;
+
+fn main() {
+    let is_missing = std::env::var_os(VARIABLE).is_none();
+    if is_missing {
+        println!(
+            "the tests of the network are skipped: {VARIABLE} names no Python; `cargo xtask test` makes one"
+        );
+    }
+    let tests: [(&str, fn()); 5] = [
+        ("no_message_is_lost_on_its_way_to_another_program", nothing_lost),
+        ("set_points_drive_the_boards_and_silence_vents_them", driven),
+        ("a_killed_gateway_leaves_every_board_vented_within_its_patience", killed),
+        ("ros_2_sees_topics_services_types_and_hashes_as_its_own", ros),
+        ("a_recording_is_read_by_others_and_by_import", recorded),
+    ];
+    let trials = tests.into_iter().map(|(name, test)| {
+        let run = move || {
+            test();
+            Ok(())
+        };
+        Trial::test(name, run).with_ignored_flag(is_missing)
+    });
+    // One at a time: the boards keep real time.
+    let arguments = Arguments { test_threads: Some(1), ..Arguments::from_args() };
+    libtest_mimic::run(&arguments, trials.collect()).exit()
+}
+
+/// A fleet whose boards have a model.
+struct Lab(Bench);
+
+impl Lab {
+    fn new() -> Self {
+        let bench = Bench::new();
+        bench.write("lines.toml", LINES).write("model.toml", common::PAPER);
+        bench.succeeds("fleet boards --boards 4 --lines 2 --background");
+        for (line, unit) in [(1, 1), (1, 2), (2, 3), (2, 4)] {
+            bench.succeeds(&format!("deploy model.toml --port boards/line-{line} --unit {unit} --force"));
+        }
+        Self(bench)
+    }
+
+    /// Runs a gateway on a port that is free.
+    fn gateway(&self, options: &str) -> Gateway {
+        // Nobody takes it in the moment between.
+        let free = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("bound").port();
+        let end_point = format!("tcp/127.0.0.1:{free}");
+        let mut program = Command::new(env!("CARGO_BIN_EXE_mgpi"))
+            .args(["gateway", "lines.toml", "--http", "127.0.0.1:0", "--zenoh", &end_point])
+            .args(options.split_whitespace())
+            .current_dir(self.0.path(""))
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("mgpi runs");
+        let output = BufReader::new(program.stdout.take().expect("a pipe"));
+        let said =
+            output.lines().map_while(Result::ok).any(|line| line.starts_with("on Zenoh under mgpi/1/lab"));
+        assert!(said, "it says that it is on the network");
+        Gateway { program, end_point }
+    }
+}
+
+impl Drop for Lab {
+    fn drop(&mut self) {
+        self.0.mgpi("fleet boards --stop");
+    }
+}
+
+/// A gateway, until the test ends.
+struct Gateway {
+    program: Child,
+    end_point: String,
+}
+
+impl Gateway {
+    fn client(&self, command: &[&str]) -> Child {
+        let python = std::env::var_os(VARIABLE).expect("looked for before");
+        Command::new(python)
+            .args([CLIENT, "--end-point", &self.end_point, "--domain", "7"])
+            .args(command)
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("Python runs")
+    }
+
+    /// What the client tells.
+    fn told(&self, command: &[&str]) -> Value {
+        told(self.client(command))
+    }
+}
+
+fn told(client: Child) -> Value {
+    let output = client.wait_with_output().expect("it ends");
+    assert!(output.status.success(), "the client says what is wrong above");
+    serde_json::from_slice(&output.stdout).expect("a line of JSON")
+}
+
+impl Drop for Gateway {
+    fn drop(&mut self) {
+        // It has ended by itself if this fails.
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
+}
+
+fn nothing_lost() {
+    let lab = Lab::new();
+    let told = lab.gateway("").told(&["watch", "--seconds", "5"]);
+    assert_eq!(
+        (&told["boards"], &told["lost"], &told["missed"]),
+        (&4.into(), &0.into(), &0.into()),
+        "{told}"
+    );
+    assert!(told["messages"].as_u64().is_some_and(|messages| messages > 200), "{told}");
+}
+
+fn driven() {
+    let lab = Lab::new();
+    let told = lab.gateway("").told(&["drive", "--seconds", "6"]);
+    for (what, wanted) in [("started", 4), ("tracking", 4), ("vented", 4)] {
+        assert_eq!(told[what], wanted, "{told}");
+    }
+    // The host is silent; and what is sent to a vented board is refused.
+    assert_eq!(told["faults"], serde_json::json!([21]), "{told}");
+    assert_eq!(told["refused_set_points"], serde_json::json!(["the board is not driven"]), "{told}");
+    let vented_s = told["latest_vent_s"].as_f64().expect("a time");
+    assert!(vented_s < SILENT_S + LATE_S, "{told}");
+    assert!(told["worst_error_mm"].as_f64().is_some_and(|error_mm| error_mm < 5.0), "{told}");
+}
+
+fn killed() {
+    let lab = Lab::new();
+    let mut gateway = lab.gateway("");
+    let mut client = gateway.client(&["drive", "--seconds", "60"]);
+    sleep(Duration::from_secs(4));
+    gateway.program.kill().expect("it is at work");
+    gateway.program.wait().expect("it ends");
+    sleep(Duration::from_secs_f64(SILENT_S + LATE_S));
+    client.kill().expect("it is at work");
+    client.wait().expect("it ends");
+    for (line, unit) in [(1, 1), (1, 2), (2, 3), (2, 4)] {
+        let status = lab.0.succeeds(&format!("status --port boards/line-{line} --unit {unit} --json"));
+        let status: Value = serde_json::from_str(&status).expect("JSON");
+        assert_eq!(status["state"], "Fault", "{status:#}");
+        assert!(status["command_bar"].as_f64().is_some_and(|command| command.abs() < 1e-3), "{status:#}");
+    }
+}
+
+fn ros() {
+    let lab = Lab::new();
+    let told = lab.gateway("--ros-domain 7").told(&["ros"]);
+    let endpoints = [
+        "MP /diagnostics",
+        "MP /lab/joint_states",
+        "MS /lab/joint_commands",
+        "SS /lab/start",
+        "SS /lab/stop",
+    ];
+    assert_eq!(told["endpoints"], serde_json::json!(endpoints), "{told}");
+    assert_eq!(told["joints"], serde_json::json!(["line-1/1", "line-1/2", "biceps", "arm/4"]), "{told}");
+    assert_eq!((&told["start"][0], &told["stop"][0]), (&true.into(), &true.into()), "{told}");
+    let moved = told["moved_to_m"].as_array().expect("a list");
+    assert!(moved.iter().all(|m| m.as_f64().is_some_and(|m| (m - 0.03).abs() < 2e-3)), "{told}");
+}
+
+fn recorded() {
+    let lab = Lab::new();
+    let mut gateway = lab.gateway("--record lab.mcap");
+    gateway.told(&["drive", "--seconds", "4"]);
+    assert!(lab.0.files().contains(&"lab.mcap.part".to_owned()));
+    common::processes::signal("INT", gateway.program.id());
+    assert!(gateway.program.wait().expect("it ends").success());
+    let told = gateway.told(&["bag", &lab.0.path("lab.mcap").display().to_string()]);
+    let count = |what: &str| told["counts"][format!("/biceps/{what}")].as_u64().unwrap_or_default();
+    assert!(count("joint_state") > 100 && count("joint_state") == count("pressure"), "{told}");
+    assert!(count("joint_reference") > 50 && count("joint_reference") < count("joint_state"), "{told}");
+    assert_eq!(told["joints"], serde_json::json!(["arm/4", "biceps", "line-1/1", "line-1/2"]), "{told}");
+    assert!(told["highest_pressure_pa"].as_f64().is_some_and(|pressure| pressure > 1e4), "{told}");
+    assert!(lab.0.refuses("gateway lines.toml --record lab.mcap").contains("lab.mcap: there is such a file"));
+    // A muscle of it as a recording.
+    let map = "pressure=/biceps/pressure.fluid_pressure:Pa,contraction=/biceps/joint_state.position_1:m";
+    lab.0.succeeds(&format!("import lab.mcap --map {map} -o biceps.csv"));
+    let rows = lab.0.read("biceps.csv");
+    assert!(rows.starts_with("time_s,"), "{}", &rows[..80]);
+    assert_eq!(rows.lines().count() as u64, count("joint_state") + 1);
+}

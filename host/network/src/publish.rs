@@ -1,0 +1,187 @@
+//! Telemetry, states and liveliness of all boards.
+//!
+//! | key of a board | what | when |
+//! |---|---|---|
+//! | `telemetry` | what it measures | each answer |
+//! | `state` | its state, its fault, or why it is not seen | each change; the last ones for late joiners |
+//! | `alive` | a token | while it answers |
+//! | `refused` | a set point that was not taken, and why | each |
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Receiver;
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use gateway::boards::{Board, Boards, Listener, News};
+use gateway::seen::Telemetry;
+use serde_json::json;
+use wire::{Fault, State};
+use zenoh::bytes::Encoding;
+use zenoh::liveliness::LivelinessToken;
+use zenoh::qos::CongestionControl;
+use zenoh::{Session, Wait};
+use zenoh_ext::{AdvancedPublisher, AdvancedPublisherBuilderExt, CacheConfig};
+
+use crate::NetworkError;
+use crate::keys::{Keys, VERSION};
+use crate::orders::Refusal;
+
+/// How long it takes at most to see that there is nothing more to publish.
+const PATIENCE: Duration = Duration::from_millis(100);
+/// How many changes of its state are kept of a board for who joins late.
+const KEPT: usize = 100;
+
+/// Publishes, until it is dropped.
+#[derive(Debug)]
+pub struct Publisher {
+    is_ended: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// A board as it is published.
+struct Published {
+    telemetry: zenoh::pubsub::Publisher<'static>,
+    state: AdvancedPublisher<'static>,
+    alive: Option<LivelinessToken>,
+    /// Messages of telemetry so far: a gap in it is a message that was lost on its way.
+    count: u64,
+    /// As it was last published.
+    last: Option<Seen>,
+}
+
+/// State and fault of a board, or why it is not seen.
+type Seen = Result<(State, u8), String>;
+
+impl Publisher {
+    /// Publishes all that is new of these boards.
+    ///
+    /// # Errors
+    /// The session does not take a key.
+    pub fn start(
+        session: &Session,
+        boards: &Boards,
+        keys: &Keys,
+        refusals: Receiver<Refusal>,
+    ) -> Result<Self, NetworkError> {
+        let mut published = Vec::new();
+        for index in keys.indices() {
+            // Nothing is dropped for a subscriber that is slow for a moment.
+            let telemetry = session
+                .declare_publisher(keys.of_board(index, "telemetry"))
+                .encoding(Encoding::APPLICATION_JSON)
+                .congestion_control(CongestionControl::Block)
+                .wait()
+                .map_err(|problem| NetworkError::of(&problem))?;
+            let state = session
+                .declare_publisher(keys.of_board(index, "state"))
+                .encoding(Encoding::APPLICATION_JSON)
+                .congestion_control(CongestionControl::Block)
+                .cache(CacheConfig::default().max_samples(KEPT))
+                .publisher_detection()
+                .wait()
+                .map_err(|problem| NetworkError::of(&problem))?;
+            published.push(Published { telemetry, state, alive: None, count: 0, last: None });
+        }
+        let (is_ended, listener) = (Arc::new(AtomicBool::new(false)), boards.listen());
+        let work = Work {
+            session: session.clone(),
+            keys: keys.clone(),
+            boards: boards.all(),
+            published,
+            listener,
+            refusals,
+            is_ended: is_ended.clone(),
+        };
+        let thread = Some(thread::spawn(move || work.run()));
+        Ok(Self { is_ended, thread })
+    }
+}
+
+impl Drop for Publisher {
+    fn drop(&mut self) {
+        self.is_ended.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // One that panicked has nothing more to publish.
+            let _ = thread.join();
+        }
+    }
+}
+
+struct Work {
+    session: Session,
+    keys: Keys,
+    boards: Vec<Board>,
+    published: Vec<Published>,
+    listener: Listener,
+    refusals: Receiver<Refusal>,
+    is_ended: Arc<AtomicBool>,
+}
+
+impl Work {
+    fn run(mut self) {
+        while !self.is_ended.load(Ordering::Relaxed) {
+            match self.listener.next(PATIENCE) {
+                Some(News::Telemetry(index, telemetry)) => self.telemetry(index, &telemetry),
+                Some(News::Problem(index, problem)) => self.problem(index, problem.in_words()),
+                None => {}
+            }
+            while let Ok(refusal) = self.refusals.try_recv() {
+                let key = self.keys.of_board(refusal.index, "refused");
+                let told = json!({"sequence": refusal.sequence, "reason": refusal.reason});
+                // Who has gone is told nothing.
+                let _ = self.session.put(key, told.to_string()).encoding(Encoding::APPLICATION_JSON).wait();
+            }
+        }
+    }
+
+    fn telemetry(&mut self, index: usize, telemetry: &Telemetry) {
+        let (Some(published), Some(board)) = (self.published.get_mut(index), self.boards.get(index)) else {
+            return;
+        };
+        let mut told = telemetry.to_json();
+        told["version"] = VERSION.into();
+        told["name"] = board.name.as_str().into();
+        told["unix_s"] = Boards::unix_s(telemetry.time_s).into();
+        published.count += 1;
+        told["count"] = published.count.into();
+        told["missed"] = self.listener.missed().into();
+        // A session that is closed ends this thread soon.
+        let _ = published.telemetry.put(told.to_string()).wait();
+        if published.alive.is_none() {
+            let token = self.session.liveliness().declare_token(self.keys.of_board(index, "alive"));
+            published.alive = token.wait().ok();
+        }
+        self.seen(index, Ok((telemetry.state, telemetry.fault)), telemetry.time_s);
+    }
+
+    fn problem(&mut self, index: usize, problem: String) {
+        if let Some(published) = self.published.get_mut(index) {
+            // The token goes with it.
+            published.alive = None;
+        }
+        self.seen(index, Err(problem), Boards::now_s());
+    }
+
+    /// Publishes how a board is seen, if that is new.
+    fn seen(&mut self, index: usize, now: Seen, time_s: f64) {
+        let (Some(published), Some(board)) = (self.published.get_mut(index), self.boards.get(index)) else {
+            return;
+        };
+        if published.last.as_ref() == Some(&now) {
+            return;
+        }
+        let (state, code, problem) = match &now {
+            Ok((state, code)) => (Some(format!("{state:?}")), Some(*code), None),
+            Err(problem) => (None, None, Some(problem.as_str())),
+        };
+        let name = code.and_then(Fault::of_code).map(|fault| format!("{fault:?}"));
+        let told = json!({
+            "version": VERSION, "name": board.name, "unix_s": Boards::unix_s(time_s), "state": state, "fault": code,
+            "fault_name": name, "problem": problem,
+        });
+        // A session that is closed ends this thread soon.
+        let _ = published.state.put(told.to_string()).wait();
+        published.last = Some(now);
+    }
+}

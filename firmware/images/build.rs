@@ -2,7 +2,8 @@
 //! place of each image in the flash, a `place.x` each in `places`.
 
 /// Images, and the folder of their place.
-const PLACES: [(&str, &str); 5] = [
+const PLACES: [(&str, &str); 6] = [
+    ("bring_up", "bring_up"),
     ("emulated", "whole"),
     ("law_and_tick", "whole"),
     ("starter", "starter"),

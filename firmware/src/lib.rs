@@ -21,6 +21,7 @@
 
 pub mod adaptation;
 pub mod board;
+pub mod bring_up;
 pub mod bus;
 pub mod capture;
 pub mod ceilings;

@@ -144,7 +144,10 @@ impl DeskBench {
 }
 
 /// The program, two directories above the test's.
-fn mgpi() -> PathBuf {
+///
+/// # Panics
+/// The test does not know where it is.
+pub fn mgpi() -> PathBuf {
     let test = std::env::current_exe().expect("this program");
     test.parent().and_then(|deps| deps.parent()).expect("its directory").join("mgpi")
 }

@@ -23,6 +23,7 @@
     deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)
 )]
 
+pub mod bring_up;
 mod bus_parameters;
 mod calibration;
 pub mod fault;

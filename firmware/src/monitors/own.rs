@@ -14,13 +14,13 @@ use crate::scaling::{REFERENCE_CODE, VENT};
 /// How far a sound output may read from its code: offset 12, gain 20 and linearity 4 of the
 /// converter that writes, 5 of the one that reads (data sheet DS8626, "DAC" and "ADC
 /// characteristics"), rounded up. Unit: code.
-const STRAY_CODES: u16 = 48;
+pub(crate) const STRAY_CODES: u16 = 48;
 /// How near the rails the converter's buffer is guaranteed to get, 0.2 V (the same). Unit: code.
 const LOWEST: u16 = 248;
 const HIGHEST: u16 = 4095 - LOWEST;
 /// How far the supply of the converters may be off: 5 % of its regulator, and 1 % for the reference
 /// over temperature. Unit: share.
-const SUPPLY_SHARE: f32 = 0.06;
+pub(crate) const SUPPLY_SHARE: f32 = 0.06;
 /// What the reference then reads: more where the supply is low.
 const REFERENCE: [u16; 2] =
     [(REFERENCE_CODE / (1.0 + SUPPLY_SHARE)) as u16, (REFERENCE_CODE / (1.0 - SUPPLY_SHARE)) as u16];

@@ -4,13 +4,15 @@ import collections
 import random
 
 # The amplifier behind PA4, and the resistor from there to ground.
-GAIN, TO_GROUND_OHM = 3.03, 10e3
+GAIN, TO_GROUND_OHM = 3.03, 6.8e3
 # How long the pump keeps the dump valve closed behind the last change of PB13.
 PUMP_S = 0.010
 # Unit: bit/s.
 BUS_BAUD, LINK_BAUD = 115_200, 460_800
 # The channel of PA4, the valve's output.
 OUTPUT = 4
+# Pins with a resistor to ground, by which they are low in a reset.
+TO_GROUND = "PA6", "PA8", "PB13"
 # Codes at 3.3 V, by channel: 25 °C, the reference, 8 bar of supply, no pressure, no contraction.
 AT_REST = {16: 943.0, 17: 1501.0, 10: 3030.0, 0: 410.0, 1: 205.0}
 
@@ -64,6 +66,8 @@ class Board:
         self.is_stop_closed = True
         # Whether the pump holds the dump valve whatever PB13 does.
         self.is_pump_stuck = False
+        # Pins whose resistor is there; pins that stay at a level whatever is done.
+        self.to_ground, self.stuck = set(TO_GROUND), {}
         # (begin, end) of bytes of others on the bus.
         self.others = collections.deque(maxlen=4096)
 
@@ -76,6 +80,8 @@ class Board:
 
     def level(self, pin):
         """The level from outside; None where nothing drives the pin."""
+        if pin in self.stuck:
+            return self.stuck[pin]
         if pin == "PB14":
             return False if self.is_stop_closed else None
         if pin == "PB15":
@@ -121,7 +127,7 @@ class Board:
         return min(max(round(volts / self.chip.supply_v * 4095 + noise), 0), 4095)
 
     def output_v(self):
-        """The voltage at PA4. 10 kilohm to ground make it 0 where nothing drives the pin."""
+        """The voltage at PA4. A resistor to ground makes it 0 where nothing drives the pin."""
         volts = self.chip.dac.output(TO_GROUND_OHM)
         return self.foreign_v if volts is None else volts
 

@@ -33,7 +33,7 @@ from .iwdg import Iwdg
 from .pwr import Pwr
 from .rcc import Rcc
 from .registers import Registers
-from .timers import Tim2, Tim3, Tim5
+from .timers import Tim2, Tim3, Tim5, Tim11
 from .usart import Usart1, Usart2
 
 # Mean over straight code, branches and loads, from flash with its caches. A stated factor, not a measurement.
@@ -46,6 +46,8 @@ SYSTEM = 0x1FFF_7000
 TS_CAL1, TS_CAL2, VREFINT_CAL = 0x1FFF_7A2C, 0x1FFF_7A2E, 0x1FFF_7A2A
 # The processor's number of 96 bits, lowest word first, and the area that is written once.
 UNIQUE_ID, ONCE = 0x1FFF_7A10, 0x1FFF_7800
+# Of the flash, in KB.
+FLASH_SIZE = 0x1FFF_7A22
 # What a handler returns to: thread or handler, main stack, frame with the floating point's registers.
 EXIT_HANDLER, EXIT_THREAD = 0xFFFF_FFE1, 0xFFFF_FFE9
 EXITS = [EXIT_HANDLER & ~1, EXIT_THREAD & ~1]
@@ -118,6 +120,7 @@ class Chip:
         uc.mem_write(VREFINT_CAL, struct.pack("<HHH", 1501, 959, 1207))
         uc.mem_write(UNIQUE_ID, struct.pack("<III", 0x0039_0045, 0x3134_510E, 0x3238_3732))
         uc.mem_write(ONCE, b"\xff" * 0x210)
+        uc.mem_write(FLASH_SIZE, struct.pack("<H", FLASH_BYTES >> 10))
         for base, size in MAPPED:
             uc.mmio_map(
                 base, size,
@@ -147,12 +150,12 @@ class Chip:
         self.rcc = Rcc(self)
         self.pwr, self.exti, self.dac, self.adc = Pwr(self), Exti(self), Dac(self), Adc(self)
         self.dma2 = Dma2(self)
-        self.tim2, self.tim3, self.tim5 = Tim2(self), Tim3(self), Tim5(self)
+        self.tim2, self.tim3, self.tim5, self.tim11 = Tim2(self), Tim3(self), Tim5(self), Tim11(self)
         self.iwdg, self.dbgmcu = Iwdg(self), Dbgmcu(self)
         self.gpio = {"A": GpioA(self), "B": GpioB(self), "C": GpioC(self)}
         self.usart1, self.usart2 = Usart1(self), Usart2(self)
         self.nvic, self.scb, self.systick, self.dwt = Nvic(self), Scb(self), SysTick(self), Dwt(self)
-        self.timers = [self.tim2, self.tim3, self.tim5]
+        self.timers = [self.tim2, self.tim3, self.tim5, self.tim11]
         self.sources = [self.usart1, self.usart2, self.exti, *self.timers]
         self.peripherals = [
             self.rcc, self.flash, self.pwr, self.exti, self.dac, self.adc, self.dma2, self.iwdg, self.dbgmcu,

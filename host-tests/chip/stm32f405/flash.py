@@ -52,6 +52,8 @@ class Flash(Peripheral):
         # Sectors that refuse, by write protection.
         self.protected = set()
         self.option_bytes = DELIVERED
+        # Sectors that the program may erase which has no starter.
+        self.of_bring_up = set()
         super().__init__(chip)
 
     def reset(self):
@@ -117,7 +119,7 @@ class Flash(Peripheral):
             self["SR"] |= 1 << WRPERR
             return
         first, end = ([0, *ENDS])[sector], ENDS[sector]
-        if sector not in self.free() - {LOG}:
+        if sector not in self.free() - ({LOG} - self.of_bring_up):
             self.violation(f"the sector {sector} is erased by what runs at {self.chip.scb['VTOR']:#010x}")
         self.has_changed = True
         self.erased.append(sector)

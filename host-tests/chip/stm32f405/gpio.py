@@ -58,9 +58,13 @@ class Gpio(Peripheral):
     def read_IDR(self, _):
         level = 0
         for pin in range(16):
-            is_high = self.chip.board.level(f"P{self.LETTER}{pin}")
-            if is_high is None:
-                is_high = bool(self["ODR"] >> pin & 1) if self.mode(pin) == OUTPUT else self.pull(pin) == "up"
+            name = f"P{self.LETTER}{pin}"
+            is_high = self.chip.board.level(name)
+            if is_high is None and self.mode(pin) == OUTPUT:
+                is_high = bool(self["ODR"] >> pin & 1)
+            elif is_high is None:
+                # A pull-up inside makes at most 0.83 V of a resistor of 10 kilohm.
+                is_high = self.pull(pin) == "up" and name not in self.chip.board.to_ground
             level |= is_high << pin
         return level
 

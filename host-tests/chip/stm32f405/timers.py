@@ -1,10 +1,13 @@
-"""TIM2, TIM3 and TIM5: counting up, trigger output, pulses of channel 1 (RM0090, chapter 18)."""
+"""TIM2, TIM3, TIM5 and TIM11: counting up, trigger output, pulses of channel 1, captures of oscillators (RM0090,
+chapters 18 and 19)."""
 
 from .peripheral import Register, Source
 
 CEN, UDIS, OPM, ARPE = 0, 1, 3, 7
 # What each timer's update starts at the converter's injected group, by JEXTSEL.
 INJECTED_TRIGGER = {"TIM2": 3}
+# Prescaler of what is captured, by ICxPSC.
+EDGES = (1, 2, 4, 8)
 
 
 class Timer(Source):
@@ -25,9 +28,13 @@ class Timer(Source):
         0x50: Register("OR", 0, 0xC0),
     }
     FREEZE = None
+    # The bus that clocks it; the channel that captures an oscillator, and the setting of OR that connects it.
+    BUS = 1
+    CAPTURES = None
 
     def reset(self):
         super().reset()
+        self.captures = getattr(self, "captures", 0) + 1
         self["ARR"] = self.most = 0xFFFF_FFFF if self.NAME in ("TIM2", "TIM5") else 0xFFFF
         self.prescaler, self.compare = 0, 0
         self.since, self.base = 0.0, 0
@@ -35,7 +42,7 @@ class Timer(Source):
 
     def hz(self):
         """The counter's clock."""
-        return self.chip.rcc.timer_hz(1) / (self.prescaler + 1)
+        return self.chip.rcc.timer_hz(self.BUS) / (self.prescaler + 1)
 
     def count(self):
         """Where the counter stands."""
@@ -56,6 +63,49 @@ class Timer(Source):
         self.base, self.since = self.count(), self.chip.now
         self["CR1"] = value
         self._plan()
+
+    def write_CCER(self, value):
+        self["CCER"] = value
+        self._capture_from_now()
+
+    def _capture_from_now(self):
+        """Captures edges of the oscillator that is connected, if any."""
+        self.captures += 1
+        hz = self._captured_hz()
+        if hz:
+            self._capture(self.captures, EDGES[self.field(self._mode(), self._shift() + 2, 2)] / hz)
+
+    def _mode(self):
+        return "CCMR1" if self.CAPTURES[0] < 3 else "CCMR2"
+
+    def _shift(self):
+        return 0 if self.CAPTURES[0] % 2 else 8
+
+    def _captured_hz(self):
+        """What is captured; None where nothing is."""
+        if self.CAPTURES is None or not self.bit("CCER", 4 * (self.CAPTURES[0] - 1)):
+            return None
+        channel, setting = self.CAPTURES
+        if self.field(self._mode(), self._shift(), 2) != 1 or self["OR"] != setting:
+            self.violation(f"channel {channel} captures what the model has not")
+            return None
+        return self.oscillator_hz()
+
+    def _capture(self, captures, each_s):
+        def captured():
+            if captures != self.captures or not self.oscillator_hz():
+                return
+            if self.bit("CR1", CEN):
+                channel = self.CAPTURES[0]
+                self["SR"] |= 1 << channel | (1 << channel + 8 if self.bit("SR", channel) else 0)
+                self[f"CCR{channel}"] = self.count()
+            self._capture(captures, each_s)
+
+        self.chip.after(each_s, captured)
+
+    def _read_capture(self, channel, value):
+        self["SR"] &= ~(1 << channel)
+        return value
 
     def write_ARR(self, value):
         if value > self.most:
@@ -134,3 +184,29 @@ class Tim3(Timer):
 
 class Tim5(Timer):
     NAME, BASE, CLOCK, IRQ, FREEZE = "TIM5", 0x4000_0C00, ("APB1ENR", 3), 50, 3
+    # Channel 4 captures the watchdog's oscillator.
+    CAPTURES = 4, 1 << 6
+
+    def oscillator_hz(self):
+        return self.chip.iwdg.lsi_hz if self.chip.rcc.bit("CSR", 1) else None
+
+    def read_CCR4(self, value):
+        return self._read_capture(4, value)
+
+
+class Tim11(Timer):
+    NAME, BASE, CLOCK, IRQ, BUS = "TIM11", 0x4001_4800, ("APB2ENR", 18), 26, 2
+    REGISTERS = {
+        **{offset: Timer.REGISTERS[offset] for offset in (0x00, 0x0C, 0x10, 0x14, 0x18, 0x20, 0x24, 0x28, 0x2C, 0x34)},
+        0x50: Register("OR", 0, 0x3),
+    }
+    # Channel 1 captures the crystal's clock, divided as for a real-time clock.
+    CAPTURES = 1, 2
+
+    def oscillator_hz(self):
+        rcc = self.chip.rcc
+        divider = rcc.field("CFGR", 16, 5)
+        return rcc.hse_hz / divider if rcc.bit("CR", 17) and divider > 1 else None
+
+    def read_CCR1(self, value):
+        return self._read_capture(1, value)

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`bus`] | a board at a serial port: settings, models, runs, logs |
 //! | [`backup`] | all that a board keeps, as one readable file |
+//! | [`bring_up`] | a new board, tested part by part |
 //! | `emulator` | the firmware in QEMU |
 //! | [`pil`] | that firmware in a loop with a plant, tick by tick |
 //! | `child` | programs that are started, and end with us |
@@ -18,6 +19,7 @@
 //! that end with us, in groups as only Unix has them.
 
 pub mod backup;
+pub mod bring_up;
 pub mod bus;
 #[cfg(unix)]
 pub mod child;

@@ -8,6 +8,7 @@ use thiserror::Error;
 use crate::live::LiveError;
 use crate::output::OutputError;
 use board_client::backup::BackupFileError;
+use board_client::bring_up::BringUpError;
 use board_client::bus::BoardError;
 #[cfg(unix)]
 use board_client::emulator::{EmulatorError, image::ImageError};
@@ -89,6 +90,9 @@ pub enum Error {
     /// A board does not take a new image.
     #[error(transparent)]
     Update(#[from] UpdateError),
+    /// A new board is not tested, or has not passed.
+    #[error(transparent)]
+    BringUp(#[from] BringUpError),
     /// A file of lines is of no use.
     #[error(transparent)]
     Lines(#[from] LinesError),
@@ -147,6 +151,7 @@ impl Error {
             Self::Pil(PilError::Stopped)
                 | Self::Board(BoardError::Stopped)
                 | Self::Update(UpdateError::Stopped)
+                | Self::BringUp(BringUpError::Stopped)
         );
         if is_stopped { 130 } else { 2 }
     }

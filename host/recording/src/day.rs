@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::Path;
+use std::time::SystemTime;
 
 use chrono::{DateTime, Datelike, NaiveDate, Utc};
 
@@ -44,6 +45,11 @@ impl Day {
     pub fn of_file(file: &Path) -> Option<Self> {
         let changed = || file.metadata().and_then(|about| about.modified()).ok();
         Self::in_name(file).or_else(|| Some(Self(DateTime::<Utc>::from(changed()?).date_naive())))
+    }
+
+    /// Today, by universal time.
+    pub fn today() -> Self {
+        Self(DateTime::<Utc>::from(SystemTime::now()).date_naive())
     }
 
     /// The year, and which share of it has passed.

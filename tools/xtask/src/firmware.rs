@@ -35,7 +35,7 @@ pub fn build(compiler: &BoardCompiler) -> Result<()> {
 pub fn build_for(compiler: &BoardCompiler, key: Option<&Path>) -> Result<()> {
     let had_image = emulated_elf().exists();
     let public = key.map(read_key).transpose()?.map(|(_, public)| public);
-    run::step("firmware", || build_with(compiler, "emulated,stm32f405", public.as_deref()))?;
+    run::step("firmware", || build_with(compiler, "emulated,stm32f405,bring_up", public.as_deref()))?;
     if !had_image {
         // `mgpi` takes the image in, and cannot watch a file that is not there.
         let script = run::root().join("host/board-client/build.rs");

@@ -17,6 +17,7 @@ mod host;
 mod python;
 mod registers;
 mod run;
+mod schematic;
 mod setup;
 mod workflow;
 
@@ -124,7 +125,7 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
-    /// Redraw the figures of docs/figures.
+    /// Redraw the figures of docs/figures, and the schematic.
     Figures {
         /// Write nothing; fail where a figure is out of date.
         #[arg(long)]
@@ -189,7 +190,10 @@ fn perform(task: Task) -> anyhow::Result<()> {
         Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
         Task::Faults { check } => faults::faults(check)?,
         Task::Registers { check } => registers::registers(check)?,
-        Task::Figures { check } => figures::figures(check)?,
+        Task::Figures { check } => {
+            figures::figures(check)?;
+            schematic::schematic(check)?;
+        }
     }
     Ok(())
 }

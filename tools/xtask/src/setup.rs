@@ -83,6 +83,14 @@ const BOARD_C: Need = Need {
     by_hand: "GCC and newlib for bare ARM: the packages gcc-arm-none-eabi and libnewlib-arm-none-eabi (Debian, Ubuntu)",
 };
 
+/// What the tests of the board's front ends need.
+const CIRCUITS: Need = Need {
+    name: "a simulator of circuits (ngspice)",
+    is_met: || run::output("ngspice", &["--version"]).is_some(),
+    cures: &[Cure::Packages(&["ngspice"])],
+    by_hand: "ngspice 39 or newer: the package of that name (Debian, Ubuntu, Fedora, Arch, Homebrew)",
+};
+
 /// What the Python package needs: what builds its wheel, and what its tests hold it against.
 const PYTHON_PACKAGE: Need = Need {
     name: "a Python with maturin",
@@ -221,7 +229,12 @@ pub fn ensure_python_package() -> Result<()> {
 /// skipped.
 pub fn offer_test_tools() {
     let of_bus = BUS_CLIENTS.iter().map(|need| ("bus", need));
-    let others = [("chip", &CHIP_MODEL), ("network", &NETWORK_CLIENTS), ("C sources", &BOARD_C)];
+    let others = [
+        ("chip", &CHIP_MODEL),
+        ("network", &NETWORK_CLIENTS),
+        ("C sources", &BOARD_C),
+        ("circuits", &CIRCUITS),
+    ];
     for (tests, need) in of_bus.chain(others) {
         if let Err(missing) = need.meet() {
             println!("setup: the tests of the {tests} are skipped without\n{missing}");

@@ -14,6 +14,8 @@ use super::flash::{Flash, FlashError, WORD};
 const CRC: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISO_HDLC);
 /// Number of the first sector of A, and of B.
 const FIRST_SECTORS: [u8; 2] = [4, 8];
+/// Number of the log's sector.
+pub(super) const LOG_SECTOR: u8 = 3;
 /// Words of the log.
 const LOG_WORDS: usize = 16 * 1024 / WORD;
 

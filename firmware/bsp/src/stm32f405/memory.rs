@@ -46,7 +46,12 @@ pub fn seal(fault: Fault, detail: u32) {
 /// Whether the chip's option bytes leave the brown-out reset off, as they do when it is delivered:
 /// below 2.7 V the program would then run on without anybody's knowing what it does.
 pub fn lacks_brown_out_reset(flash: &FLASH) -> bool {
-    flash.optcr().read().bor_lev().bits() == BROWN_OUT_OFF
+    brown_out_level(flash) == 0
+}
+
+/// The level of the brown-out reset in the option bytes: 0, off, to 3, below 2.7 V.
+pub fn brown_out_level(flash: &FLASH) -> u8 {
+    BROWN_OUT_OFF - flash.optcr().read().bor_lev().bits()
 }
 
 /// The number of the line of chips that this board has; an emulator tells none, and has nothing in

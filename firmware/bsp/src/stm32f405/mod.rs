@@ -16,7 +16,9 @@
 //! | [`flash`] | erasing and programming; `parameter_flash.rs` and [`image_flash`] make use of it |
 //! | [`image_flash`] | the places of the images |
 //! | [`pins`] | routing, status light, voltage detector |
+//! | [`bring_up`] | what the bring-up image needs beyond these |
 
+pub mod bring_up;
 pub mod clock;
 pub mod factory;
 pub mod flash;

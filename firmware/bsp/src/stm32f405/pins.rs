@@ -77,6 +77,12 @@ fn port_b() -> &'static gpiob::RegisterBlock {
     unsafe { &*GPIOB::ptr() }
 }
 
+/// Whether PA8, the bus's driver, is high.
+pub fn is_bus_driver_high() -> bool {
+    // SAFETY: reading has no side effect.
+    unsafe { &*GPIOA::ptr() }.idr().read().idr8().bit_is_set()
+}
+
 /// The driver of the bus at PA8, enabled when high.
 pub struct BusDriver(GPIOA);
 

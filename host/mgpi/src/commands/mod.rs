@@ -5,6 +5,7 @@ mod background;
 pub mod backup;
 pub mod batch;
 mod board_model;
+pub mod bring_up;
 pub mod bus;
 pub mod calibrate;
 pub mod capture;
@@ -89,6 +90,7 @@ enum Command {
     Scan(scan::Arguments),
     Calibrate(calibrate::Arguments),
     Update(update::Arguments),
+    BringUp(bring_up::Arguments),
     Watch(watch::Arguments),
     Gateway(gateway::Arguments),
     /// The simulated muscle: recordings, references and a plant to try everything without hardware
@@ -131,6 +133,7 @@ impl CommandLine {
             Command::Scan(arguments) => scan::run(&arguments),
             Command::Calibrate(arguments) => calibrate::run(&arguments),
             Command::Update(arguments) => update::run(&arguments),
+            Command::BringUp(arguments) => bring_up::run(&arguments),
             Command::Watch(arguments) => watch::run(&arguments),
             Command::Gateway(arguments) => gateway::run(&arguments),
             Command::Rig(command) => rig::run(&command),

@@ -5,6 +5,8 @@
 //! Skipped, in so many words, where the model's Python or the firmware are missing; `cargo xtask
 //! test` provides both.
 
+mod terminal;
+
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -64,7 +66,8 @@ fn run() -> Result<Option<Conclusion>, Failed> {
     let trials = match names(&files) {
         Ok(names) => {
             let servers = Arc::new(Servers { files: files.clone(), idle: Mutex::default() });
-            names.into_iter().map(|name| trial(name, servers.clone())).collect()
+            let of_terminals = if terminal::has_images() { terminal::trials(&files) } else { Vec::new() };
+            names.into_iter().map(|name| trial(name, servers.clone())).chain(of_terminals).collect()
         }
         Err(reason) => {
             println!("the tests of the chip are skipped: {reason}");

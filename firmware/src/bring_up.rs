@@ -63,8 +63,8 @@ pub const SUPPLY_V: Part = Part::new(
     [REFERENCE_SUPPLY_V * (1.0 - SUPPLY_SHARE), REFERENCE_SUPPLY_V * (1.0 + SUPPLY_SHARE)],
     3,
 );
-/// The crystal against the internal oscillator of 16 MHz, which is within 4 % from -10 to 85 °C (data
-/// sheet DS8626, "HSI oscillator characteristics").
+/// The crystal against the internal oscillator of 16 MHz, which is within 4 % from -10 to 85 °C
+/// (data sheet DS8626, "HSI oscillator characteristics").
 pub const CRYSTAL_HZ: Part = Part::new("crystal_hz", [7_680_000.0, 8_320_000.0], 0);
 /// The watchdog's oscillator against the processor's clock (DS8626, "LSI oscillator
 /// characteristics").
@@ -100,7 +100,8 @@ pub const ECHO_BYTES: Part = Part::new("bus_echo_bytes", [16.0, 16.0], 0);
 pub const ECHO_PATTERN: [u8; 16] = *b"\x00\xFF\x55\xAA\x01\x02\x04\x08\x10\x20\x40\x80\x7F\xFE\x0F\xF0";
 /// Words of the sector that do not keep what is programmed, or are not blank when erased.
 pub const FLASH_WORDS: Part = Part::new("flash_wrong_words", [0.0, 0.0], 0);
-/// Time to erase a sector of 16 KB (DS8626, "Flash memory programming"), the longer of two. Unit: ms.
+/// Time to erase a sector of 16 KB (DS8626, "Flash memory programming"), the longer of two. Unit:
+/// ms.
 pub const ERASE_MS: Part = Part::new("flash_erase_ms", [1.0, 500.0], 1);
 /// Time to program a word, the mean of a sector's (as above). Unit: µs.
 pub const PROGRAM_US: Part = Part::new("flash_program_us", [1.0, 100.0], 1);
@@ -206,7 +207,6 @@ mod tests {
     extern crate std;
 
     use std::string::String;
-    use std::vec::Vec;
 
     use super::*;
 
@@ -221,13 +221,15 @@ mod tests {
         text += &report.word("reset_cause", "power_on", true);
         let checksum = CHECKSUM.checksum(text.as_bytes());
         text += &report.end();
-        let lines: Vec<_> = text.lines().collect();
-        assert_eq!(lines[0], "watchdog_oscillator_hz 17000 17000 47000 ok");
-        assert_eq!(lines[1], "watchdog_oscillator_hz 47001 17000 47000 FAULT");
-        assert_eq!(lines[2], "crystal_hz - 7680000 8320000 FAULT");
-        assert_eq!(lines[3], "converter_supply_v NaN 3.102 3.498 FAULT");
-        assert_eq!(lines[4], "reset_cause power_on - - ok");
-        assert_eq!(lines[5], std::format!("end 5 3 {checksum:08x}"));
+        let lines = [
+            "watchdog_oscillator_hz 17000 17000 47000 ok",
+            "watchdog_oscillator_hz 47001 17000 47000 FAULT",
+            "crystal_hz - 7680000 8320000 FAULT",
+            "converter_supply_v NaN 3.102 3.498 FAULT",
+            "reset_cause power_on - - ok",
+            &std::format!("end 5 3 {checksum:08x}"),
+        ];
+        assert!(text.lines().eq(lines), "{text}");
     }
 
     #[test]
@@ -236,7 +238,8 @@ mod tests {
         assert_eq!((codes.mean(), codes.deviation()), (None, None));
         [2, 4, 4, 4, 5, 5, 7, 9].iter().for_each(|&code| codes.take(code));
         assert_eq!(codes.mean(), Some(5.0));
-        assert!((codes.deviation().unwrap() - (32.0_f32 / 7.0).sqrt()).abs() < 1e-6);
+        let expected = (32.0_f32 / 7.0).sqrt();
+        assert!(codes.deviation().is_some_and(|deviation| (deviation - expected).abs() < 1e-6));
     }
 
     #[test]

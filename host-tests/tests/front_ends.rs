@@ -1,7 +1,8 @@
-//! The analogue front ends of the reference board (`hardware/board.cir`) in ngspice, at the worst case
-//! of their parts; and the list of parts and the drawing against that netlist.
+//! The analogue front ends of the reference board (`hardware/board.cir`) in ngspice, at the worst
+//! case of their parts; and the list of parts and the drawing against that netlist.
 //!
-//! Skipped, in so many words, where there is no ngspice; `cargo xtask test` installs it where it can.
+//! Skipped, in so many words, where there is no ngspice; `cargo xtask test` installs it where it
+//! can.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -23,8 +24,8 @@ fn hardware() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../hardware")
 }
 
-/// Runs a deck behind the netlist; the figures that it measures, by their names. None where there is no
-/// ngspice.
+/// Runs a deck behind the netlist; the figures that it measures, by their names. None where there
+/// is no ngspice.
 fn measured(deck: &str) -> Option<BTreeMap<String, f64>> {
     let mut file = tempfile::Builder::new().suffix(".cir").tempfile().unwrap();
     let netlist = hardware().join("board.cir");
@@ -108,7 +109,8 @@ fn zero_and_span_are_those_of_the_boards_scaling_and_the_buffers_reach() {
                 };
                 let reached_v = code_v.clamp(0.2, SUPPLY_V - 0.2);
                 let error_v = found["regulator"] - reached_v * GAIN;
-                // 100 ohm before 100 kilohm take a thousandth, the resistors 0.13 %, the offset 1.5 mV.
+                // 100 ohm before 100 kilohm take a thousandth, the resistors 0.13 %, the offset 1.5
+                // mV.
                 assert!(error_v.abs() < 0.002 + 0.003 * reached_v * GAIN, "{code}: {error_v} V");
                 let lowest_and_highest =
                     (0.6..0.613).contains(&found["regulator"]) || (9.35..9.43).contains(&found["regulator"]);

@@ -2,9 +2,9 @@
 //! that a terminal program will do.
 //!
 //! # Protocol
-//! A request is the line [`RUN`], with [`OUTPUT`] behind it if the valve's output may be driven, and
-//! with [`ECHO`] if the receiver of the bus stays on while the board sends. The answer has a line a
-//! part:
+//! A request is the line [`RUN`], with [`OUTPUT`] behind it if the valve's output may be driven,
+//! and with [`ECHO`] if the receiver of the bus stays on while the board sends. The answer has a
+//! line a part:
 //!
 //! ```text
 //! NAME VALUE LOWEST HIGHEST VERDICT

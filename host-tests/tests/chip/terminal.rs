@@ -1,5 +1,5 @@
-//! `mgpi` as a user has it, at a terminal behind which the unmodified image runs in the model of its
-//! chip (`host-tests/chip/terminal.py`).
+//! `mgpi` as a user has it, at a terminal behind which the unmodified image runs in the model of
+//! its chip (`host-tests/chip/terminal.py`).
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};

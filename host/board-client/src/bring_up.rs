@@ -19,8 +19,8 @@ use crate::stop::Stop;
 
 /// Of the service link. Unit: bit/s.
 const BAUD: u32 = 460_800;
-/// The longest silence within a report: the cycle of the flash takes 1.5 s at most, the watchdog bites
-/// behind 4 to 8 s.
+/// The longest silence within a report: the cycle of the flash takes 1.5 s at most, the watchdog
+/// bites behind 4 to 8 s.
 const SILENCE: Duration = Duration::from_secs(9);
 /// How long somebody who wants to stop waits at most.
 const GLANCE: Duration = Duration::from_millis(100);

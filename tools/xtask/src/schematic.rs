@@ -1,5 +1,5 @@
-//! `docs/schematic.svg`: the board's analogue front ends and outputs, with the values of the netlist
-//! `hardware/board.cir`.
+//! `docs/schematic.svg`: the board's analogue front ends and outputs, with the values of the
+//! netlist `hardware/board.cir`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

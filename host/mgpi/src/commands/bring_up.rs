@@ -14,7 +14,8 @@ use board_client::stop::Stop;
 /// bring-up image, and the port is its service link: docs/bring-up.md.
 ///
 /// Without --drive-output the valve stays vented, and nothing is sent on the bus without --echo. No
-/// air, whatever is asked for. Exit status 2 if a part is faulty; the record is written all the same.
+/// air, whatever is asked for. Exit status 2 if a part is faulty; the record is written all the
+/// same.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// The serial port of the board's service link, by its path or its name under /dev
@@ -30,7 +31,8 @@ pub struct Arguments {
     /// back
     #[arg(long)]
     drive_output: bool,
-    /// Also send on the bus, and hold the board to hearing it: if the transceiver's receiver stays on
+    /// Also send on the bus, and hold the board to hearing it: if the transceiver's receiver stays
+    /// on
     #[arg(long)]
     echo: bool,
 }

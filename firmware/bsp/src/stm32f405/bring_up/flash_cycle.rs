@@ -1,5 +1,5 @@
-//! A cycle of a sector that holds nothing of a board's: sector 3, the starter's log. A board with this
-//! image has no starter, and whatever flashes the production image writes the log anew.
+//! A cycle of a sector that holds nothing of a board's: sector 3, the starter's log. A board with
+//! this image has no starter, and whatever flashes the production image writes a new log.
 
 use super::oscillators::Stopwatch;
 use crate::stm32f405::flash::{Flash, FlashError, WORD};
@@ -24,8 +24,8 @@ fn pattern(index: usize) -> u32 {
     (index as u32).wrapping_mul(0x9E37_79B9)
 }
 
-/// Erases the sector, programs all of it, reads it, and leaves it erased. The processor stands still
-/// meanwhile, at most 1.5 s.
+/// Erases the sector, programs all of it, reads it, and leaves it erased. The processor stands
+/// still meanwhile, at most 1.5 s.
 ///
 /// # Errors
 /// The flash refuses, or is not blank behind an erasure.

@@ -16,8 +16,8 @@ const CRYSTAL_CAPTURES: u32 = 100;
 /// Captures of the watchdog's oscillator: some 10 ms.
 const SLOW_CAPTURES: u32 = 40;
 
-/// The crystal's frequency, by the internal oscillator; none if it does not start. To be called while
-/// the processor runs from the latter, behind a reset. Unit: Hz.
+/// The crystal's frequency, by the internal oscillator; none if it does not start. To be called
+/// while the processor runs from the latter, behind a reset. Unit: Hz.
 pub fn crystal_hz(rcc: &RCC, timer: &TIM11) -> Option<f32> {
     rcc.apb2enr().modify(|_, w| w.tim11en().enabled());
     rcc.cr().modify(|_, w| w.hseon().on());

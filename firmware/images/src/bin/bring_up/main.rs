@@ -4,9 +4,9 @@
 //!
 //! # Safety
 //! The valve's output stays let go of, which is 0 V, but for half a second in a run that asks for
-//! the output; the dump valve's output stays an input throughout, so that the dump valve is open, and
-//! the bus is driven only in a run that asks for its echo. A panic, a fault of the processor and a
-//! hanging program end in a reset, as in service.
+//! the output; the dump valve's output stays an input throughout, so that the dump valve is open,
+//! and the bus is driven only in a run that asks for its echo. A panic, a fault of the processor
+//! and a hanging program end in a reset, as in service.
 //!
 //! # Design
 //! One loop with the interrupts off. It sleeps until one is due, of the tick or of a port, and then

@@ -162,6 +162,19 @@ fn a_board_that_adapts_follows_a_muscle_that_is_not_its_models() {
     assert!(said.contains("learnt            offset"), "{said}");
     assert!(adapted_mm < 0.5 * plain_mm, "{plain_mm} mm, {adapted_mm} mm, {said}");
     assert!(bench.succeeds("status").contains("learnt      offset"));
+
+    // Kept as a model, it follows the muscle; what was learnt goes with the old model.
+    let status = bench.status();
+    assert!(status["adapted"]["steps"].as_u64().is_some_and(|steps| steps > 100), "{status}");
+    let said = bench.succeeds("adapted paper.toml -o now.toml");
+    assert!(said.contains("now.toml: RMSE"), "{said}");
+    assert!(bench.refuses("adapted paper.toml -o now.toml").contains("now.toml"));
+    bench.succeeds("deploy now.toml");
+    let (kept_mm, _) = rmse_mm("");
+    // Less by what its structure cannot follow of what was learnt, which the command has said.
+    assert!(kept_mm < 0.67 * plain_mm, "{plain_mm} mm, kept {kept_mm} mm");
+    assert!(bench.refuses("adapted paper.toml -o other.toml").contains("another model"));
+    assert!(bench.refuses("adapted now.toml -o other.toml").contains("learnt nothing"));
 }
 
 #[test]

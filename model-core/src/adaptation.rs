@@ -36,6 +36,7 @@
 //! learnt. A lateness that the model does not have looks like width, at the speed at which it is
 //! learnt. What the muscle does while the reference rests is not seen until it moves again.
 
+use crate::extension::root::{Point, root};
 use crate::real::Real;
 
 /// Numbers that are learnt: offset, its change over [`MEMORY`] steps, gain, bend, width, flare.
@@ -63,6 +64,9 @@ pub const BEYOND: u16 = 100;
 /// How many times as steep as the mean a muscle is taken to be at the most, where feedback is
 /// counted as contraction. Beyond it is what an effect of the speed does where it turns.
 const STEEPEST: f64 = 10.0;
+
+/// A contraction is found to this share of half the range, in roundings.
+const FOUND: f64 = 1e3;
 
 /// What has been learnt, in halves of the output range.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -210,6 +214,40 @@ impl<T: Real> Adapter<T> {
         let (regressors, given) = self.regressors(given, reference);
         adapted.plays = [given, due];
         reference - self.half * dot(&adapted.learnt, &regressors)
+    }
+
+    /// A change in halves of the range in the place of mm.
+    pub fn in_halves(&self, change: Change<T>) -> Change<T> {
+        let Change { offset, gain, bend, width, flare } = change;
+        let share = |mm: T| mm / self.half;
+        Change {
+            offset: share(offset),
+            gain: share(gain),
+            bend: share(bend),
+            width: share(width),
+            flare: share(flare),
+        }
+    }
+
+    /// As if a change (halves of the range) had been learnt, as far as it may be.
+    pub fn remembered(&self, change: Change<T>) -> Adapted<T> {
+        let Change { offset, gain, bend, width, flare } = change;
+        let learnt = self.held(&[offset, T::ZERO, gain, bend, width, flare]);
+        Adapted { learnt, ..Adapted::default() }
+    }
+
+    /// The contraction (mm) of a muscle that has changed so, where its model answers `model` (mm):
+    /// what [`Adapter::asked`] for it is. One that is not finite is answered as it is.
+    pub fn answered(&self, adapted: &mut Adapted<T>, model: T) -> T {
+        if !model.is_finite() {
+            return model;
+        }
+        let over = |contraction: T| self.asked(&mut adapted.clone(), contraction) - model;
+        let from = Point { u: model, f: over(model) };
+        let tolerance = T::EPSILON * T::from_f64(FOUND) * self.half;
+        let contraction = if from.f == T::ZERO { model } else { root(from, T::ONE, tolerance, over).0 };
+        self.asked(adapted, contraction);
+        contraction
     }
 
     /// What the learnt numbers count by at a reference (mm), and where the play stands then.
@@ -400,6 +438,22 @@ mod tests {
         }
         // They do get to the bounds, and the bound is no wider than it has to be.
         assert!(at_bound > 10_000 && least < 1.3 * LEFT, "{at_bound}, {least}");
+    }
+
+    #[test]
+    fn what_a_changed_muscle_answers_is_asked_for_as_what_its_model_answers() {
+        let adapter = Adapter::new((-2.0, 122.0), (0.0, 6.0));
+        let mm = Change { offset: 7.0, gain: -4.0, bend: 2.0, width: -1.0, flare: 0.5 };
+        let mut adapted = adapter.remembered(adapter.in_halves(mm));
+        let (mut seed, mut asking) = (0x2545_F491_4F6C_DD1D, adapted);
+        let back = adapter.in_mm(adapted.change());
+        assert!((back.offset - 7.0).abs() < 1e-12 && (back.flare - 0.5).abs() < 1e-12);
+        for _ in 0..500 {
+            let model = 60.0 + 62.0 * random(&mut seed);
+            let contraction = adapter.answered(&mut adapted, model);
+            assert!((adapter.asked(&mut asking, contraction) - model).abs() < 1e-9, "{contraction} mm");
+            assert_eq!(adapted, asking);
+        }
     }
 
     #[test]

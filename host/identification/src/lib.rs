@@ -15,6 +15,7 @@
 //! | `descent` | one search, from a start to its end |
 //! | `search` | the searches, one after the other and side by side |
 //! | `plan` | how many they are, on how many rows, and how much work |
+//! | [`adapted`] | a model that answers as the muscle does that a board has learnt |
 //! | `raw` | the way to the raw parameters |
 //! | `robust` | Huber's loss |
 //! | `strays` | when it is needed |
@@ -39,6 +40,7 @@
 //! At most [`PLAYS`] plays and [`DEAD_ZONES`] dead zones. The inputs of the recording are the
 //! model's validity range.
 
+pub mod adapted;
 pub mod autocorrelation;
 mod collinear;
 pub mod comparison;

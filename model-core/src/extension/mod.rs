@@ -55,7 +55,7 @@ pub mod rate_dependent_thresholds;
 pub mod rate_dependent_width;
 mod relaxation;
 mod ring;
-mod root;
+pub(crate) mod root;
 pub mod schedule;
 pub mod site;
 mod sliding;

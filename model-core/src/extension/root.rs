@@ -18,15 +18,15 @@ const FARTHER: f64 = 8.0;
 
 /// An argument and the function there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point<T> {
-    pub(super) u: T,
-    pub(super) f: T,
+pub(crate) struct Point<T> {
+    pub(crate) u: T,
+    pub(crate) f: T,
 }
 
 /// Searches from a point, whose `f` is not 0, with a guess of the function's slope (above 0).
 /// Answers the last argument that was evaluated, within `tolerance` of the root or thereabouts, and
 /// the last slope that was found, above 0.
-pub(super) fn root<T: Real>(
+pub(crate) fn root<T: Real>(
     from: Point<T>,
     mut slope: T,
     tolerance: T,

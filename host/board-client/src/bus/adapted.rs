@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use serde_json::{Value, json};
 use wire::registers::Id;
 
 use super::Board;
@@ -38,6 +39,17 @@ impl Adapted {
             width_mm: block.number(Id::AdaptedWidth),
             flare_mm: block.number(Id::AdaptedFlare),
             steps: block.whole(Id::AdaptedSteps),
+        })
+    }
+}
+
+impl Adapted {
+    /// For programs.
+    pub fn to_json(&self) -> Value {
+        let Self { offset_mm, gain_mm, bend_mm, width_mm, flare_mm, steps } = self;
+        json!({
+            "offset_mm": offset_mm, "gain_mm": gain_mm, "bend_mm": bend_mm, "width_mm": width_mm,
+            "flare_mm": flare_mm, "steps": steps,
         })
     }
 }

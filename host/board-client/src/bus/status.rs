@@ -287,6 +287,7 @@ impl Status {
         for id in GAINS {
             json[id.register().name] = self.gains.number(id).into();
         }
+        json["adapted"] = self.adapted.as_ref().map(Adapted::to_json).into();
         json
     }
 }

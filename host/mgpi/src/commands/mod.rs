@@ -1,5 +1,6 @@
 //! The commands of `mgpi`, one a file: arguments, and what is done with them.
 
+pub mod adapted;
 #[cfg(unix)]
 mod background;
 pub mod backup;
@@ -85,6 +86,7 @@ enum Command {
     Backup(backup::Arguments),
     Restore(restore::Arguments),
     Track(track::Arguments),
+    Adapted(adapted::Arguments),
     Status(status::Arguments),
     Bus(bus::Arguments),
     Scan(scan::Arguments),
@@ -128,6 +130,7 @@ impl CommandLine {
             Command::Backup(arguments) => backup::run(&arguments),
             Command::Restore(arguments) => restore::run(&arguments),
             Command::Track(arguments) => track::run(&arguments),
+            Command::Adapted(arguments) => adapted::run(&arguments),
             Command::Status(arguments) => status::run(&arguments),
             Command::Bus(arguments) => bus::run(&arguments),
             Command::Scan(arguments) => scan::run(&arguments),

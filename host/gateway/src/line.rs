@@ -14,7 +14,8 @@ use std::time::{Duration, Instant};
 use board_client::bus::client::{BusError, Client};
 use board_client::bus::port::PortError;
 use model_core::Mode;
-use wire::registers::{Access, Command, Id, VERSION, Value, mode_number};
+use wire::State;
+use wire::registers::{Access, Command, Id, VERSION, Value, mode_number, state_number};
 
 use crate::boards::Boards;
 use crate::clock::Clock;
@@ -28,8 +29,9 @@ const LOST: u32 = 3;
 const PATIENCE: Duration = Duration::from_secs(1);
 /// How often all boards are told to vent, which none of them answers.
 const STOPS: usize = 3;
-/// How often a board is asked where its muscle is before it starts.
-const READS: usize = 3;
+/// How often each step of a start is tried: the other boards of the line wait meanwhile, and vent if
+/// they wait for longer than 0.5 s.
+const TRIES: usize = 2;
 
 /// What is asked of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -236,11 +238,11 @@ impl From<BusError> for Unanswered {
 }
 
 impl Asked<'_> {
-    /// Brings the board to track from where its muscle is. The valve opens in two steps; if the
-    /// answer to one of them is lost, the board is stopped.
+    /// Brings the board to track from where its muscle is. The valve opens in two steps; where it is
+    /// not known whether it has, the board is stopped.
     fn start(&mut self, client: &mut Client) -> Result<(), BusError> {
         let (setpoint, contraction) = (Id::SetpointMm.register(), Id::ContractionMm.register());
-        let words = client.read_in(contraction.address, contraction.words(), READS)?;
+        let words = client.read_in(contraction.address, contraction.words(), TRIES)?;
         let measured_mm = Value::of_words(contraction.kind, &words).map_or(0.0, Value::number);
         let here_mm = match setpoint.access {
             Access::Write(min, max) => measured_mm.clamp(min, max),
@@ -248,13 +250,20 @@ impl Asked<'_> {
         };
         let mode = [mode_number(Mode::Both)];
         let words: Vec<u16> = mode.into_iter().chain(self.set_point(here_mm)).collect();
-        client.write_once(Id::Mode.register().address, &words, 1)?;
-        let started = command(client, Command::Arm).and_then(|()| command(client, Command::Start));
-        if started.as_ref().is_err_and(BusError::is_lost) {
-            // Whether it opens is not known: it does not stay so.
-            command(client, Command::Stop)?;
+        client.write_in(Id::Mode.register().address, &words, TRIES)?;
+        client.write_in(Id::Command.register().address, &[Command::Arm.number()], TRIES)?;
+        match command(client, Command::Start) {
+            Err(lost) if lost.is_lost() => {
+                let tracking = [state_number(State::Tracking)];
+                let state = client.read_in(Id::State.register().address, 1, TRIES);
+                if state.is_ok_and(|state| state == tracking) {
+                    return Ok(());
+                }
+                command(client, Command::Stop)?;
+                Err(lost)
+            }
+            done => done,
         }
-        started
     }
 
     /// A set point with the next sign of life, from the register `setpoint_mm` on.

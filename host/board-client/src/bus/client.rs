@@ -284,7 +284,15 @@ impl Client {
     /// # Errors
     /// No answer, or a refusal: then nothing was written.
     pub fn write(&mut self, address: u16, values: &[u16]) -> Result<(), BusError> {
-        self.put(address, values, TRIES, self.address.limit)
+        self.write_in(address, values, TRIES)
+    }
+
+    /// The same, with so many tries.
+    ///
+    /// # Errors
+    /// No answer, or a refusal: then nothing was written.
+    pub fn write_in(&mut self, address: u16, values: &[u16], tries: usize) -> Result<(), BusError> {
+        self.put(address, values, tries, self.address.limit)
     }
 
     /// The longest that an answer usually takes.

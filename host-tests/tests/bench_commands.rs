@@ -98,6 +98,7 @@ fn an_interrupted_capture_vents_and_goes_on_from_its_last_rest() {
             .is_some_and(|t| t > 11.0)
     };
     while !has_come_far() {
+        assert!(capture.try_wait().expect("a child").is_none(), "it says above why it has ended");
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     let id = rustix::process::Pid::from_child(&capture);

@@ -42,6 +42,12 @@ impl Keys {
         self.boards.get(index).map_or_else(|| self.of_all(what), |board| format!("{board}/{what}"))
     }
 
+    /// The place of the board that has this key; none if it is a pattern, or nobody's.
+    pub fn index(&self, key: &str, what: &str) -> Option<usize> {
+        let board = key.strip_suffix(what)?.strip_suffix('/')?;
+        self.boards.iter().position(|own| own == board)
+    }
+
     /// The places of the boards.
     pub fn indices(&self) -> std::ops::Range<usize> {
         0..self.boards.len()
@@ -69,5 +75,16 @@ mod tests {
         let keys = Keys::of("lab", &[]).expect("a name");
         assert_eq!(keys.of_all("stop"), "mgpi/1/lab/stop");
         assert_eq!(keys.of_any("setpoint"), "mgpi/1/lab/*/*/setpoint");
+    }
+
+    #[test]
+    fn a_key_is_that_of_one_board() {
+        let keys = Keys { root: String::new(), boards: vec!["mgpi/1/lab/arm/1".to_owned()] };
+        assert_eq!(keys.index("mgpi/1/lab/arm/1/setpoint", "setpoint"), Some(0));
+        for other in
+            ["mgpi/1/lab/arm/2/setpoint", "mgpi/1/lab/*/1/setpoint", "mgpi/1/lab/arm/1/order", "setpoint"]
+        {
+            assert_eq!(keys.index(other, "setpoint"), None, "{other}");
+        }
     }
 }

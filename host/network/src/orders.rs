@@ -9,7 +9,7 @@
 //! A query may be for many boards at once, by a pattern in its key; each answers by its own key.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use gateway::Gateway;
@@ -28,7 +28,8 @@ use zenoh::{Session, Wait};
 use crate::NetworkError;
 use crate::keys::Keys;
 
-/// How many orders may wait.
+/// How many orders, and how many words of refusal, may wait: beyond them a client that floods is
+/// told no more.
 const WAITING: usize = 64;
 
 /// A set point that was not taken.
@@ -91,7 +92,7 @@ impl Orders {
         let (all, its) = (gateway.clone(), keys.clone());
         // It ends with the session: an order may wait for its line, which must not hold up others.
         thread::spawn(move || answer(&queries, &all, &its));
-        let (refused, refusals) = channel();
+        let (refused, refusals) = sync_channel(WAITING);
         let (all, its) = (gateway.clone(), keys.clone());
         let setpoints = session
             .declare_subscriber(keys.of_any("setpoint"))
@@ -149,9 +150,10 @@ fn of_pattern(keys: &Keys, what: &str, pattern: &KeyExpr<'_>) -> Vec<(usize, Str
 }
 
 /// Takes a set point.
-fn take(sample: &Sample, gateway: &Gateway, keys: &Keys, refused: &Sender<Refusal>) {
-    let message: Result<SetPointMessage, _> = serde_json::from_slice(&sample.payload().to_bytes());
-    for (index, _) in of_pattern(keys, "setpoint", sample.key_expr()) {
+fn take(sample: &Sample, gateway: &Gateway, keys: &Keys, refused: &SyncSender<Refusal>) {
+    // One board's: a set point has the grant of one.
+    if let Some(index) = keys.index(sample.key_expr(), "setpoint") {
+        let message: Result<SetPointMessage, _> = serde_json::from_slice(&sample.payload().to_bytes());
         let (sequence, taken) = match &message {
             Ok(message) => {
                 let &SetPointMessage { grant, sequence, setpoint_mm, sent_s } = message;
@@ -162,8 +164,8 @@ fn take(sample: &Sample, gateway: &Gateway, keys: &Keys, refused: &Sender<Refusa
             Err(problem) => (None, Err(format!("no set point: {problem}"))),
         };
         if let Err(reason) = taken {
-            // Where nobody publishes any more there is nobody to tell.
-            let _ = refused.send(Refusal { index, sequence, reason });
+            // Where nobody publishes any more, or not fast enough, nobody is told.
+            let _ = refused.try_send(Refusal { index, sequence, reason });
         }
     }
 }

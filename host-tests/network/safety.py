@@ -44,6 +44,13 @@ class Cable(threading.Thread):
         self.start()
 
     def run(self):
+        try:
+            self.carry()
+        except OSError:
+            # One of the ends is gone: the lab is closed.
+            pass
+
+    def carry(self):
         asked = 0
         while True:
             for end in select.select([self.ours, self.board], [], [])[0]:
@@ -175,6 +182,7 @@ class Lab:
         return all(age_s < 0.5 and (state, fault) == ("Fault", 21) for age_s, state, fault in states.values())
 
     def close(self):
+        self.session.close()
         self.gateway.terminate()
         self.router.kill()
         self.run("fleet", "boards", "--stop")

@@ -9,9 +9,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What is at the regulator when the converter reads that. Unit: V per V.
+/// Of the output stage: 1 + 20.3 kΩ / 10 kΩ (R5 to R7 in hardware/board.cir). Unit: V per V.
 const GAIN: f64 = 3.03;
-/// Of the supply of the converter. Unit: V.
+/// Supply of the converters (docs/board.md). Unit: V.
 const SUPPLY_V: f64 = 3.3;
 /// A pin's leakage (data sheet DS8626, "I/O static characteristics"), either way. Unit: A.
 const LEAKAGES_A: [&str; 2] = ["1u", "-1u"];

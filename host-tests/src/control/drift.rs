@@ -10,11 +10,12 @@ use super::course::STEP_BAR;
 use super::reference::Course;
 use crate::PERIOD_S;
 
-/// How long it takes. Unit: s.
+/// How long a run takes: half an hour, three time constants of the warming. Unit: s.
 const WHOLE_S: f64 = 1800.0;
 /// How much warmer than the room the muscle becomes, and how fast: what a muscle that works without
-/// a pause is reported to do is 10 to 20 K within some minutes.
+/// a pause is reported to do is 10 to 20 K within some minutes. Unit: K.
 const WARMER_K: f64 = 15.0;
+/// See there. Unit: s.
 const TIME_CONSTANT_S: f64 = 600.0;
 
 /// What becomes of a run.

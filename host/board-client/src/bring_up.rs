@@ -40,7 +40,7 @@ pub enum BringUpError {
     Silent { port: String },
     #[error("{port}: the report breaks off behind the part {last}")]
     CutOff { port: String, last: String },
-    #[error("{port}: line {line} of the report is none: {text:?}")]
+    #[error("{port}: line {line} of the report is not `NAME VALUE LOWEST HIGHEST ok` or `FAULT`: {text:?}")]
     NotALine { port: String, line: usize, text: String },
     #[error("{port}: the report's checksum is {told}, that of its lines {found}: the link is disturbed")]
     Checksum { port: String, told: String, found: String },
@@ -264,7 +264,10 @@ mod tests {
         }
         assert!(said("").starts_with("P: nobody answers"));
         assert_eq!(said("a 1 0 2 ok\nb 1 0 2 ok\n"), "P: the report breaks off behind the part b");
-        assert_eq!(said("a 1 0 2 ok\nb 1 0 2\n"), "P: line 2 of the report is none: \"b 1 0 2\"");
+        assert_eq!(
+            said("a 1 0 2 ok\nb 1 0 2\n"),
+            "P: line 2 of the report is not `NAME VALUE LOWEST HIGHEST ok` or `FAULT`: \"b 1 0 2\""
+        );
         assert!(said(&whole.replace("0a1b", "0a1c")).contains("the link is disturbed"));
     }
 }

@@ -17,7 +17,7 @@ use thiserror::Error;
 use wire::registers::{Access, Id, Value};
 
 /// How old a set point may be when it goes to the board, and how far ahead the clock of the client
-/// may be: ten cycles at 50 Hz, the least patience of a board on a bus. Unit: s.
+/// may be: ten cycles at 50 Hz, and less than the 0.5 s for which a board usually bears silence. Unit: s.
 pub const FRESH_S: f64 = 0.2;
 
 /// Why a board is not started, or a set point not taken.
@@ -166,11 +166,6 @@ impl Driving {
         (Instant::now() <= waiting.until).then_some(waiting.mm)
     }
 
-    /// Whether a board is driven for anybody.
-    pub fn is_driven(&self, index: usize) -> bool {
-        self.lock().get(index).is_some_and(Option::is_some)
-    }
-
     fn lock(&self) -> MutexGuard<'_, Vec<Option<Driver>>> {
         // What a thread that panicked left is whole: each change is one assignment.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
@@ -224,10 +219,9 @@ mod tests {
             let refused = driving.set(0, SetPoint { mm, ..point(grant, mm.to_bits()) });
             assert!(matches!(refused, Err(Refused::Limits { .. } | Refused::Sequence { .. })), "{refused:?}");
         }
-        assert!(driving.is_driven(0) && !driving.is_driven(1));
         // Before it has started it is vented, of course.
         driving.vented(0);
-        assert!(driving.is_driven(0));
+        assert_eq!(driving.grant(0), Err(Refused::Driven));
         driving.started(0);
         driving.vented(0);
         assert_eq!(driving.set(0, point(grant, 9)), Err(Refused::NotDriven));

@@ -20,8 +20,8 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -63,7 +63,6 @@ pub enum RecordError {
 #[derive(Debug)]
 pub struct Record {
     is_ended: Arc<AtomicBool>,
-    failed: Arc<Mutex<Option<String>>>,
     thread: Option<JoinHandle<Result<(), RecordError>>>,
 }
 
@@ -83,23 +82,17 @@ impl Record {
         let file = File::create(&part).map_err(|problem| RecordError::Io { path: part.clone(), problem })?;
         let names = boards.all();
         let mut sheet = Sheet::begin(part, file, &names)?;
-        let (is_ended, failed) = (Arc::new(AtomicBool::new(false)), Arc::default());
-        let (ended, why): (_, Arc<Mutex<Option<String>>>) = (is_ended.clone(), Arc::clone(&failed));
+        let is_ended = Arc::new(AtomicBool::new(false));
+        let ended = is_ended.clone();
         let (listener, path) = (boards.listen(), path.to_owned());
         let thread = thread::spawn(move || {
             let recorded = sheet.run(&listener, &names, &ended).and_then(|()| sheet.finish(&path));
             if let Err(error) = &recorded {
                 eprintln!("warning: the recording has ended: {error}");
-                *why.lock().unwrap_or_else(PoisonError::into_inner) = Some(error.to_string());
             }
             recorded
         });
-        Ok(Self { is_ended, failed, thread: Some(thread) })
-    }
-
-    /// Why it has ended by itself, if it has.
-    pub fn failed(&self) -> Option<String> {
-        self.failed.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        Ok(Self { is_ended, thread: Some(thread) })
     }
 
     /// Ends it: the file gets its name.
@@ -357,7 +350,8 @@ mod tests {
             boards.telemetry(0, telemetry());
             thread::sleep(Duration::from_millis(100));
         }
-        assert!(record.failed().is_some_and(|why| why.contains("lab.mcap.part")));
-        assert!(record.finish().is_err() && !file.exists());
+        let failed = record.finish().expect_err("the disk is full").to_string();
+        assert!(failed.contains("lab.mcap.part"), "{failed}");
+        assert!(!file.exists());
     }
 }

@@ -33,7 +33,7 @@ pub struct Followed {
     pub stroke: f64,
 }
 
-/// Why there is none.
+/// Why no model of the changed muscle was identified.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AdaptedError {
     /// The model refuses its own inputs.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A moment since 1970, or a span: `builtin_interfaces/Time` and `Duration`.
+/// A moment since 1970: `builtin_interfaces/Time`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Time {
     /// Whole seconds, rounded down. Unit: s.
@@ -68,33 +68,6 @@ pub struct FluidPressure {
     pub fluid_pressure: f64,
     /// 0 where it is not known. Unit: Pa².
     pub variance: f64,
-}
-
-/// `trajectory_msgs/JointTrajectoryPoint`: lists as long as that of the joints' names, or empty
-/// ones.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct JointTrajectoryPoint {
-    /// Unit: m.
-    pub positions: Vec<f64>,
-    /// Unit: m/s.
-    pub velocities: Vec<f64>,
-    /// Unit: m/s².
-    pub accelerations: Vec<f64>,
-    /// Unit: N.
-    pub effort: Vec<f64>,
-    /// Since the trajectory's start.
-    pub time_from_start: Time,
-}
-
-/// `trajectory_msgs/JointTrajectory`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct JointTrajectory {
-    /// When it starts; 0 for now.
-    pub header: Header,
-    /// Names of the joints.
-    pub joint_names: Vec<String>,
-    /// In the order of time.
-    pub points: Vec<JointTrajectoryPoint>,
 }
 
 /// `diagnostic_msgs/KeyValue`.

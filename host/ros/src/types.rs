@@ -1,6 +1,21 @@
 //! Names, hashes and definitions of the messages, as ROS 2 publishes them.
 
-use crate::messages::{DiagnosticArray, FluidPressure, JointState, JointTrajectory, Trigger};
+use crate::messages::{DiagnosticArray, FluidPressure, JointState, Trigger};
+
+/// What a definition says of `std_msgs/Header`, and of what is in it.
+macro_rules! header {
+    () => {
+        "================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+"
+    };
+}
 
 /// A type of ROS 2.
 pub trait Named {
@@ -25,52 +40,15 @@ impl Named for JointState {
 }
 
 impl Message for JointState {
-    const DEFINITION: &'static str = "std_msgs/Header header
+    const DEFINITION: &'static str = concat!(
+        "std_msgs/Header header
 string[] name
 float64[] position
 float64[] velocity
 float64[] effort
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-";
-}
-
-impl Named for JointTrajectory {
-    const TYPE: &'static str = "trajectory_msgs/msg/JointTrajectory";
-    const DDS_TYPE: &'static str = "trajectory_msgs::msg::dds_::JointTrajectory_";
-    const HASH: &'static str = "RIHS01_179b33eba59d676f6d967ac71fe35e7ca2f64b2f3928f4a018cec115e213796e";
-}
-
-impl Message for JointTrajectory {
-    const DEFINITION: &'static str = "std_msgs/Header header
-string[] joint_names
-trajectory_msgs/JointTrajectoryPoint[] points
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-================================================================================
-MSG: trajectory_msgs/JointTrajectoryPoint
-float64[] positions
-float64[] velocities
-float64[] accelerations
-float64[] effort
-builtin_interfaces/Duration time_from_start
-================================================================================
-MSG: builtin_interfaces/Duration
-int32 sec
-uint32 nanosec
-";
+",
+        header!()
+    );
 }
 
 impl Named for DiagnosticArray {
@@ -80,17 +58,12 @@ impl Named for DiagnosticArray {
 }
 
 impl Message for DiagnosticArray {
-    const DEFINITION: &'static str = "std_msgs/Header header
+    const DEFINITION: &'static str = concat!(
+        "std_msgs/Header header
 diagnostic_msgs/DiagnosticStatus[] status
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-================================================================================
+",
+        header!(),
+        "================================================================================
 MSG: diagnostic_msgs/DiagnosticStatus
 byte OK=0
 byte WARN=1
@@ -105,7 +78,8 @@ diagnostic_msgs/KeyValue[] values
 MSG: diagnostic_msgs/KeyValue
 string key
 string value
-";
+"
+    );
 }
 
 impl Named for FluidPressure {
@@ -115,18 +89,13 @@ impl Named for FluidPressure {
 }
 
 impl Message for FluidPressure {
-    const DEFINITION: &'static str = "std_msgs/Header header
+    const DEFINITION: &'static str = concat!(
+        "std_msgs/Header header
 float64 fluid_pressure
 float64 variance
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-";
+",
+        header!()
+    );
 }
 
 impl Named for Trigger {

@@ -21,6 +21,7 @@ import time
 import tty
 
 import zenoh
+from client import session
 
 NAME, UNITS = "lab", {"line-1": [1, 2], "line-2": [3, 4]}
 # bus_silent_ticks of a board, and what a machine that does much else may add to a round of a line. Unit: s.
@@ -62,20 +63,11 @@ class Cable(threading.Thread):
                     os.write(self.board if end == self.ours else self.ours, content)
 
 
-def client(port):
-    """A session by the router."""
-    config = zenoh.Config()
-    config.insert_json5("mode", '"client"')
-    config.insert_json5("connect/endpoints", json.dumps([f"tcp/127.0.0.1:{port}"]))
-    config.insert_json5("scouting/multicast/enabled", "false")
-    return zenoh.open(config)
-
-
-def router(port):
+def router(end_point):
     """A router, until it is killed."""
     config = zenoh.Config()
     config.insert_json5("mode", '"router"')
-    config.insert_json5("listen/endpoints", json.dumps([f"tcp/127.0.0.1:{port}"]))
+    config.insert_json5("listen/endpoints", json.dumps([end_point]))
     config.insert_json5("scouting/multicast/enabled", "false")
     with zenoh.open(config):
         time.sleep(1e9)
@@ -98,21 +90,24 @@ class Lab:
         self.port = 20000 + random.SystemRandom().randrange(20000)
         self.start_router()
         self.start_gateway()
-        self.session, self.told, self.lock = client(self.port), {}, threading.Lock()
+        self.session, self.told, self.lock = session(self.end_point()), {}, threading.Lock()
         self.subscriber = self.session.declare_subscriber(f"mgpi/1/{NAME}/*/*/telemetry", self.heard)
+
+    def end_point(self):
+        return f"tcp/127.0.0.1:{self.port}"
 
     def run(self, *arguments):
         subprocess.run([self.mgpi, *arguments], check=True, stdout=subprocess.DEVNULL)
 
     def start_router(self):
-        self.router = multiprocessing.get_context("spawn").Process(target=router, args=(self.port,), daemon=True)
+        self.router = multiprocessing.get_context("spawn").Process(target=router, args=(self.end_point(),), daemon=True)
         self.router.start()
         time.sleep(1.0)
 
     def start_gateway(self):
         arguments = ["gateway", "lines.toml", "--http", "127.0.0.1:0", "--name", NAME]
         self.gateway = subprocess.Popen(
-            [self.mgpi, *arguments, "--zenoh-connect", f"tcp/127.0.0.1:{self.port}"], stdout=subprocess.DEVNULL
+            [self.mgpi, *arguments, "--zenoh-connect", self.end_point()], stdout=subprocess.DEVNULL
         )
 
     def heard(self, sample):
@@ -237,20 +232,20 @@ def board_silenced(lab, chance):
     assert lab.vented([key]), lab.states()
 
 
-def flood(port, keys, seed):
+def flood(end_point, keys, seed):
     """Set points of no grant, old ones and rubbish, as fast as they go out, for a second."""
     chance, sent, end = random.Random(seed), 0, time.time() + 1.0
-    with client(port) as session:
+    with session(end_point) as on:
         while time.time() < end:
             for key in keys:
                 old = {"grant": chance.randrange(2**32), "sequence": sent, "setpoint_mm": 60.0, "sent_s": time.time() - 9.0}
-                session.put(f"{key}/setpoint", json.dumps(old) if sent % 2 else chance.randbytes(chance.randrange(300)))
+                on.put(f"{key}/setpoint", json.dumps(old) if sent % 2 else chance.randbytes(chance.randrange(300)))
                 sent += 1
 
 
 def client_floods(lab, chance):
     """The others track on, or vent, where the machine is too busy to carry their set points."""
-    arguments = (lab.port, sorted(lab.told), chance.random())
+    arguments = (lab.end_point(), sorted(lab.told), chance.random())
     flooding = multiprocessing.get_context("spawn").Process(target=flood, args=arguments, daemon=True)
     flooding.start()
     flooding.join()

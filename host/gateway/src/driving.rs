@@ -128,6 +128,11 @@ impl Driving {
         }
     }
 
+    /// Ends all grants.
+    pub fn end_all(&self) {
+        self.lock().fill(None);
+    }
+
     /// Takes a set point for a board.
     ///
     /// # Errors
@@ -226,5 +231,7 @@ mod tests {
         driving.vented(0);
         assert_eq!(driving.set(0, point(grant, 9)), Err(Refused::NotDriven));
         assert_ne!(driving.grant(0).expect("free again"), grant);
+        driving.end_all();
+        driving.grant(0).expect("free again");
     }
 }

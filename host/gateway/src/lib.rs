@@ -72,6 +72,7 @@ impl Gateway {
 
     /// Stops and vents all boards of all lines.
     pub fn stop_all(&self) {
+        self.driving.end_all();
         self.orders.iter().for_each(|(_, line)| {
             // A line whose thread has ended has no boards any more.
             let _ = line.send(Order::StopAll);

@@ -184,7 +184,6 @@ fn obey(
         };
         match order {
             Order::StopAll => {
-                boards.iter().for_each(|board| driving.end(board.index));
                 for _ in 0..STOPS {
                     let stop = [Command::Stop.number()];
                     client.write_all(Id::Command.register().address, &stop).map_err(Ended::Port)?;
@@ -195,16 +194,11 @@ fn obey(
                 client.turn_to(board.member.number);
                 let done = match ask {
                     Ask::Start => board.start(client),
-                    Ask::Stop => {
-                        driving.end(board.index);
-                        command(client, Command::Stop)
-                    }
+                    Ask::Stop => command(client, Command::Stop),
                     Ask::Acknowledge => command(client, Command::Acknowledge),
                 };
-                match (ask, &done) {
-                    (Ask::Start, Ok(())) => driving.started(board.index),
-                    (Ask::Start, Err(_)) => driving.end(board.index),
-                    _ => {}
+                if ask == Ask::Start && done.is_ok() {
+                    driving.started(board.index);
                 }
                 // Who has asked may have given up meanwhile.
                 let _ = told.send(done.as_ref().copied().map_err(BusError::to_string));

@@ -36,9 +36,9 @@ impl Access {
         let list = |ends: &[String]| serde_json::Value::from(ends).to_string();
         if self.file.is_none() {
             set("scouting/multicast/enabled", "false".to_owned())?;
-            // Explicitly none if none was asked for: Zenoh's own default is every address.
-            set("listen/endpoints", list(&self.listen))?;
-        } else if !self.listen.is_empty() {
+        }
+        // Without a file also if it is empty: Zenoh's own default is every address.
+        if self.file.is_none() || !self.listen.is_empty() {
             set("listen/endpoints", list(&self.listen))?;
         }
         if !self.connect.is_empty() {

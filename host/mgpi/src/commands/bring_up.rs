@@ -31,8 +31,8 @@ pub struct Arguments {
     /// back
     #[arg(long)]
     drive_output: bool,
-    /// Also send on the bus, and hold the board to hearing it: if the transceiver's receiver stays
-    /// on
+    /// Also send on the bus and expect to hear it: only where the transceiver's receiver stays on
+    /// while it sends
     #[arg(long)]
     echo: bool,
 }

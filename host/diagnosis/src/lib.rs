@@ -24,7 +24,7 @@
 //! | `overlooked` | a fast cause that the search does not see |
 //! | [`valve`] | the valve, told apart from the muscle |
 //! | [`reject`], [`stuck`] | what is wrong but none of the causes |
-//! | `proven` | whether what is named holds in a model that is simulated |
+//! | `proven` | whether what is named holds in a model that is simulated, all together and each cause |
 //! | [`mod@poor`], [`trivial`] | whether the model that is written describes the recording |
 //! | `noisy_input` | the input smoothed where its noise would pass for movement |
 //! | [`physical`] | the parameters in units that people measure in |
@@ -117,7 +117,7 @@ use recording::drop_out::DropOut;
 use recording::noise::{self, NoiseFloor};
 use recording::numbers::{range, root_mean_square};
 use recording::unit::Unit;
-use reject::{Unexplained, no_gain, not_repeatable, unexplained};
+use reject::{Unexplained, no_gain, not_repeatable, unexplained as unexplained_by};
 use rivals::{Settled, not_told_apart, settled};
 use scored::Scored;
 use search::Search;
@@ -317,7 +317,7 @@ pub fn diagnose_and_extend(
         Some(search) => what(search, &search.baseline),
         None => what(&search, best),
     };
-    let unexplained = left(&best, unexplained);
+    let unexplained = left(&best, unexplained_by);
     let is_silent = best.causes.is_empty() && unexplained.is_none();
     let look = || overlooked(&search, sizes.first()?, &extender);
     let (best, alternatives, evidence) = match is_silent.then(look).flatten() {
@@ -328,8 +328,19 @@ pub fn diagnose_and_extend(
     let is_named = unexplained.is_none() || beside_lag.is_some();
     let named = if is_named { &best } else { &search.baseline };
     let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
-    let Proven { mut extended, refuted, is_needless } =
-        proven(&extender, (named, valve.as_ref()), given, &simulating)?;
+    let Proven { set, mut extended, refuted, is_needless } =
+        proven(&extender, (named, valve.as_ref()), &sizes, given, &simulating)?;
+    // What is left of the causes may leave something unexplained.
+    let is_less = set.causes.len() < named.causes.len();
+    let unexplained = if is_less { left(&set, unexplained_by) } else { unexplained };
+    let (best, alternatives, evidence) = match is_less {
+        true => {
+            let alternatives = not_told_apart(&search, (&set, &set.causes), &sizes);
+            (set, alternatives, None)
+        }
+        false => (best, alternatives, evidence),
+    };
+    let named = if is_named { &best } else { &search.baseline };
     // A step is rejected where the simulated model is nearer without it: it made up for a misfit of the search's own model.
     let is_needless_step = |seen: &Unexplained| {
         best.causes.is_empty()

@@ -6,9 +6,12 @@ use super::extend::{Extended, Extender, Operator};
 use super::reject::{Unexplained, no_gain, unexplained};
 use super::valve::ValveFit;
 use identification::IdentificationError;
+use rayon::prelude::*;
 
 /// The model that is simulated, and what it says of the named causes.
 pub struct Proven {
+    /// The causes of the muscle that hold.
+    pub set: Candidate,
     /// The model.
     pub extended: Extended,
     /// Why the named causes explain nothing, if they do not.
@@ -18,14 +21,16 @@ pub struct Proven {
     pub is_needless: bool,
 }
 
-/// Extends the operator model by a set of causes and those of the valve, and asks what that gains. The operator goes on from a
-/// given one, unless there is none or its form is too poor. `progress` is called with the share of the work that is done.
+/// Extends the operator model by a set of causes and those of the valve, and asks what that gains: all together, and each of the muscle
+/// beside the others. What a set gains may be the gain of one of its causes alone. The operator goes on from a given one, unless there
+/// is none or its form is too poor. `progress` is called with the share of the work that is done.
 ///
 /// # Errors
 /// No model can be simulated, not even one without causes.
 pub fn proven(
     extender: &Extender<'_>,
     (set, valve): (&Candidate, Option<&ValveFit>),
+    sizes: &[Vec<Candidate>],
     given: Option<&Operator>,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Proven, DiagnosisError> {
@@ -38,18 +43,47 @@ pub fn proven(
     };
     let named = !set.causes.is_empty() || valve.is_some_and(|valve| !valve.causes.is_empty());
     if !named {
-        return Ok(Proven { extended: plainly()?, refuted: None, is_needless: false });
+        return Ok(Proven { set: set.clone(), extended: plainly()?, refuted: None, is_needless: false });
     }
     let Some(extended) = extender.extend(set, valve, given, progress) else {
         return Ok(Proven {
+            set: set.clone(),
             extended: plainly()?,
             refuted: Some(Unexplained::NotSimulated),
             is_needless: false,
         });
     };
+    let (set, extended) = holding(extender, (set.clone(), extended), valve, (sizes, given));
     let refuted = no_gain(&extended);
     if refuted.is_some() && unexplained(search, &search.baseline).is_none() {
-        return Ok(Proven { extended: plainly()?, refuted: None, is_needless: true });
+        return Ok(Proven { set, extended: plainly()?, refuted: None, is_needless: true });
     }
-    Ok(Proven { extended, refuted, is_needless: false })
+    Ok(Proven { set, extended, refuted, is_needless: false })
+}
+
+/// What is left of a set and of its model when each cause of the muscle has gone that gains nothing beside the others and the valve's,
+/// the most needless first.
+fn holding(
+    extender: &Extender<'_>,
+    (mut set, mut extended): (Candidate, Extended),
+    valve: Option<&ValveFit>,
+    (sizes, given): (&[Vec<Candidate>], Option<&Operator>),
+) -> (Candidate, Extended) {
+    let of_valve = valve.map_or(0, |valve| valve.causes.len());
+    while !set.causes.is_empty() && set.causes.len() + of_valve > 1 {
+        let without: Vec<(Candidate, Extended)> = set
+            .causes
+            .par_iter()
+            .filter_map(|&cause| {
+                let without = extender.search.without(&set, cause, sizes)?;
+                let model = extender.extend(&without, valve, given, &|_| ())?;
+                Some((without, model))
+            })
+            .collect();
+        let needless = without.into_iter().filter(|(_, without)| !extender.gains_over(&extended, without));
+        let least = needless.min_by(|(_, one), (_, other)| one.extended_rmse.total_cmp(&other.extended_rmse));
+        let Some(least) = least else { break };
+        (set, extended) = least;
+    }
+    (set, extended)
 }

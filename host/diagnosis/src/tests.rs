@@ -5,9 +5,12 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::anatomy::axis::Axis;
+use super::candidate::Candidate;
 use super::cause::Cause;
 use super::effect::{Effect, Form, Parameter};
 use super::equivalent::Arrived;
+use super::extend::{Extender, Plain};
+use super::proven::proven;
 use super::reject::Unexplained;
 use super::search::Search;
 use super::signals::Signals;
@@ -311,6 +314,29 @@ fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     let better = erring(0.5);
     assert_eq!(without(&[vec![better.clone()]]), better.score.mean());
     assert!(better.score.mean() < alone);
+}
+
+#[test]
+fn a_cause_that_gains_nothing_beside_another_does_not_hold() {
+    let plant = Plant::new();
+    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let columns = plant.recorded(&hysteresis(&late));
+    let mut signals = Signals::new(&columns);
+    let both = [Cause::TransportDelay, Cause::Drift];
+    let search = Search::new(&mut signals, both.to_vec(), 0.0).expect("a baseline");
+    let beside = |set: &Candidate, cause| {
+        let starts = Effect::starts(cause, search.signals);
+        search.race(search.runners(set, cause, starts), f64::INFINITY).swap_remove(0)
+    };
+    let delay = beside(&search.baseline, Cause::TransportDelay);
+    let set = beside(&delay, Cause::Drift);
+    assert_eq!(set.causes, both);
+    let plain = Plain::new(&columns, &search.signals.scored()).expect("a model");
+    let extender = Extender::new(&columns, &search, plain);
+    let proven = proven(&extender, (&set, None), &[], None, &|_| ()).expect("a model");
+    assert_eq!(proven.set.causes, [Cause::TransportDelay]);
+    assert_eq!(proven.extended.model.extensions.drift, None);
+    assert!(proven.extended.model.extensions.transport_delay.is_some() && proven.refuted.is_none());
 }
 
 fn named(cause: Cause, parameters: Vec<(&'static str, f64)>) -> Named {

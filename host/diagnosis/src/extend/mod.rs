@@ -63,6 +63,7 @@ use super::Columns;
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::race::is_same;
+use super::reject::gains;
 use super::search::Search;
 use super::valve::ValveFit;
 use beginnings::{continued, nearer, plainer};
@@ -398,6 +399,14 @@ impl<'a> Extender<'a> {
         let operator = operator.valid_for(self.columns);
         starts().push((of, operator.clone()));
         Some(operator)
+    }
+
+    /// Whether a model of the recording gains something over another one that has less.
+    pub fn gains_over(&self, extended: &Extended, less: &Extended) -> bool {
+        let seen = extended.seen_from(self.columns);
+        let models = (&less.counted.extended, &extended.counted.extended);
+        let heldout = heldout::gain(&seen, &self.split, models, extended.heldout.noise_floor);
+        heldout.is_some_and(|heldout| gains((less.extended_rmse, extended.extended_rmse), &heldout))
     }
 
     /// Extends the operator model by each of a few sets; a set with which no model can be simulated is left out.

@@ -42,7 +42,7 @@ SEAL = TARGET / "seal"
 BY = os.environ.get("MGPI_MUTANTS_BY", "").split()
 # Without debug information, which the model does not read, and which takes longer than the code.
 BUILD = [
-    *BY, "cargo", "build", "--quiet", "--package", "images", "--profile", "firmware", "--bin", "stm32f405", "--bin", "stm32f405_b", "--bin", "starter",
+    *BY, "cargo", "build", "--quiet", "--package", "images", "--profile", "firmware", "--bin", "stm32f405", "--bin", "starter",
     "--features", "stm32f405", "--target", TRIPLE, "--target-dir", str(TARGET), "--config", "profile.firmware.debug=false",
 ]
 LEAST_SHARE = 0.95

@@ -4,7 +4,7 @@ import os
 import random
 
 from stm32f405.case import ChipCase, prepared
-from stm32f405.host import BYTE_S, TABLE, UNIT, read_frame, take, with_crc
+from stm32f405.host import BYTE_S, STOP, TABLE, UNIT, read_frame, take, with_crc
 from stm32f405.link import Link
 
 STATE = 0x200
@@ -94,10 +94,12 @@ class LinkAndBus(ChipCase):
         self.assertEqual(master.get("bus_damaged"), 0)
 
     def test_an_answer_has_no_gap_at_any_rate_while_the_board_tracks_and_answers_on_its_link(self):
+        chip, master, link = self.tracking()
         for baud, parity in FORMATS:
-            chip, master = self.started()
+            master.set("command", STOP)
             take(master, baud, parity)
-            link = self.track(chip)
+            for name in ("arm", "start"):
+                self.assertEqual(link.ask(name), link.response("accepted"), name)
             for step in range(5):
                 # At whatever moment of a tick.
                 chip.run(step * 207e-6)

@@ -4,7 +4,7 @@
         cargo test -p host-tests --test chip
 
 MGPI_CHIP_SHARE (1 unless it is set) is the share of the numbers that are run, MGPI_CHIP_RUNS names some of the runs:
-`requests cuts saves updates deaf`, MGPI_CHIP_SEED (0) is another course of chance: so a long run may be made in parts.
+`requests rates cuts saves updates deaf`, MGPI_CHIP_SEED (0) is another course of chance: so a long run may be made in parts.
 """
 
 import os
@@ -14,13 +14,15 @@ import sys
 import unittest
 
 from stm32f405 import update
-from stm32f405.case import ChipCase
 from stm32f405.flash import PLACES, START, sector_begin
 from stm32f405.fork import begun
-from stm32f405.host import Master, read_frame, with_crc, write_frame
+from stm32f405.host import Master, read_frame, take, with_crc, write_frame
 from stm32f405.saves import save_again_and_again
+from test_link import FORMATS, LinkAndBus
 
 REQUESTS, SAVES, CUTS = 10_000, 100_000, 2_000
+# Requests at each rate of the bus to a board that tracks.
+OF_A_RATE = 500
 # Losses of power at random moments of an update, beside those before each block.
 UPDATE_CUTS = 500
 # The highest rate of the bus, by which an update takes a fifth of the time. Unit: bit/s.
@@ -32,26 +34,60 @@ SHARE = float(os.environ.get("MGPI_CHIP_SHARE", "1"))
 SEED = int(os.environ.get("MGPI_CHIP_SEED", "0"))
 
 
-class LongRuns(ChipCase):
+class LongRuns(LinkAndBus):
     """The runs; each prints what it has counted, and answers what was lost."""
 
-    def requests(self):
-        """Behind answers of known and unknown functions, at 1.75 and 0.75 ms, at every phase of the tick."""
-        chip, _ = self.started()
-        chance, lost, count = random.Random(f"requests {SEED}"), 0, int(REQUESTS * SHARE)
+    def behind_others(self, chip, count, chance):
+        """Requests behind answers of known and unknown functions to other boards, at the standard's silence and at 0.75 ms, on
+        slow lines 1.5 characters, at every phase of the tick; how many are lost, and how many answers have gaps."""
+        line, lost, torn = chip.board.bus, 0, 0
+        byte_s = line.byte_s()
         for number in range(count):
             head = struct.pack(">BBB", 2, (3, 43)[number % 2], 24)
             foreign = with_crc(head + chance.randbytes(24))
-            gap_s = (1.75e-3, 0.75e-3)[number // 2 % 2]
-            chip.run(4e-3 + chance.random() * 1e-3)
-            chip.board.bus.sent.clear()
+            gap_s = (max(1.75e-3, 3.5 * byte_s), max(0.75e-3, 1.5 * byte_s))[number // 2 % 2]
+            chip.run(3e-3 + 3.5 * byte_s + chance.random() * 1e-3)
+            line.sent.clear()
             end = chip.board.send(chip.usart1, foreign)
             chip.run(end - chip.now + gap_s)
             end = chip.board.send(chip.usart1, read_frame(STATE, 1))
-            chip.run(end - chip.now + 3e-3)
-            lost += len(chip.board.bus.sent) != 7
-        print(f"{count} requests behind other boards' answers: {lost} lost", flush=True)
-        return lost
+            chip.run(end - chip.now + 2.4e-3 + 7 * byte_s)
+            moments = [moment for moment, _ in line.sent]
+            lost += len(moments) != 7
+            torn += any(later - earlier > byte_s + 1 / line.baud for earlier, later in zip(moments, moments[1:]))
+        return lost, torn
+
+    def requests(self):
+        """To a board that is vented, at the rate of a new one."""
+        chip, _ = self.started()
+        count = int(REQUESTS * SHARE)
+        lost, torn = self.behind_others(chip, count, random.Random(f"requests {SEED}"))
+        print(f"{count} requests behind other boards' answers: {lost} lost, {torn} answers with gaps", flush=True)
+        return lost + torn
+
+    def rates(self):
+        """To a board that tracks with every extension, at each rate."""
+        chance, failed = random.Random(f"rates {SEED}"), 0
+        count = int(OF_A_RATE * SHARE)
+        for baud, parity in FORMATS:
+            chip, master = self.started()
+            take(master, baud, parity)
+            self.track(chip)
+            begun, state = chip.now, master.get("state", timeout_s=0.2)
+            lost, torn = 0, 0
+            for number in range(0, count, 25):
+                # A sign of life.
+                master.set("heartbeat", number + 1, timeout_s=0.2)
+                of_these = self.behind_others(chip, min(25, count - number), chance)
+                lost, torn = lost + of_these[0], torn + of_these[1]
+            drives = master.get("state", timeout_s=0.2) == state
+            failed += lost + torn + chip.board.lost_bytes + (not drives)
+            print(
+                f"{count} requests at {baud} bit/s, parity {parity}, in {chip.now - begun:.1f} s of the board: {lost} lost, {torn} answers "
+                f"with gaps, {chip.board.lost_bytes} bytes lost, {'still tracking' if drives else 'vented'}",
+                flush=True,
+            )
+        return failed
 
     def saves(self):
         """Some find a worn flash."""
@@ -185,7 +221,7 @@ class LongRuns(ChipCase):
 
     def runTest(self):
         """All of them."""
-        chosen = os.environ.get("MGPI_CHIP_RUNS", "requests cuts saves updates deaf").split()
+        chosen = os.environ.get("MGPI_CHIP_RUNS", "requests rates cuts saves updates deaf").split()
         failed = sum(getattr(self, name)() for name in chosen)
         self.assertEqual(failed, 0)
 

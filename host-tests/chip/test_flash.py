@@ -5,7 +5,8 @@ import struct
 
 from stm32f405.case import ChipCase
 from stm32f405.flash import ERASE_16K_S, LOCK, START
-from stm32f405.host import Refused, write_frame
+from stm32f405.host import STOP, Refused, write_frame
+from stm32f405.link import Link
 from stm32f405.saves import save_again_and_again
 
 SECTORS = START + 0x4000
@@ -27,15 +28,18 @@ class Flash(ChipCase):
         self.assertGreater(chip.flash.programmed_words, 0)
         self.assertEqual(chip.flash["CR"], 1 << LOCK)
 
-    def full(self):
-        """A board whose next save erases: both sectors are full of records of the paper's model."""
+    def full_store(self):
+        """What stands in both sectors when they are full of records of the paper's model."""
         path = os.environ.get("MGPI_CHIP_STORE")
         if path is None:
             self.skipTest("MGPI_CHIP_STORE names no contents of a full store; host-tests/tests/chip.rs makes one")
         with open(path, "rb") as file:
-            contents = file.read()
+            return file.read()
+
+    def full(self):
+        """A board whose next save erases."""
         chip = self.chip()
-        chip.memory_write(SECTORS, contents)
+        chip.memory_write(SECTORS, self.full_store())
         return chip
 
     def test_what_was_accepted_is_there_at_the_next_start_through_full_sectors(self):
@@ -77,6 +81,31 @@ class Flash(ChipCase):
             master.set("bus_silent_ticks", 700, timeout_s=2.0)
         self.assertEqual(refused.exception.number, DEVICE_FAILURE)
         self.assertEqual(master.get("bus_silent_ticks"), 700)
+
+    def test_a_save_that_a_worn_flash_does_not_keep_is_told_on_the_link_too(self):
+        chip, _ = self.started()
+        link = Link(chip)
+        chip.flash.is_worn = True
+        self.assertEqual(link.ask("protect", timeout_s=3.0), link.response("not_stored"))
+        chip.flash.is_worn = False
+        self.assertEqual(link.ask("protect", timeout_s=3.0), link.response("accepted"))
+
+    def test_a_save_right_behind_a_stop_is_not_cut_off_by_the_watchdog_of_a_driven_valve(self):
+        for lsi_hz, later_s in ((17e3, 0.0), (47e3, 0.0), (47e3, 0.4e-3), (47e3, 0.9e-3)):
+            chip, _ = self.driven(iwdg__lsi_hz=lsi_hz)
+            # The next save erases.
+            chip.memory_write(SECTORS, self.full_store())
+            chip.flash.erased.clear()
+            link = Link(chip)
+            # Both are there at once: the stop by the bus, and a set by the link.
+            end = chip.board.send(chip.usart1, write_frame(0x100, struct.pack(">H", STOP)))
+            link_s = len(link.frames["protect"]) * link.line.byte_s()
+            chip.run(end - chip.now + later_s - link_s)
+            link.send("protect")
+            chip.run(1.0)
+            self.assertEqual(link.received(), link.response("accepted"))
+            self.assertEqual(len(chip.flash.erased), 1)
+            self.assertEqual([cause for _, cause in chip.resets], ["power"])
 
     def test_of_a_hundred_saves_none_is_lost_silently_and_each_that_fails_is_told(self):
         counted = save_again_and_again(self, 100, 10, "a hundred")

@@ -3,19 +3,12 @@
 import struct
 
 from stm32f405.case import ChipCase
-from stm32f405.host import Master, Silent, read_frame, write_frame
+from stm32f405.host import Master, Silent, keep, read_frame
 
-NUMBER, STATE = 0x900, 0x200
+STATE = 0x200
 # How long a board listens by the same parameters while nobody is heard.
 SILENT_S = 10.0
-PARITIES = ["none", "even", "odd"]
 TICK_S = 1e-3
-
-
-def keep(master, number=1, baud=115_200, parity="none", turnaround_us=0):
-    """Lets a board keep parameters."""
-    data = struct.pack(">HHII", number, PARITIES.index(parity), baud, turnaround_us)
-    master.ask(write_frame(NUMBER, data, master.unit), timeout_s=2.0)
 
 
 class Line(ChipCase):

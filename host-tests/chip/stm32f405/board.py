@@ -135,6 +135,10 @@ class Board:
         """What the regulator is asked for, 1 bar per V behind the amplifier."""
         return self.output_v() * GAIN
 
+    def asked_bar(self):
+        """What the valve is asked for, which is a regulator unless a test has another."""
+        return self.output_bar()
+
     # The lines.
 
     def send(self, usart, frame, gap_s=0.0, at=None):

@@ -76,7 +76,7 @@ class ChipCase(unittest.TestCase):
         """Regulator and muscle: what is asked for is measured within some ticks, and 8 mm a bar."""
 
         def step():
-            asked = min(max(chip.board.output_bar(), 0.0), 10.0)
+            asked = min(max(chip.board.asked_bar(), 0.0), 10.0)
             now = (chip.board.voltages[0] * 4095 / 3.3 - 409.5) / 327.6
             bar = now + (asked - now) * 0.2
             chip.board.voltages[0] = (409.5 + 327.6 * bar) / 4095 * 3.3

@@ -9,6 +9,7 @@ FORMATS = {"u16": ">H", "i16": ">h", "u32": ">I", "i32": ">i", "f32": ">f"}
 UNIT = 1
 BYTE_S = 10 / 115_200
 START, STOP, ACKNOWLEDGE, SERVICE, ARM = 1, 2, 4, 5, 6
+PARITIES = ["none", "even", "odd"]
 
 with open(REGISTERS, newline="", encoding="utf-8") as file:
     TABLE = {row["name"]: row for row in csv.DictReader(file)}
@@ -109,3 +110,18 @@ class Master:
         self.set("command", ARM)
         self.set("command", SERVICE)
         self.set("setpoint_bar", bar)
+
+
+def keep(master, number=1, baud=115_200, parity="none", turnaround_us=0):
+    """Lets a board keep how it is reached."""
+    data = struct.pack(">HHII", number, PARITIES.index(parity), baud, turnaround_us)
+    master.put("bus_number", data, timeout_s=2.0)
+
+
+def take(master, baud, parity="none"):
+    """Lets a board keep a rate and a parity and speak by them at once, as its master does then."""
+    keep(master, master.unit, baud, parity)
+    master.set("bus_take", 1)
+    # The old rate ends behind the answer.
+    line = master.chip.board.bus
+    line.baud, line.parity = baud, parity

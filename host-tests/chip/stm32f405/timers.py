@@ -37,6 +37,8 @@ class Timer(Source):
         self.captures = getattr(self, "captures", 0) + 1
         self["ARR"] = self.most = 0xFFFF_FFFF if self.NAME in ("TIM2", "TIM5") else 0xFFFF
         self.prescaler, self.compare = 0, 0
+        # When the next update takes the compare value that waits in the preload; none where none does.
+        self.preloaded_until = None
         self.since, self.base = 0.0, 0
         self.generation = getattr(self, "generation", 0) + 1
 
@@ -127,13 +129,21 @@ class Timer(Source):
         self["SR"] &= value
 
     def write_CCR1(self, value):
+        self._take_compare()
         self["CCR1"] = value
         if not self.bit("CCMR1", 3):
             self.compare = value
+        elif self.bit("CR1", CEN):
+            self.preloaded_until = self.chip.now + (self["ARR"] + 1 - self.count()) / self.hz()
+
+    def _take_compare(self):
+        """What an update has taken since the last look: updates that nobody waits for are not followed."""
+        if self.preloaded_until is not None and self.chip.now >= self.preloaded_until:
+            self.compare, self.preloaded_until = self["CCR1"], None
 
     def _take_preloads(self):
         self.prescaler = self["PSC"]
-        self.compare = self["CCR1"]
+        self.compare, self.preloaded_until = self["CCR1"], None
 
     def _plan(self):
         """Plans the next update."""
@@ -164,6 +174,7 @@ class Timer(Source):
 
     def duty(self):
         """Share of the time that channel 1 is high, and its frequency in Hz; None while it is off."""
+        self._take_compare()
         if not self.bit("CR1", CEN) or not self.bit("CCER", 0) or self.field("CCMR1", 4, 3) != 6:
             return None
         period = self["ARR"] + 1

@@ -107,9 +107,11 @@ fn frames() -> Result<String, Failed> {
     ] {
         text += &framed(name, wire::encode(&request, &mut buffer)?);
     }
-    for (name, response) in
-        [("accepted", Response::Accepted), ("unreadable", Response::Refused(Refusal::Unreadable))]
-    {
+    for (name, response) in [
+        ("accepted", Response::Accepted),
+        ("unreadable", Response::Refused(Refusal::Unreadable)),
+        ("not_stored", Response::Refused(Refusal::NotStored)),
+    ] {
         text += &framed(name, wire::encode(&response, &mut buffer)?);
     }
     Ok(text)

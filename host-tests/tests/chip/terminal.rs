@@ -11,8 +11,9 @@ use libtest_mimic::{Failed, Trial};
 
 use crate::{Files, image_file, python};
 
-/// Seconds that the host waits for an answer: the model may be slower than time.
-const PATIENCE_S: &str = "10";
+/// Seconds that the host waits for an answer: the model may be slower than time, most of all while
+/// it looks at an image.
+const PATIENCE_S: &str = "60";
 
 /// The tests. The update takes minutes, and is run by who asks for it: `--ignored`.
 pub fn trials(files: &Files) -> Vec<Trial> {

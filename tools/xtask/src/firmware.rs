@@ -3,6 +3,7 @@
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::SystemTime;
 
 use anyhow::{Context, Result};
@@ -11,9 +12,10 @@ use packing::{package, read_key, seal};
 use crate::board_compiler::{BoardCompiler, TARGET};
 use crate::run;
 
-/// The production image, for both places of the flash.
+/// The production image, for both places of the flash, and the name of that for a coil.
 const PRODUCTION: &str = "stm32f405";
 const OTHER_PLACE: &str = "stm32f405_b";
+const OF_COIL: &str = "stm32f405_coil";
 /// The key that images are signed with where nobody says another: everybody has it.
 const TEST_KEY: &str = "firmware/keys/tests-only.key";
 /// What the images are built from.
@@ -42,6 +44,20 @@ pub fn build_for(compiler: &BoardCompiler, key: Option<&Path>) -> Result<()> {
         File::options().append(true).open(script)?.set_modified(SystemTime::now())?;
     }
     Ok(())
+}
+
+/// Builds the production image for a board with a coil, which tests of the chip need. Before the
+/// others: it has the name of that for a regulator until it has its own.
+///
+/// # Errors
+/// When cargo fails.
+pub fn build_for_coil(compiler: &BoardCompiler) -> Result<()> {
+    run::step("firmware for a coil", || {
+        let mut cargo = command(compiler, &format!("{PRODUCTION},solenoid"), None);
+        run::succeed(cargo.args(["--bin", PRODUCTION, "--bin", "starter"]))?;
+        seal(&elf(PRODUCTION))?;
+        Ok(fs::rename(elf(PRODUCTION), elf(OF_COIL))?)
+    })
 }
 
 /// Builds the images, and packs them for `mgpi update`.
@@ -77,7 +93,16 @@ pub fn build_images(compiler: &BoardCompiler, features: &str) -> Result<()> {
 
 /// The same with the public half of a key, that of the tests where there is none.
 fn build_with(compiler: &BoardCompiler, features: &str, key: Option<&str>) -> Result<()> {
-    let mut cargo = run::cargo(&["build", "--package", "images", "--profile", "firmware", "--bins"]);
+    run::succeed(command(compiler, features, key).arg("--bins"))?;
+    if features.split(',').any(|feature| feature == PRODUCTION) {
+        [PRODUCTION, OTHER_PLACE].iter().try_for_each(|image| seal(&elf(image)))?;
+    }
+    Ok(())
+}
+
+/// What builds images; those that are meant are still to be said.
+fn command(compiler: &BoardCompiler, features: &str, key: Option<&str>) -> Command {
+    let mut cargo = run::cargo(&["build", "--package", "images", "--profile", "firmware"]);
     cargo.args(["--features", features, "--target", TARGET]);
     cargo.arg("--target-dir").arg(run::target_dir().join("firmware"));
     compiler.apply(&mut cargo);
@@ -85,11 +110,7 @@ fn build_with(compiler: &BoardCompiler, features: &str, key: Option<&str>) -> Re
     key.into_iter().for_each(|key| {
         cargo.env("MGPI_UPDATE_KEY", key);
     });
-    run::succeed(&mut cargo)?;
-    if features.split(',').any(|feature| feature == PRODUCTION) {
-        [PRODUCTION, OTHER_PLACE].iter().try_for_each(|image| seal(&elf(image)))?;
-    }
-    Ok(())
+    cargo
 }
 
 /// The git commit that last changed what the images are built from, with a `+` behind it where the

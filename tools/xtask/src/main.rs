@@ -174,7 +174,9 @@ fn perform(task: Task) -> anyhow::Result<()> {
             book::book()?;
         }
         Task::Test => {
-            firmware::build(&setup::ensure()?)?;
+            let compiler = setup::ensure()?;
+            firmware::build_for_coil(&compiler)?;
+            firmware::build(&compiler)?;
             setup::offer_test_tools();
             host::test()?;
         }

@@ -25,8 +25,11 @@ const BLOCK: usize = 2 * UPLOAD_REGISTERS as usize;
 const LONG: Duration = Duration::from_secs(5);
 /// How often what takes long is asked for.
 const TRIES: usize = 3;
-/// The board's trial takes 10 s, and a start some tenths of one.
-const TRIAL: Duration = Duration::from_secs(45);
+/// Without a board that is on trial: a start takes some tenths of a second, and the watchdog's
+/// longest is 8 s.
+const SILENCE: Duration = Duration::from_secs(45);
+/// By the board's own clock, which may be a simulated one: twice its trial. Unit: tick.
+const TRIAL_TICKS: u32 = 20_000;
 /// From question to question while a board is on trial.
 const LOOK: Duration = Duration::from_millis(250);
 
@@ -54,8 +57,10 @@ pub enum UpdateError {
         "the board has begun with the new image, which has not shown that it runs: the one before runs again"
     )]
     RolledBack,
-    #[error("the board has not shown within {} s that it runs with the new image: see mgpi status", TRIAL.as_secs())]
+    #[error("the board has run with the new image for {} s by its own clock, and has not shown that it runs: see mgpi status", TRIAL_TICKS / 1000)]
     NoSign,
+    #[error("the board has said nothing of the new image for {} s: see mgpi status", SILENCE.as_secs())]
+    Silent,
     #[error("interrupted; the image that runs stays, and the same mgpi update goes on")]
     Stopped,
 }
@@ -143,24 +148,58 @@ pub fn restart(board: &mut Board) -> Result<(), UpdateError> {
     }
 }
 
-/// Waits until the image in a place stays.
+/// Waits until the image in a place stays: as long as the board says that it is on trial, by the
+/// board's own ticks.
 ///
 /// # Errors
 /// It does not.
 pub fn watch(board: &mut Board, place: Place) -> Result<(), UpdateError> {
-    let begin = Instant::now();
-    while begin.elapsed() < TRIAL {
+    let mut last_seen = Instant::now();
+    loop {
         std::thread::sleep(LOOK);
-        match here(board) {
-            Ok(Here { trial: UpdateTrial::ForGood, place: now, .. }) if now == place => return Ok(()),
-            Ok(Here { trial: UpdateTrial::RolledBack, .. }) => return Err(UpdateError::RolledBack),
-            Ok(_) => {}
+        let seen = match progress(board) {
+            Ok(seen) => Some(seen),
             // It starts.
-            Err(UpdateError::Board(BoardError::Bus(error))) if error.is_lost() => {}
+            Err(UpdateError::Board(BoardError::Bus(error))) if error.is_lost() => None,
             Err(error) => return Err(error),
+        };
+        match next(seen, place, last_seen.elapsed()) {
+            Next::Seen => last_seen = Instant::now(),
+            Next::Wait => {}
+            Next::End(outcome) => return outcome,
         }
     }
-    Err(UpdateError::NoSign)
+}
+
+/// What the board that is watched says: its place, what becomes of the trial, its ticks since the
+/// start.
+type Seen = (Place, UpdateTrial, u32);
+
+fn progress(board: &mut Board) -> Result<Seen, UpdateError> {
+    let Here { place, trial, .. } = here(board)?;
+    Ok((place, trial, board.read(Id::Ticks, Id::Ticks)?.whole(Id::Ticks)))
+}
+
+/// What to do behind a look.
+#[derive(Debug)]
+enum Next {
+    /// Go on: the board is on trial.
+    Seen,
+    /// Go on: it says nothing, or nothing of this image.
+    Wait,
+    End(Result<(), UpdateError>),
+}
+
+/// `silent_for`: since the board was last seen on trial, or the beginning.
+fn next(seen: Option<Seen>, place: Place, silent_for: Duration) -> Next {
+    match seen {
+        Some((now, UpdateTrial::ForGood, _)) if now == place => Next::End(Ok(())),
+        Some((_, UpdateTrial::RolledBack, _)) => Next::End(Err(UpdateError::RolledBack)),
+        Some((_, UpdateTrial::OnTrial, ticks)) if ticks > TRIAL_TICKS => Next::End(Err(UpdateError::NoSign)),
+        Some((_, UpdateTrial::OnTrial, _)) => Next::Seen,
+        _ if silent_for > SILENCE => Next::End(Err(UpdateError::Silent)),
+        _ => Next::Wait,
+    }
 }
 
 fn here(board: &mut Board) -> Result<Here, UpdateError> {
@@ -247,4 +286,31 @@ fn refused(result: UpdateResult) -> UpdateError {
             "the flash has not kept that it is to be tried; after a second failure flash the board by a debugger"
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_board_on_trial_is_waited_for_by_its_own_clock_and_a_silent_one_by_the_hosts() {
+        let (at_once, long) = (Duration::ZERO, SILENCE + Duration::from_secs(1));
+        let look = |trial, ticks, silent_for| next(Some((Place::B, trial, ticks)), Place::B, silent_for);
+        // However slow it is beside the host.
+        assert!(matches!(look(UpdateTrial::OnTrial, 9_000, Duration::from_secs(3600)), Next::Seen));
+        assert!(matches!(
+            look(UpdateTrial::OnTrial, TRIAL_TICKS + 1, at_once),
+            Next::End(Err(UpdateError::NoSign))
+        ));
+        assert!(matches!(look(UpdateTrial::ForGood, 10_000, at_once), Next::End(Ok(()))));
+        assert!(matches!(
+            look(UpdateTrial::RolledBack, 10, at_once),
+            Next::End(Err(UpdateError::RolledBack))
+        ));
+        // It has not restarted yet, or starts.
+        for seen in [Some((Place::A, UpdateTrial::Waits, 50_000)), None] {
+            assert!(matches!(next(seen, Place::B, at_once), Next::Wait));
+            assert!(matches!(next(seen, Place::B, long), Next::End(Err(UpdateError::Silent))));
+        }
+    }
 }

@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use board_client::bus::client::{BusError, Client};
+use board_client::bus::client::{Address, BusError, Client};
 use board_client::bus::port::PortError;
 use model_core::Mode;
 use wire::State;

@@ -225,8 +225,9 @@ def play(arguments):
             time.sleep(0.3)
             points = [[1.0, 30.0], [2.0, 20.0], [4.0, 40.0], [arguments.seconds, 40.0]]
 
-            def trajectory(start_s, points=points, **changes):
-                parts = [{"board": names[key], "grant": grant, "points": points} for key, grant in driver.grants.items()]
+            def trajectory(start_s, points=points, parts=1, **changes):
+                each = [{"board": names[key], "grant": grant, "points": points} for key, grant in driver.grants.items()]
+                parts = parts * each
                 parts[-1].update(changes)
                 return ask(on, f"{root}/trajectory", {"start_s": start_s, "parts": parts})
 
@@ -239,7 +240,7 @@ def play(arguments):
                 trajectory(now + 2.0, points=[[1.0, 30.0], [0.5, 20.0]]),
                 trajectory(now + 2.0, board="nobody"),
                 trajectory(now + 2.0, grant=1),
-                trajectory(now + 2.0, board=next(iter(names.values()))),
+                trajectory(now + 2.0, parts=2),
                 ask(on, f"{root}/trajectory", {"begin_s": now}),
                 ask(on, f"mgpi/0/{arguments.name}/trajectory", {}),
             ]

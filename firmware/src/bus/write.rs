@@ -271,7 +271,8 @@ fn stream(values: impl Iterator<Item = Assignment>, node: &mut impl Node) -> Res
     node.control(|control| {
         let state = control.state();
         let takes = |point: &f32| Id::SetpointBar.register().takes(Value::F32(*point));
-        let drives = number.is_some() || play_in.is_some() || order.is_some_and(|order| order != StreamOrder::Clear);
+        let drives =
+            number.is_some() || play_in.is_some() || order.is_some_and(|order| order != StreamOrder::Clear);
         if !state.is_driven() && drives {
             Err(Exception::DeviceBusy)
         } else if state == State::Service && !points.iter().all(takes) {

@@ -50,7 +50,9 @@ pub enum Refused {
     Ahead { ahead_s: f64 },
     #[error("{mm} mm is not in {min} to {max} mm")]
     Limits { mm: f64, min: f64, max: f64 },
-    #[error("a trajectory waits or plays: its client says that it lives, without set points, until it is done")]
+    #[error(
+        "a trajectory waits or plays: its client says that it lives, without set points, until it is done"
+    )]
     Plays,
     #[error("the board tracks nothing so far")]
     NotTracking,
@@ -268,7 +270,8 @@ impl Driving {
         let waiting = |index: &usize| places.get(*index)?.driver.as_ref()?.waiting;
         let first = waiting(indices.first()?)?;
         let now = Instant::now();
-        let is_common = |index: &usize| waiting(index).is_some_and(|other| other.mm == first.mm && now <= other.until);
+        let is_common =
+            |index: &usize| waiting(index).is_some_and(|other| other.mm == first.mm && now <= other.until);
         if !indices.iter().all(is_common) {
             return None;
         }
@@ -314,7 +317,10 @@ mod tests {
         let driving = driving(2);
         let grant = driving.grant_all(&[0, 1]).expect("free");
         driving.set(0, point(grant, 1)).expect("taken");
-        assert_eq!(driving.may_play(0, grant.wrapping_add(1)), Err(Refused::OtherGrant { grant: grant.wrapping_add(1) }));
+        assert_eq!(
+            driving.may_play(0, grant.wrapping_add(1)),
+            Err(Refused::OtherGrant { grant: grant.wrapping_add(1) })
+        );
         assert_eq!(driving.may_play(2, grant), Err(Refused::NoBoard));
         driving.may_play(0, grant).expect("its own");
         driving.plays(0, true);

@@ -538,6 +538,8 @@ impl Asked {
 
 /// Asks a board who it is; answers the time from tick to tick. Unit: s.
 fn period_s(client: &mut Client) -> Result<f64, Unanswered> {
+    // What is late of questions before is nobody's second answer.
+    client.forget().map_err(Unanswered::Port)?;
     let version = client.read_in(Id::RegistersVersion.register().address, 1, 1)?;
     if client.forget().map_err(Unanswered::Port)? > 0 {
         return Err(Unanswered::Other(Problem::Several));

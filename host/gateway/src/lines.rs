@@ -417,8 +417,8 @@ pub(crate) mod tests {
                 "group a: board left/1 is there twice",
             ),
             (
-                "boards = [1]\n[[group]]\nname = \"left/1\"\nboards = [\"left/1\"]",
-                "group left/1: a board or another group has this name too",
+                "boards = [{number = 1, name = \"a\"}]\n[[group]]\nname = \"a\"\nboards = [\"a\"]",
+                "group a: a board or another group has this name too",
             ),
         ] {
             let said = line(rest).expect_err(rest);

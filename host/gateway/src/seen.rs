@@ -165,9 +165,11 @@ impl Problem {
                  program",
                 wire::registers::VERSION
             ),
-            Self::Several => "more than one board answers by this number, or somebody sends unasked: `mgpi scan` tells, \
+            Self::Several => {
+                "more than one board answers by this number, or somebody sends unasked: `mgpi scan` tells, \
                               with one board connected alone"
-                .to_owned(),
+                    .to_owned()
+            }
             Self::NotABoard(words) => format!("no valve board answers: {words}"),
         }
     }

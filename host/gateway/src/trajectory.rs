@@ -87,11 +87,10 @@ impl Trajectory {
             None => (0.0, before_mm),
         };
         match self.0.get(behind) {
-            Some((to_s, to_mm)) => {
-                let share = (time_s - from_s).max(0.0) / (to_s - from_s);
-                from_mm + share * (to_mm - from_mm)
+            Some((to_s, to_mm)) if time_s > from_s => {
+                from_mm + (time_s - from_s) / (to_s - from_s) * (to_mm - from_mm)
             }
-            None => from_mm,
+            _ => from_mm,
         }
     }
 }

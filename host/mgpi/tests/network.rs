@@ -192,7 +192,10 @@ fn played() {
         assert!(refused.contains(said), "{refused}, not {said}");
     }
     assert_eq!((refused.len(), &told["undisturbed"]), (10, &true.into()), "{told}");
-    assert!(told["twice"].as_str().is_some_and(|said| said.contains("a trajectory waits or plays")), "{told}");
+    assert!(
+        told["twice"].as_str().is_some_and(|said| said.contains("a trajectory waits or plays")),
+        "{told}"
+    );
     assert_eq!(told["played"], 4, "{told}");
     let number = |what: &str| told[what].as_f64().expect("a number");
     // The boards of a line hear one frame: they begin in the same tick, or the next.
@@ -211,7 +214,10 @@ fn grouped() {
     let told = lab.gateway("").told(&["group", "--members", "line-1/1,line-1/2,biceps"]);
     assert_eq!(told["unknown"], serde_json::json!([{}, {}]), "{told}");
     assert_eq!(told["refused_start"], serde_json::json!({}), "{told}");
-    assert!(told["twice"][0].as_str().is_some_and(|said| said.contains("driven for another client")), "{told}");
+    assert!(
+        told["twice"][0].as_str().is_some_and(|said| said.contains("driven for another client")),
+        "{told}"
+    );
     assert_eq!(told["driven"], serde_json::json!(["biceps", "line-1/1", "line-1/2"]), "{told}");
     let contractions = told["contractions_mm"].as_array().expect("a list");
     assert!(contractions.iter().all(|mm| mm.as_f64().is_some_and(|mm| (mm - 25.0).abs() < 2.0)), "{told}");

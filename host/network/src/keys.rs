@@ -88,7 +88,8 @@ impl Keys {
     /// The places of the boards, with this key of each.
     pub fn all(&self, what: &str) -> Vec<(usize, String)> {
         let boards = self.boards();
-        let key = |(index, board): (usize, &Option<String>)| Some((index, format!("{}/{what}", board.as_ref()?)));
+        let key =
+            |(index, board): (usize, &Option<String>)| Some((index, format!("{}/{what}", board.as_ref()?)));
         boards.iter().enumerate().filter_map(key).collect()
     }
 

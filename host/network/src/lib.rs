@@ -82,11 +82,7 @@ impl Network {
     ///
     /// # Errors
     /// The name is no name, or the session cannot be opened.
-    pub fn start(
-        gateway: &Arc<Gateway>,
-        reload: &Reload,
-        settings: &Settings,
-    ) -> Result<Self, NetworkError> {
+    pub fn start(gateway: &Arc<Gateway>, reload: &Reload, settings: &Settings) -> Result<Self, NetworkError> {
         let keys = Keys::of(&settings.name, &gateway.boards().all())?;
         let session = settings.access.open()?;
         let (orders, refusals) = orders::Orders::start(&session, gateway, reload, &keys)?;

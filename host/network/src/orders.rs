@@ -246,9 +246,8 @@ fn play(gateway: &Gateway, content: &[u8]) -> Result<Value, String> {
 
 /// Those whose key a pattern is for.
 fn of_pattern<T>(keys: Vec<(T, String)>, pattern: &KeyExpr<'_>) -> Vec<(T, String)> {
-    let is_meant = |(_, key): &(T, String)| {
-        KeyExpr::try_from(key.as_str()).is_ok_and(|key| pattern.intersects(&key))
-    };
+    let is_meant =
+        |(_, key): &(T, String)| KeyExpr::try_from(key.as_str()).is_ok_and(|key| pattern.intersects(&key));
     keys.into_iter().filter(is_meant).collect()
 }
 
@@ -259,7 +258,11 @@ fn take(sample: &Sample, gateway: &Gateway, keys: &Keys, refused: &SyncSender<Re
     let boards = match keys.index(key, "setpoint") {
         Some(index) => vec![index],
         None => keys.group(key, "setpoint").map_or_else(Vec::new, |group| {
-            gateway.groups().into_iter().find(|(name, _)| name == group).map_or_else(Vec::new, |(_, boards)| boards)
+            gateway
+                .groups()
+                .into_iter()
+                .find(|(name, _)| name == group)
+                .map_or_else(Vec::new, |(_, boards)| boards)
         }),
     };
     let message: Result<SetPointMessage, _> = serde_json::from_slice(&sample.payload().to_bytes());

@@ -156,7 +156,9 @@ impl Work {
             let Some(place) = self.published.get_mut(index) else { continue };
             match place {
                 Some(_) if board.is_gone => *place = None,
-                None if !board.is_gone => *place = Some(Published::declare(&self.session, &self.keys, index, board)?),
+                None if !board.is_gone => {
+                    *place = Some(Published::declare(&self.session, &self.keys, index, board)?)
+                }
                 _ => {}
             }
         }

@@ -36,7 +36,8 @@ use gateway::seen::Progress;
 use gateway::{Gateway, Part};
 use ros::bytes;
 use ros::messages::{
-    DiagnosticArray, DiagnosticStatus, Header, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue, Trigger, TriggerResponse,
+    DiagnosticArray, DiagnosticStatus, Header, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue,
+    Trigger, TriggerResponse,
 };
 use ros::types::Named;
 use serde::Serialize;
@@ -288,17 +289,28 @@ impl Face {
         let commands = format!("{namespace}/joint_commands");
         let (key, _) = declared.endpoint::<JointState>(Kind::Subscription, &commands)?;
         let (all, its) = (gateway.clone(), started.clone());
-        let commands =
-            session.declare_subscriber(key).callback(move |sample| take(&sample, &all, &its)).wait().map_err(of)?;
+        let commands = session
+            .declare_subscriber(key)
+            .callback(move |sample| take(&sample, &all, &its))
+            .wait()
+            .map_err(of)?;
         let trajectories = format!("{namespace}/joint_trajectory");
         let (key, _) = declared.endpoint::<JointTrajectory>(Kind::Subscription, &trajectories)?;
         let all = gateway.clone();
-        let trajectories =
-            session.declare_subscriber(key).callback(move |sample| play(&sample, &all, &started)).wait().map_err(of)?;
+        let trajectories = session
+            .declare_subscriber(key)
+            .callback(move |sample| play(&sample, &all, &started))
+            .wait()
+            .map_err(of)?;
         let is_ended = Arc::new(AtomicBool::new(false));
         let (boards, ended) = (gateway.boards().clone(), is_ended.clone());
         let thread = thread::spawn(move || publish(&boards, &states, &diagnostics, &ended));
-        Ok(Self { is_ended, thread: Some(thread), _commands: [commands, trajectories], _tokens: declared.tokens })
+        Ok(Self {
+            is_ended,
+            thread: Some(thread),
+            _commands: [commands, trajectories],
+            _tokens: declared.tokens,
+        })
     }
 }
 
@@ -418,7 +430,8 @@ fn take(sample: &Sample, gateway: &Gateway, started: &Started) {
     let is_life = command.position.is_empty();
     for (place, name) in command.name.iter().enumerate() {
         let position_m = command.position.get(place);
-        let Some((index, grant)) = started.of(&boards, name).filter(|_| is_life || position_m.is_some()) else {
+        let Some((index, grant)) = started.of(&boards, name).filter(|_| is_life || position_m.is_some())
+        else {
             continue;
         };
         let sequence = started.sequence.fetch_add(1, Ordering::Relaxed);
@@ -458,7 +471,9 @@ fn play(sample: &Sample, gateway: &Gateway, started: &Started) {
     if let Some((index, refused)) = refused {
         let name = boards.get(index).map_or("", |board| &board.name);
         for index in named.into_iter().chain([index]) {
-            gateway.boards().progress(index, Progress::Ended { reason: format!("refused: {name}: {refused}") });
+            gateway
+                .boards()
+                .progress(index, Progress::Ended { reason: format!("refused: {name}: {refused}") });
         }
     }
 }

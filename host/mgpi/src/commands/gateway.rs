@@ -107,7 +107,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let stop = Stop::on_signals();
     let gateway = Arc::new(Gateway::start(lines));
     let reload = reload(&gateway, arguments.lines.clone());
-    let network = settings.as_ref().map(|settings| Network::start(&gateway, &reload, settings)).transpose()?;
+    let network =
+        settings.as_ref().map(|settings| Network::start(&gateway, &reload, settings)).transpose()?;
     let record =
         arguments.record.as_deref().map(|file| Record::start(file, gateway.boards(), arguments.force));
     let record = record.transpose()?;

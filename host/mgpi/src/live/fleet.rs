@@ -59,7 +59,9 @@ impl Site for FleetSite {
             "/" => Some((HTML, page())),
             "/fleet.js" => Some((SCRIPT, PAGE_SCRIPT.to_owned())),
             "/fleet.json" => Some(("application/json", in_json(self.gateway.boards()).to_string())),
-            "/metrics" => Some(("text/plain; version=0.0.4; charset=utf-8", metrics(&self.gateway.boards().all()))),
+            "/metrics" => {
+                Some(("text/plain; version=0.0.4; charset=utf-8", metrics(&self.gateway.boards().all())))
+            }
             _ => None,
         }
     }

@@ -210,12 +210,10 @@ fn a_stream_begins_in_the_ticks_that_it_is_told_and_counts_anew_when_told_again(
         assert_eq!(board.number(Id::StreamPlayIn), 200);
         assert_eq!(board.set(Id::SetpointMm, 5.0), refused(Exception::DeviceBusy), "they are the stream's");
         play_in(&mut board, 50).expect("it waits");
-        // Point 0 is the set point of the 50th tick from here.
+        // The next tick has its set point already; point 0 is that of the 50th behind it.
         board.tick();
-        let first = board.number(Id::Ticks) + 49;
-        let before = references(&mut board, 48);
-        assert_eq!(before, [7.0; 48]);
-        board.tick();
+        let first = board.number(Id::Ticks) + 50;
+        assert_eq!(references(&mut board, 49), [7.0; 49]);
         assert_eq!((board.get(Id::ReferenceMm).number(), board.number(Id::StreamPlayIn)), (20.0, 0));
         assert_eq!(board.number(Id::StreamStart), first);
         assert_eq!(play_in(&mut board, 5), refused(Exception::DeviceBusy), "it plays");

@@ -288,6 +288,10 @@ impl Work<'_> {
 
     /// Takes a board's trajectory a step further.
     fn play_on(&mut self, board: &mut Asked) -> Result<(), Ended> {
+        if board.clears {
+            // What is pushed now would be forgotten with the rest.
+            return Ok(());
+        }
         let (Some(stream), Some(period_s)) = (&mut board.stream, board.period_s) else { return Ok(()) };
         let drift = board.clock.as_ref().map_or(0.0, |clock| clock.drift().0);
         match stream.step(self.client, Time { now_s: Boards::now_s(), period_s, drift }) {
@@ -363,7 +367,11 @@ impl Work<'_> {
         self.client.turn_to(board.member.number);
         let done = match ask {
             Ask::Start => board.start(self.client, self.heartbeat),
-            Ask::Stop => command(self.client, Command::Stop),
+            // It may be heard twice.
+            Ask::Stop => {
+                let address = Id::Command.register().address;
+                self.client.write_in(address, &[Command::Stop.number()], TRIES)
+            }
             Ask::Acknowledge => command(self.client, Command::Acknowledge),
         };
         if ask == Ask::Start && done.is_ok() {

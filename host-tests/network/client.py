@@ -253,7 +253,9 @@ def play(arguments):
             answer = trajectory(start_s)
             assert answer == {"done": True, "start_s": answer["start_s"]} and abs(answer["start_s"] - start_s) < 1e-3, answer
             twice = trajectory(start_s + 1.0)
-            wait("it is done", lambda: all("done" in phases(key) for key in driver.grants), arguments.seconds + 10.0)
+            is_over = lambda key: not {"done", "ended"}.isdisjoint(phases(key))
+            wait("it is over", lambda: all(is_over(key) for key in driver.grants), arguments.seconds + 10.0)
+            assert all("done" in phases(key) for key in driver.grants), progress
             with lock:
                 moving.clear()
                 playing = {key: next(told for told in steps if told["phase"] == "playing") for key, steps in progress.items()}
@@ -498,6 +500,7 @@ def attachment(sample):
 
 def ros(arguments):
     """The topics and services of ROS 2: keys, tokens, hashes, messages."""
+    import numpy
     from rosbags.typesys import Stores, get_typestore
 
     types = get_typestore(Stores.ROS2_JAZZY)
@@ -554,8 +557,6 @@ def ros(arguments):
         if told["start"][0]:
             joint = types.types["sensor_msgs/msg/JointState"]
             header, stamp = types.types["std_msgs/msg/Header"], types.types["builtin_interfaces/msg/Time"]
-            import numpy
-
             type_name, type_hash = endpoints["MS", f"/{arguments.name}/joint_commands"]
             key = f"{arguments.domain}/{arguments.name}/joint_commands/{type_name}/{type_hash}"
             state_key = f"{arguments.domain}/{arguments.name}/joint_states/" + "/".join(endpoints["MP", f"/{arguments.name}/joint_states"])

@@ -246,8 +246,8 @@ fn reloaded() {
     let alive = keys(&["arm/3/alive", "arm/4/alive", "line-1/1/alive", "new/1/alive"]);
     assert_eq!(told["alive"], serde_json::json!(alive), "{told}");
     assert_eq!(told["lost"], 0, "{told}");
-    // A round of the line with the board that is not there: 50 ms, and this machine's other work.
-    assert!(told["longest_gap_s"].as_f64().is_some_and(|gap_s| gap_s < 0.3), "{told}");
+    // A round of the line with the board that is not there: 60 ms, and this machine's other work.
+    assert!(told["longest_gap_s"].as_f64().is_some_and(|gap_s| gap_s < SILENT_S), "{told}");
     assert_eq!(told["driven"], serde_json::json!(keys(&["arm/3", "arm/4", "line-1/1"])), "{told}");
     // What was driven on the board that went has been stopped.
     drop(gateway);

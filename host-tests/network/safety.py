@@ -263,10 +263,10 @@ def client_floods(lab, chance):
     flooding = multiprocessing.get_context("spawn").Process(target=flood, args=arguments, daemon=True)
     flooding.start()
     flooding.join()
-    lab.wait("all boards are seen", lambda: len(lab.fresh()) == 4)
     time.sleep(SILENT_S + LATE_S)
-    for age_s, state, fault in lab.states().values():
-        assert age_s < 0.5 and (state, fault) in {("Tracking", 0), ("Fault", 21)}, lab.states()
+    lab.wait("all boards are seen", lambda: len(lab.fresh()) == 4)
+    for _, state, fault in lab.states().values():
+        assert (state, fault) in {("Tracking", 0), ("Fault", 21)}, lab.states()
 
 
 LOSSES = [gateway_killed, router_killed, line_pulled, board_silenced, client_floods]

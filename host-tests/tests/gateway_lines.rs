@@ -1,5 +1,5 @@
-//! What may be wrong on a line of a gateway: each is named with its board, and a sound line beside it
-//! is not disturbed.
+//! What may be wrong on a line of a gateway: each is named with its board, and a sound line beside
+//! it is not disturbed.
 #![cfg(unix)]
 
 use std::sync::{Mutex, PoisonError};
@@ -32,8 +32,8 @@ fn undisturbed(_: Way, bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// A gateway with a sound line of two boards, and one that is as it is: what is seen of the boards of
-/// that, as soon as `is_so`.
+/// A gateway with a sound line of two boards, and one that is as it is: what is seen of the boards
+/// of that, as soon as `is_so`.
 fn beside_a_sound_line(bad: &Desk, units: &[u8], is_so: impl Fn(&[Board]) -> bool) -> Vec<Board> {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let sound = Desk::line(1.0, &[1, 2], undisturbed);

@@ -177,8 +177,8 @@ impl Player {
         Ok(())
     }
 
-    /// Plays, so that the first point is the set point in so many ticks; until then it stays `held`.
-    /// One that waits for its first point already counts anew.
+    /// Plays, so that the first point is the set point in so many ticks; until then it stays
+    /// `held`. One that waits for its first point already begins its count again.
     ///
     /// # Errors
     /// There is nothing to play, or it plays already. Nothing changes then.

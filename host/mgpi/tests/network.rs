@@ -227,7 +227,7 @@ fn grouped() {
 
 fn reloaded() {
     let lab = Lab::new();
-    // One line loses a board and gains one that is not there; the other is as it was; a third is new.
+    // One line loses a board and gains one that is not there; the other stays; a third is new.
     let new = LINES.replace("boards = [1, 2]", "boards = [1, 9]").replace("\"line-1/2\", ", "")
         + "[[line]]\nname = \"new\"\nport = \"other/line-1\"\nboards = [1]\n";
     lab.0.write("new.toml", &new);

@@ -438,8 +438,8 @@ impl Client {
         Ok(answer)
     }
 
-    /// Takes what still comes behind an answer, as to a question that was asked more than once, for a
-    /// while; how many bytes.
+    /// Takes what still comes behind an answer, as to a question that was asked more than once, for
+    /// a while; how many bytes.
     ///
     /// # Errors
     /// The port cannot be used.

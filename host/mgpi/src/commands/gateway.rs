@@ -30,8 +30,8 @@ use crate::live::serve;
 pub struct Arguments {
     /// Which boards there are: a [[line]] with port, boards = [1, 2] or [{number = 1, name =
     /// "biceps"}], and, where they are not the usual ones, name, rate_bit_per_s, parity, answer_s,
-    /// travel_mm = [0, 40], slew_mm_per_s (these two of a board too); a [[group]] with name and boards
-    /// = ["biceps"]. Read again, without a stop, by an order to /reload
+    /// travel_mm = [0, 40], slew_mm_per_s (these two of a board too); a [[group]] with name and
+    /// boards = ["biceps"]. Read again, without a stop, by an order to /reload
     #[arg(value_name = "LINES.toml")]
     lines: PathBuf,
     /// Where the page is served

@@ -15,8 +15,10 @@ import zenoh
 ROOT = "mgpi/1"
 
 
-def session(end_point):
+def session(end_point, tls=None):
     config = zenoh.Config()
+    if tls:
+        config.insert_json5("transport/link/tls", json.dumps(tls))
     config.insert_json5("mode", '"client"')
     config.insert_json5("connect/endpoints", json.dumps([end_point]))
     config.insert_json5("scouting/multicast/enabled", "false")
@@ -134,6 +136,359 @@ def drive(arguments):
     )
 
 
+class Driver:
+    """A client that says that it lives, for all boards that it has a grant for, in a thread."""
+
+    def __init__(self, on, name):
+        self.on, self.name, self.grants, self.sequence, self.is_silent = on, name, {}, 0, threading.Event()
+        self.wanted_mm = None
+        threading.Thread(target=self.live, daemon=True).start()
+
+    def live(self):
+        while not self.is_silent.is_set():
+            self.sequence += 1
+            for key, grant in list(self.grants.items()):
+                message = {"grant": grant, "sequence": self.sequence, "sent_s": time.time()}
+                if self.wanted_mm is not None:
+                    message["setpoint_mm"] = self.wanted_mm
+                self.on.put(f"{key}/setpoint", json.dumps(message))
+            time.sleep(0.02)
+
+    def start(self, pattern):
+        done, refused = order(self.on, f"{ROOT}/{self.name}/{pattern}/order", "start")
+        self.grants.update({key.rsplit("/", 1)[0]: told["grant"] for key, told in done.items()})
+        return refused
+
+
+def ask(on, key, message):
+    """The answer to a query, or the reason against it."""
+    for reply in on.get(key, payload=json.dumps(message), timeout=10.0):
+        if reply.ok is not None:
+            return json.loads(reply.ok.payload.to_bytes())
+        return json.loads(reply.err.payload.to_bytes())["reason"]
+    return None
+
+
+def wait(what, is_so, limit_s=20.0):
+    begin = time.time()
+    while not is_so():
+        assert time.time() - begin < limit_s, what
+        time.sleep(0.005)
+
+
+def course(points, before, time_s):
+    """The straight lines between points."""
+    last = (0.0, before)
+    for point in points:
+        if time_s < point[0]:
+            return last[1] + max(time_s - last[0], 0.0) / (point[0] - last[0]) * (point[1] - last[1])
+        last = point
+    return last[1]
+
+
+def play(arguments):
+    """A trajectory on all boards that begin at once; what is refused; and a client that dies in one."""
+    seen, progress, errors, late, lock = {}, {}, {}, {}, threading.Lock()
+    moving = {}
+    root = f"{ROOT}/{arguments.name}"
+
+    def heard(sample):
+        told = json.loads(sample.payload.to_bytes())
+        key = str(sample.key_expr).rsplit("/", 1)[0]
+        with lock:
+            seen[key] = told
+            if key in moving and told["reference_mm"] is not None:
+                points, before, start_s = moving[key]
+                # What the board was asked for within the bound of the time at which it was so, and a tick.
+                span = told["time_bound_s"] + 1e-3
+                at = [course(points, before, told["unix_s"] - start_s + by) for by in (-span, 0.0, span)]
+                error = max(min(at) - told["reference_mm"], told["reference_mm"] - max(at), 0.0)
+                errors[key] = max(errors.get(key, 0.0), error)
+                late[key] = late.get(key, 0) + 1
+
+    def stepped(sample):
+        told = json.loads(sample.payload.to_bytes())
+        with lock:
+            progress.setdefault(str(sample.key_expr).rsplit("/", 1)[0], []).append(told)
+
+    def phases(key):
+        with lock:
+            return [told["phase"] for told in progress.get(key, [])]
+
+    with session(arguments.end_point) as on:
+        with on.declare_subscriber(f"{root}/*/*/telemetry", heard), on.declare_subscriber(f"{root}/*/*/trajectory", stepped):
+            wait("all boards are seen", lambda: len(seen) == arguments.boards)
+            driver = Driver(on, arguments.name)
+            refused_starts = driver.start("*/*")
+            names = {key: told["name"] for key, told in seen.items()}
+            wait("all boards track", lambda: all(told["state"] == "Tracking" for told in seen.values()))
+            time.sleep(0.3)
+            points = [[1.0, 30.0], [2.0, 20.0], [4.0, 40.0], [arguments.seconds, 40.0]]
+
+            def trajectory(start_s, points=points, parts=1, **changes):
+                each = [{"board": names[key], "grant": grant, "points": points} for key, grant in driver.grants.items()]
+                parts = parts * each
+                parts[-1].update(changes)
+                return ask(on, f"{root}/trajectory", {"start_s": start_s, "parts": parts})
+
+            now = time.time()
+            refused = [
+                trajectory(now - 1.0),
+                trajectory(now + 0.1),
+                trajectory(now + 1e4),
+                trajectory(now + 2.0, points=[[1.0, 900.0]]),
+                trajectory(now + 2.0, points=[[1.0, 30.0], [0.5, 20.0]]),
+                trajectory(now + 2.0, board="nobody"),
+                trajectory(now + 2.0, grant=1),
+                trajectory(now + 2.0, parts=2),
+                ask(on, f"{root}/trajectory", {"begin_s": now}),
+                ask(on, f"mgpi/0/{arguments.name}/trajectory", {}),
+            ]
+            time.sleep(0.3)
+            undisturbed = all(told["state"] == "Tracking" for told in seen.values()) and not progress
+            start_s = time.time() + 2.0
+            with lock:
+                for key in driver.grants:
+                    moving[key] = (points, seen[key]["reference_mm"], start_s)
+            answer = trajectory(start_s)
+            assert answer == {"done": True, "start_s": answer["start_s"]} and abs(answer["start_s"] - start_s) < 1e-3, answer
+            twice = trajectory(start_s + 1.0)
+            is_over = lambda key: not {"done", "ended"}.isdisjoint(phases(key))
+            wait("it is over", lambda: all(is_over(key) for key in driver.grants), arguments.seconds + 10.0)
+            assert all("done" in phases(key) for key in driver.grants), progress
+            with lock:
+                moving.clear()
+                playing = {key: next(told for told in steps if told["phase"] == "playing") for key, steps in progress.items()}
+                underrun = max(told["underrun_ticks"] for steps in progress.values() for told in steps if told["phase"] == "done")
+            lines = {}
+            for key, told in playing.items():
+                lines.setdefault(key.rsplit("/", 2)[1], []).append(told["start_tick"])
+            starts = [told["start_s"] for told in playing.values()]
+            # Set points go on where the trajectory has ended.
+            driver.wanted_mm = 35.0
+            wait("set points are taken again", lambda: all(abs((told["reference_mm"] or 0.0) - 35.0) < 1e-3 for told in seen.values()))
+            driver.wanted_mm = None
+            # A client that dies.
+            with lock:
+                progress.clear()
+            answer = trajectory(None, [[0.5, 20.0], [30.0, 40.0]])
+            wait("it plays", lambda: all("playing" in phases(key) for key in driver.grants))
+            time.sleep(0.5)
+            driver.is_silent.set()
+            silent, vented = time.time(), {}
+
+            def all_vented():
+                with lock:
+                    for key, told in seen.items():
+                        if told["state"] == "Fault":
+                            vented.setdefault(key, time.time() - silent)
+                    return len(vented) == len(seen)
+
+            wait("all boards vent", all_vented, 5.0)
+            time.sleep(0.3)
+            ended = sorted({told["reason"] for steps in progress.values() for told in steps if told["phase"] == "ended"})
+    print(
+        json.dumps(
+            {
+                "refused_starts": refused_starts,
+                "refused": refused,
+                "undisturbed": undisturbed,
+                "twice": twice,
+                "played": len(playing),
+                "skew_ticks": max(max(ticks) - min(ticks) for ticks in lines.values()),
+                "skew_s": max(starts) - min(starts),
+                "start_off_s": max(abs(start - start_s) for start in starts),
+                "start_bound_s": max(told["bound_s"] for told in playing.values()),
+                "worst_reference_error_mm": max(errors.values()),
+                "compared": min(late.values()),
+                "underrun_ticks": underrun,
+                "latest_vent_s": max(vented.values()),
+                "faults": sorted({told["fault"] for told in seen.values()}),
+                "ended": ended,
+            }
+        )
+    )
+
+
+def group(arguments):
+    """A group is started, driven and stopped by one key."""
+    seen, refused, lock = {}, [], threading.Lock()
+    root = f"{ROOT}/{arguments.name}"
+
+    def heard(sample):
+        with lock:
+            seen[str(sample.key_expr).rsplit("/", 1)[0]] = json.loads(sample.payload.to_bytes())
+
+    def of_name(name):
+        return next(told for told in list(seen.values()) if told["name"] == name)
+
+    with session(arguments.end_point) as on:
+        with on.declare_subscriber(f"{root}/*/*/telemetry", heard), on.declare_subscriber(
+            f"{root}/*/*/refused", lambda sample: refused.append(json.loads(sample.payload.to_bytes())["reason"])
+        ):
+            wait("all boards are seen", lambda: len(seen) == arguments.boards)
+            told = {"unknown": order(on, f"{root}/nobody/order", "start")}
+            driver = Driver(on, arguments.name)
+            told["refused_start"] = driver.start(arguments.group)
+            told["twice"] = list(order(on, f"{root}/{arguments.group}/order", "start")[1].values())
+            driver.wanted_mm = 25.0
+            members, others = arguments.members.split(","), []
+            wait("all track", lambda: all(of_name(name)["reference_mm"] == 25.0 for name in members))
+            time.sleep(2.0)
+            told["contractions_mm"] = [of_name(name)["contraction_mm"] for name in members]
+            told["driven"] = sorted(board["name"] for board in seen.values() if board["state"] == "Tracking")
+            told["stopped"] = list(order(on, f"{root}/{arguments.group}/order", "stop")[0].values())
+            wait("all have vented", lambda: all(of_name(name)["state"] == "Ready" for name in members))
+            time.sleep(0.2)
+            told["refused"] = sorted({reason.split(":")[0] for reason in refused})
+    print(json.dumps(told))
+
+
+def reload(arguments):
+    """The gateway reads its file again while boards are watched: what stays has no gap."""
+    seen, gaps, lock = {}, {}, threading.Lock()
+    root = f"{ROOT}/{arguments.name}"
+
+    def heard(sample):
+        now, told = time.time(), json.loads(sample.payload.to_bytes())
+        with lock:
+            key = str(sample.key_expr).rsplit("/", 1)[0]
+            if key in seen:
+                before = seen[key]
+                lost, longest = gaps.get(key, (0, 0.0))
+                gaps[key] = (lost + told["count"] - before[1] - 1, max(longest, told["unix_s"] - before[2]))
+            seen[key] = (now, told["count"], told["unix_s"], told["state"], told["fault"])
+
+    def fresh():
+        with lock:
+            return sorted(key for key, told in seen.items() if time.time() - told[0] < 0.5)
+
+    with session(arguments.end_point) as on:
+        with on.declare_subscriber(f"{root}/*/*/telemetry", heard):
+            wait("the boards are seen", lambda: len(fresh()) == arguments.boards)
+            driver = Driver(on, arguments.name)
+            driver.start("*/*")
+            time.sleep(1.0)
+            before = fresh()
+            with open(arguments.lines) as file:
+                good = file.read()
+            with open(arguments.lines, "w") as file:
+                file.write(good.replace("boards = [", "boards = [0, ", 1))
+            refused = ask(on, f"{root}/reload", {})
+            time.sleep(0.5)
+            after_bad = fresh()
+            with open(arguments.new) as new, open(arguments.lines, "w") as file:
+                file.write(new.read())
+            with lock:
+                gaps.clear()
+            done = ask(on, f"{root}/reload", {})
+            time.sleep(2.0)
+            after = fresh()
+            with lock:
+                stay = [gaps[key] for key in after if key in before]
+                states = {key: told[3] for key, told in seen.items() if key in before and key in after}
+            alive = sorted(str(reply.ok.key_expr) for reply in on.liveliness().get(f"{root}/*/*/alive", timeout=5.0))
+            driver.is_silent.set()
+    print(
+        json.dumps(
+            {
+                "before": before,
+                "refused": refused,
+                "after_bad": after_bad,
+                "done": done,
+                "after": after,
+                "alive": alive,
+                "lost": sum(lost for lost, _ in stay),
+                "longest_gap_s": max(longest for _, longest in stay),
+                "driven": sorted(key for key, state in states.items() if state == "Tracking"),
+            }
+        )
+    )
+
+
+def certificates(arguments):
+    """An authority of one's own, a gateway and two clients that have certificates of it, and what each may do."""
+    import os
+    import subprocess
+
+    os.makedirs(arguments.folder, exist_ok=True)
+
+    def openssl(*command):
+        subprocess.run(["openssl", *command], check=True, cwd=arguments.folder, stderr=subprocess.DEVNULL)
+
+    key = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
+    openssl("req", "-x509", *key, "-keyout", "ca.key", "-out", "ca.pem", "-days", "2", "-subj", "/CN=lab authority")
+    for name in ("gateway", "driver", "viewer"):
+        openssl("req", *key, "-keyout", f"{name}.key", "-out", f"{name}.csr", "-subj", f"/CN={name}")
+        with open(os.path.join(arguments.folder, f"{name}.ext"), "w") as file:
+            file.write("subjectAltName=DNS:localhost,IP:127.0.0.1\nbasicConstraints=CA:FALSE\n")
+        signing = ["-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", "2", "-extfile", f"{name}.ext"]
+        openssl("x509", "-req", "-in", f"{name}.csr", "-out", f"{name}.pem", *signing)
+
+    def path(name):
+        return os.path.abspath(os.path.join(arguments.folder, name))
+
+    drives = [f"{ROOT}/{arguments.name}/{what}" for what in ("*/*/order", "*/order", "*/*/setpoint", "*/setpoint", "trajectory", "reload", "stop")]
+    config = {
+        "listen": {"endpoints": [arguments.end_point]},
+        "scouting": {"multicast": {"enabled": False}},
+        "transport": {
+            "link": {
+                "tls": {
+                    "root_ca_certificate": path("ca.pem"),
+                    "listen_private_key": path("gateway.key"),
+                    "listen_certificate": path("gateway.pem"),
+                    "enable_mtls": True,
+                }
+            }
+        },
+        # Who has a certificate sees; who is called driver drives.
+        "access_control": {
+            "enabled": True,
+            "default_permission": "allow",
+            "rules": [
+                {
+                    "id": "no driving",
+                    "permission": "deny",
+                    "flows": ["ingress"],
+                    "messages": ["put", "query"],
+                    "key_exprs": drives,
+                }
+            ],
+            "subjects": [{"id": "viewers", "cert_common_names": ["viewer"]}],
+            "policies": [{"rules": ["no driving"], "subjects": ["viewers"]}],
+        },
+    }
+    with open(path("gateway.json5"), "w") as file:
+        json.dump(config, file, indent=2)
+
+
+def secure(arguments):
+    """Who has no certificate is not let in, who may only see does not drive, who may drive does."""
+    import os
+
+    def of(who):
+        path = lambda name: os.path.abspath(os.path.join(arguments.folder, name))
+        tls = {"root_ca_certificate": path("ca.pem")}
+        if who:
+            tls |= {"connect_private_key": path(f"{who}.key"), "connect_certificate": path(f"{who}.pem"), "enable_mtls": True}
+        return tls
+
+    told = {}
+    for who in (None, "viewer", "driver"):
+        seen = set()
+        try:
+            with session(arguments.end_point, of(who)) as on:
+                with on.declare_subscriber(f"{ROOT}/{arguments.name}/*/*/telemetry", lambda sample: seen.add(str(sample.key_expr))):
+                    time.sleep(2.0)
+                    done, refused = order(on, f"{ROOT}/{arguments.name}/*/*/order", "start")
+                    told[str(who)] = {"seen": len(seen), "started": len(done), "refused": len(refused)}
+                    order(on, f"{ROOT}/{arguments.name}/*/*/order", "stop")
+        except zenoh.ZError as error:
+            told[str(who)] = {"kept_out": "certificate" in str(error).lower() or "unable to connect" in str(error).lower()}
+    print(json.dumps(told))
+
+
 def attachment(sample):
     """What rmw_zenoh sends with each message: number, time, and who."""
     content = sample.attachment.to_bytes()
@@ -145,6 +500,7 @@ def attachment(sample):
 
 def ros(arguments):
     """The topics and services of ROS 2: keys, tokens, hashes, messages."""
+    import numpy
     from rosbags.typesys import Stores, get_typestore
 
     types = get_typestore(Stores.ROS2_JAZZY)
@@ -201,8 +557,6 @@ def ros(arguments):
         if told["start"][0]:
             joint = types.types["sensor_msgs/msg/JointState"]
             header, stamp = types.types["std_msgs/msg/Header"], types.types["builtin_interfaces/msg/Time"]
-            import numpy
-
             type_name, type_hash = endpoints["MS", f"/{arguments.name}/joint_commands"]
             key = f"{arguments.domain}/{arguments.name}/joint_commands/{type_name}/{type_hash}"
             state_key = f"{arguments.domain}/{arguments.name}/joint_states/" + "/".join(endpoints["MP", f"/{arguments.name}/joint_states"])
@@ -217,6 +571,31 @@ def ros(arguments):
                     time.sleep(0.02)
             last = types.deserialize_cdr(heard[-1].payload.to_bytes(), "sensor_msgs/msg/JointState")
             told["moved_to_m"] = [float(position) for position in last.position]
+            # A trajectory, as a controller of ROS 2 is sent it; names alone say that its client lives.
+            course, point = types.types["trajectory_msgs/msg/JointTrajectory"], types.types["trajectory_msgs/msg/JointTrajectoryPoint"]
+            span = types.types["builtin_interfaces/msg/Duration"]
+            type_name, type_hash = endpoints["MS", f"/{arguments.name}/joint_trajectory"]
+            course_key = f"{arguments.domain}/{arguments.name}/joint_trajectory/{type_name}/{type_hash}"
+
+            def send(joints):
+                width = len(joints)
+                points = [
+                    point(numpy.full(width, to), empty, empty, empty, span(sec, 500_000_000)) for sec, to in [(0, 0.02), (1, 0.025)]
+                ]
+                content = struct.pack("<qq", 0, time.time_ns()) + bytes([16]) + bytes(range(16))
+                message = course(header(stamp(0, 0), ""), joints, points)
+                on.put(course_key, bytes(types.serialize_cdr(message, "trajectory_msgs/msg/JointTrajectory")), attachment=content)
+
+            send([*told["joints"], "nobody"])
+            send(told["joints"])
+            with on.declare_subscriber(state_key, heard.append):
+                for number in range(250):
+                    message = joint(header(stamp(0, 0), ""), told["joints"], empty, empty, empty)
+                    content = struct.pack("<qq", number, time.time_ns()) + bytes([16]) + bytes(range(16))
+                    on.put(key, bytes(types.serialize_cdr(message, "sensor_msgs/msg/JointState")), attachment=content)
+                    time.sleep(0.02)
+            last = types.deserialize_cdr(heard[-1].payload.to_bytes(), "sensor_msgs/msg/JointState")
+            told["played_to_m"] = [float(position) for position in last.position]
             told["stop"] = trigger("stop")
     print(json.dumps(told))
 
@@ -252,10 +631,22 @@ def main():
     commands = parser.add_subparsers(dest="command", required=True)
     for name in ("watch", "drive"):
         commands.add_parser(name).add_argument("--seconds", type=float, default=10.0)
+    several = [commands.add_parser(name) for name in ("play", "group", "reload")]
+    for command in several:
+        command.add_argument("--boards", type=int, default=4)
+    several[0].add_argument("--seconds", type=float, default=6.0)
+    several[1].add_argument("--group", default="left")
+    several[1].add_argument("--members", default="")
+    several[2].add_argument("--lines", default="lines.toml")
+    several[2].add_argument("--new", default="new.toml")
+    for name in ("certificates", "secure"):
+        commands.add_parser(name).add_argument("folder")
     commands.add_parser("ros")
     commands.add_parser("bag").add_argument("file")
     arguments = parser.parse_args()
-    {"watch": watch, "drive": drive, "ros": ros, "bag": bag}[arguments.command](arguments)
+    for command in (watch, drive, play, group, reload, certificates, secure, ros, bag):
+        if command.__name__ == arguments.command:
+            command(arguments)
 
 
 if __name__ == "__main__":

@@ -26,6 +26,8 @@ from client import session
 NAME, UNITS = "lab", {"line-1": [1, 2], "line-2": [3, 4]}
 # bus_silent_ticks of a board, and what a machine that does much else may add to a round of a line. Unit: s.
 SILENT_S, LATE_S = 0.5, 0.4
+# How often the start of all boards is tried before a loss.
+STARTS = 10
 
 
 class Cable(threading.Thread):
@@ -141,28 +143,40 @@ class Lab:
 
     def drive(self):
         """Starts all boards and moves them, in a thread, until the event that is answered."""
+        for _ in range(STARTS):
+            grants, refused = self.start()
+            if len(grants) == 4:
+                ended = threading.Event()
+                threading.Thread(target=self.send, args=(grants, ended), daemon=True).start()
+                try:
+                    self.wait("all boards track", lambda: self.all_are("Tracking"), 5.0)
+                    return ended
+                except AssertionError as error:
+                    ended.set()
+                    refused = error
+            # On a machine that does much else a board may vent before the last has started.
+            self.order("stop")
+        raise AssertionError(f"not all boards could be started: {refused}")
+
+    def send(self, grants, ended):
+        """Set points for these boards until it is ended."""
+        sequence, begin = 0, time.time()
+        while not ended.is_set():
+            sequence += 1
+            for key, grant in grants.items():
+                wanted = 5.0 + min(10.0 * (time.time() - begin), 20.0)
+                point = {"grant": grant, "sequence": sequence, "setpoint_mm": wanted, "sent_s": time.time()}
+                self.session.put(f"{key}/setpoint", json.dumps(point))
+            time.sleep(0.02)
+
+    def start(self):
+        """Starts all boards, as soon as they are ready: the grants, and what is refused."""
         self.wait("all boards are seen", lambda: len(self.fresh()) == 4)
         if any(state == "Fault" for _, state, _ in self.states().values()):
             self.order("acknowledge")
         self.wait("all boards are ready", lambda: self.all_are("Ready"))
         done, refused = self.order("start")
-        grants = {key: told["grant"] for key, told in done.items()}
-        assert len(grants) == 4, refused
-        ended = threading.Event()
-
-        def send():
-            sequence, begin = 0, time.time()
-            while not ended.is_set():
-                sequence += 1
-                for key, grant in grants.items():
-                    wanted = 5.0 + min(10.0 * (time.time() - begin), 20.0)
-                    point = {"grant": grant, "sequence": sequence, "setpoint_mm": wanted, "sent_s": time.time()}
-                    self.session.put(f"{key}/setpoint", json.dumps(point))
-                time.sleep(0.02)
-
-        threading.Thread(target=send, daemon=True).start()
-        self.wait("all boards track", lambda: self.all_are("Tracking"), 5.0)
-        return ended
+        return {key: told["grant"] for key, told in done.items()}, refused
 
     def fresh(self):
         return {key: state for key, (age_s, state, _) in self.states().items() if age_s < 0.5}
@@ -249,10 +263,10 @@ def client_floods(lab, chance):
     flooding = multiprocessing.get_context("spawn").Process(target=flood, args=arguments, daemon=True)
     flooding.start()
     flooding.join()
-    lab.wait("all boards are seen", lambda: len(lab.fresh()) == 4)
     time.sleep(SILENT_S + LATE_S)
-    for age_s, state, fault in lab.states().values():
-        assert age_s < 0.5 and (state, fault) in {("Tracking", 0), ("Fault", 21)}, lab.states()
+    lab.wait("all boards are seen", lambda: len(lab.fresh()) == 4)
+    for _, state, fault in lab.states().values():
+        assert (state, fault) in {("Tracking", 0), ("Fault", 21)}, lab.states()
 
 
 LOSSES = [gateway_killed, router_killed, line_pulled, board_silenced, client_floods]

@@ -196,6 +196,33 @@ fn a_stream_is_the_straight_lines_between_its_points_from_the_tick_that_it_says(
 }
 
 #[test]
+fn a_stream_begins_in_the_ticks_that_it_is_told_and_counts_anew_when_told_again() {
+    let play_in = |board: &mut BusBoard, ticks: u16| board.set(Id::StreamPlayIn, ticks.into());
+    for interval in [1_u16, 10] {
+        let mut board = streaming(interval);
+        board.set(Id::SetpointMm, 7.0).expect("it tracks");
+        board.tick();
+        assert_eq!(play_in(&mut board, 5), refused(Exception::DeviceBusy), "there is nothing to play");
+        push(&mut board, 0, &[20.0, 30.0]).expect("room");
+        assert_eq!(play_in(&mut board, 0), refused(Exception::IllegalValue));
+        play_in(&mut board, 300).expect("points");
+        (0..100).for_each(|_| _ = board.tick());
+        assert_eq!(board.number(Id::StreamPlayIn), 200);
+        assert_eq!(board.set(Id::SetpointMm, 5.0), refused(Exception::DeviceBusy), "they are the stream's");
+        play_in(&mut board, 50).expect("it waits");
+        // The next tick has its set point already; point 0 is that of the 50th behind it.
+        board.tick();
+        let first = board.number(Id::Ticks) + 50;
+        assert_eq!(references(&mut board, 49), [7.0; 49]);
+        assert_eq!((board.get(Id::ReferenceMm).number(), board.number(Id::StreamPlayIn)), (20.0, 0));
+        assert_eq!(board.number(Id::StreamStart), first);
+        assert_eq!(play_in(&mut board, 5), refused(Exception::DeviceBusy), "it plays");
+        (0..interval).for_each(|_| _ = board.tick());
+        assert_eq!(board.get(Id::ReferenceMm).number(), 30.0);
+    }
+}
+
+#[test]
 fn out_of_points_the_last_is_held_and_counted_and_the_next_is_gone_to_unless_the_end_was_announced() {
     let mut board = streaming(4);
     push(&mut board, 0, &[1.0, 2.0]).expect("room");
@@ -265,6 +292,14 @@ fn in_the_service_state_the_stream_is_the_command_within_what_is_compiled_in() {
     (0..130).for_each(|_| _ = board.tick());
     assert!((board.get(Id::CommandBar).number() - 3.0).abs() < 0.01);
     assert_eq!(board.control().state(), State::Service);
+    // What was driven stays until a new stream begins.
+    stream_order(&mut board, StreamOrder::Clear).expect("always");
+    push(&mut board, 0, &[1.0]).expect("room");
+    board.set(Id::StreamPlayIn, 30.0).expect("points");
+    (0..20).for_each(|_| _ = board.tick());
+    assert!((board.get(Id::CommandBar).number() - 3.0).abs() < 0.01);
+    (0..30).for_each(|_| _ = board.tick());
+    assert!((board.get(Id::CommandBar).number() - 1.0).abs() < 0.01);
 }
 
 /// The window, from the sample of this number on: number of the first, its tick, the samples.

@@ -5,7 +5,9 @@
 //! A bounded queue of points. Behind each tick the player says the set point of the next one, on
 //! the straight line between the point that it comes from and the one that it goes to. Points carry
 //! numbers, counted from 0 since the last
-//! [`Player::clear`], so that a push which is sent twice changes nothing the second time.
+//! [`Player::clear`], so that a push which is sent twice changes nothing the second time. A player
+//! may be told to begin in so many ticks: one frame to all boards of a line then starts them all in
+//! the same tick, and one that was lost may be sent again with what is left.
 //!
 //! # Contract
 //! [`Player::next`] takes constant time. Out of points it holds the last one and counts the ticks,
@@ -21,8 +23,8 @@ pub struct Player {
     state: StreamState,
     /// Ticks from point to point, at least 1.
     interval_ticks: u16,
-    /// Ticks since `from`.
-    step: u16,
+    /// Ticks since `from`; before the first point, so that it reaches the interval with it.
+    step: i32,
     from: f32,
     to: f32,
     /// Change from tick to tick.
@@ -55,6 +57,8 @@ pub struct PlayerStatus {
     pub underrun_ticks: u32,
     /// The tick that had the first point as its set point; 0 before that.
     pub start_tick: u32,
+    /// Ticks that are left until the first point; 0 where none are.
+    pub play_in_ticks: u16,
 }
 
 impl Player {
@@ -110,7 +114,18 @@ impl Player {
             consumed: self.consumed,
             underrun_ticks: self.underrun_ticks,
             start_tick: self.start_tick.unwrap_or(0),
+            play_in_ticks: if self.waits() { self.left_ticks() } else { 0 },
         }
+    }
+
+    /// Whether it plays, and has not come to the first point.
+    fn waits(&self) -> bool {
+        self.is_playing() && self.start_tick.is_none()
+    }
+
+    /// To the next point; fits, as what [`Player::play_in`] takes.
+    fn left_ticks(&self) -> u16 {
+        (i32::from(self.interval_ticks) - self.step) as u16
     }
 
     /// The points to be played, next first.
@@ -154,18 +169,34 @@ impl Player {
         self.interval_ticks = interval.unwrap_or(self.interval_ticks).max(1);
         match order {
             Some(StreamOrder::Clear) => self.clear(),
-            Some(StreamOrder::Play) => self.play(),
+            // `from` is for the ticks until then, of which there are none.
+            Some(StreamOrder::Play) => self.begin(1, self.from),
             Some(StreamOrder::End) => self.is_ending = true,
             None => {}
         }
         Ok(())
     }
 
-    fn play(&mut self) {
-        self.to = self.take().unwrap_or(self.to);
-        // Behind the next tick it is there.
-        self.step = self.interval_ticks - 1;
-        (self.from, self.slope) = (self.to, 0.0);
+    /// Plays, so that the first point is the set point in so many ticks; until then it stays
+    /// `held`. One that waits for its first point already begins its count again.
+    ///
+    /// # Errors
+    /// There is nothing to play, or it plays already. Nothing changes then.
+    pub fn play_in(&mut self, ticks: u16, held: f32) -> Result<(), Exception> {
+        let is_ready = self.state == StreamState::Idle && !self.points.is_empty();
+        if !is_ready && !self.waits() {
+            return Err(Exception::DeviceBusy);
+        }
+        self.begin(ticks, held);
+        Ok(())
+    }
+
+    fn begin(&mut self, ticks: u16, held: f32) {
+        if self.state == StreamState::Idle {
+            self.to = self.take().unwrap_or(self.to);
+        }
+        self.step = i32::from(self.interval_ticks) - i32::from(ticks);
+        (self.from, self.slope) = (held, 0.0);
         self.state = StreamState::Playing;
     }
 
@@ -178,8 +209,8 @@ impl Player {
 
     fn advance(&mut self, tick: u32) -> f32 {
         self.step = self.step.saturating_add(1);
-        if self.step < self.interval_ticks {
-            return self.from + self.slope * f32::from(self.step);
+        if self.step < i32::from(self.interval_ticks) {
+            return self.from + self.slope * self.step as f32;
         }
         self.start_tick.get_or_insert(tick);
         self.from = self.to;

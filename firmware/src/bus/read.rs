@@ -278,6 +278,7 @@ fn stream(status: &PlayerStatus, waiting: &[f32], id: Id, index: u16) -> Value {
         Id::StreamConsumed => Value::U32(status.consumed),
         Id::StreamUnderrun => Value::U32(status.underrun_ticks),
         Id::StreamStart => Value::U32(status.start_tick),
+        Id::StreamPlayIn => Value::U16(status.play_in_ticks),
         _ => Value::F32(waiting.get(usize::from(index)).copied().unwrap_or(0.0)),
     }
 }

@@ -252,12 +252,13 @@ fn protection(
 
 #[inline(never)]
 fn stream(values: impl Iterator<Item = Assignment>, node: &mut impl Node) -> Result<(), Exception> {
-    let (mut order, mut interval, mut number) = (None, None, None);
+    let (mut order, mut interval, mut number, mut play_in) = (None, None, None, None);
     let mut points = Vec::<f32, { STREAM_POINTS as usize }>::new();
     for Assignment { id, value, .. } in values {
         match (id, value) {
             (Id::StreamOrder, Value::U16(value)) => order = StreamOrder::of_number(value),
             (Id::StreamInterval, Value::U16(value)) => interval = Some(value),
+            (Id::StreamPlayIn, Value::U16(ticks)) => play_in = Some(ticks),
             (Id::PushNumber, Value::U32(value)) => number = Some(value),
             // The window has as many.
             (_, Value::F32(point)) => drop(points.push(point)),
@@ -270,7 +271,9 @@ fn stream(values: impl Iterator<Item = Assignment>, node: &mut impl Node) -> Res
     node.control(|control| {
         let state = control.state();
         let takes = |point: &f32| Id::SetpointBar.register().takes(Value::F32(*point));
-        if !state.is_driven() && order != Some(StreamOrder::Clear) && (number.is_some() || order.is_some()) {
+        let drives =
+            number.is_some() || play_in.is_some() || order.is_some_and(|order| order != StreamOrder::Clear);
+        if !state.is_driven() && drives {
             Err(Exception::DeviceBusy)
         } else if state == State::Service && !points.iter().all(takes) {
             Err(Exception::IllegalValue)
@@ -282,6 +285,12 @@ fn stream(values: impl Iterator<Item = Assignment>, node: &mut impl Node) -> Res
                 control.live();
             }
             done
+        } else if let Some(ticks) = play_in {
+            let held = match state {
+                State::Service => control.scalings.command.value(control.service_code.0),
+                _ => control.next_reference_mm,
+            };
+            control.player.play_in(ticks, held)
         } else {
             control.player.order(order, interval)
         }

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
-use crate::lines::Line;
-use crate::seen::{Problem, Telemetry};
+use crate::lines::{Line, Member};
+use crate::seen::{Problem, Progress, Telemetry};
 
 /// The moment from which times are counted.
 static START: LazyLock<Instant> = LazyLock::new(Instant::now);
@@ -27,6 +27,10 @@ pub enum News {
     Telemetry(usize, Telemetry),
     /// It is not seen, or is again not seen.
     Problem(usize, Problem),
+    /// Its trajectory has come so far.
+    Trajectory(usize, Progress),
+    /// There are other boards than before: [`Boards::all`] tells which.
+    Arranged,
 }
 
 /// All news, one by one.
@@ -68,6 +72,10 @@ pub struct Board {
     pub telemetry: Option<Telemetry>,
     /// Why it is not seen now.
     pub problem: Option<Problem>,
+    /// How far its last trajectory has come.
+    pub trajectory: Option<Progress>,
+    /// It was taken out of the file; its place among all stays, for when it comes again.
+    pub is_gone: bool,
     /// Questions that it has answered.
     pub answered: u64,
     /// Questions without an answer.
@@ -82,21 +90,40 @@ impl Boards {
     /// The boards of these lines, none of them seen so far.
     pub fn of(lines: &[Line]) -> Self {
         LazyLock::force(&START);
-        let boards = lines.iter().flat_map(|line| {
-            line.boards.iter().map(|member| Board {
-                name: member.name.clone(),
-                line: line.name.clone(),
-                number: member.number,
-                telemetry: None,
-                problem: None,
-                answered: 0,
-                lost: 0,
-                round: Duration::ZERO,
-                changes: 0,
-            })
-        });
-        let boards = Mutex::new(boards.collect());
-        Self(Arc::new(Shared { boards, is_new: Condvar::new(), listeners: Mutex::default() }))
+        let boards = Mutex::default();
+        let all = Self(Arc::new(Shared { boards, is_new: Condvar::new(), listeners: Mutex::default() }));
+        all.arrange(lines);
+        all
+    }
+
+    /// The boards are those of these lines from now on. A board that has the line and the name, and
+    /// the number, of one before is that one, and keeps its place among all; the place of one that
+    /// goes is nobody else's. Answers the places of each line's boards.
+    pub fn arrange(&self, lines: &[Line]) -> Vec<Vec<usize>> {
+        let mut boards = self.lock();
+        boards.iter_mut().for_each(|board| board.is_gone = true);
+        let mut place_of = |line: &Line, member: &Member| {
+            let is_it = |board: &Board| {
+                (&board.line, &board.name, board.number) == (&line.name, &member.name, member.number)
+            };
+            let place = boards.iter().position(is_it).unwrap_or_else(|| {
+                boards.push(Board::new(line, member));
+                boards.len() - 1
+            });
+            if let Some(board) = boards.get_mut(place) {
+                board.is_gone = false;
+                board.changes += 1;
+            }
+            place
+        };
+        let places = lines
+            .iter()
+            .map(|line| line.boards.iter().map(|member| place_of(line, member)).collect())
+            .collect();
+        drop(boards);
+        self.0.is_new.notify_all();
+        self.tell(&News::Arranged);
+        places
     }
 
     /// A time since the gateway's start, on the clock of the day: since 1970. Unit: s.
@@ -151,6 +178,12 @@ impl Boards {
         self.change(index, |board| board.problem = Some(problem));
     }
 
+    /// A board's trajectory has come so far.
+    pub fn progress(&self, index: usize, progress: Progress) {
+        self.tell(&News::Trajectory(index, progress.clone()));
+        self.change(index, |board| board.trajectory = Some(progress));
+    }
+
     /// A round of a line has taken so long.
     pub fn round(&self, indices: impl Iterator<Item = usize>, took: Duration) {
         let mut boards = self.lock();
@@ -168,7 +201,7 @@ impl Boards {
         !waited.timed_out()
     }
 
-    /// All boards, now.
+    /// All boards, now, and those that have been: each at its place.
     pub fn all(&self) -> Vec<Board> {
         self.lock().clone()
     }
@@ -194,12 +227,30 @@ impl Boards {
 }
 
 impl Board {
+    /// One that was not seen so far.
+    fn new(line: &Line, member: &Member) -> Self {
+        Self {
+            name: member.name.clone(),
+            line: line.name.clone(),
+            number: member.number,
+            telemetry: None,
+            problem: None,
+            trajectory: None,
+            is_gone: false,
+            answered: 0,
+            lost: 0,
+            round: Duration::ZERO,
+            changes: 0,
+        }
+    }
+
     /// For programs.
     pub fn to_json(&self) -> Value {
         json!({
             "name": self.name, "line": self.line, "number": self.number, "answered": self.answered,
             "lost": self.lost, "round_s": self.round.as_secs_f64(),
             "problem": self.problem.as_ref().map(Problem::in_words),
+            "trajectory": self.trajectory.as_ref().map(Progress::in_words),
             "telemetry": self.telemetry.as_ref().map(Telemetry::to_json),
         })
     }
@@ -213,7 +264,21 @@ pub(crate) mod tests {
 
     /// Three boards of one line.
     pub(crate) fn three() -> Boards {
-        Boards::of(&parsed("[[line]]\nport = \"p\"\nboards = [1, 2, 3]\n").expect("a line"))
+        Boards::of(&parsed("[[line]]\nport = \"p\"\nboards = [1, 2, 3]\n").expect("a line").lines)
+    }
+
+    #[test]
+    fn a_board_that_stays_keeps_its_place_and_one_that_goes_leaves_it_free_for_its_return() {
+        let lines = |text: &str| parsed(&format!("[[line]]\nport = \"p\"\n{text}")).expect("lines").lines;
+        let boards = Boards::of(&lines("boards = [1, 2]"));
+        boards.telemetry(1, telemetry());
+        let other = "boards = [3, 2]\n[[line]]\nport = \"q\"\nboards = [1]";
+        assert_eq!(boards.arrange(&lines(other)), [vec![2, 1], vec![3]]);
+        let gone = |boards: &Boards| boards.all().iter().map(|board| board.is_gone).collect::<Vec<_>>();
+        assert_eq!(gone(&boards), [true, false, false, false]);
+        assert_eq!(boards.all()[1].answered, 1);
+        assert_eq!(boards.arrange(&lines("boards = [2, 1]")), [vec![1, 0]]);
+        assert_eq!(gone(&boards), [false, false, true, true]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! A line and its thread: each board in turn is given its next set point and asked for what it
-//! measures, in one exchange; orders go between the questions.
+//! measures, in one exchange; orders go between the questions. What all boards of the line are told
+//! alike goes out once, to all.
 //!
 //! # Timing contract
 //! A round takes an exchange a board: the frames' bytes, the silence between frames, up to a tick
@@ -11,7 +12,7 @@ use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use board_client::bus::client::{BusError, Client};
+use board_client::bus::client::{Address, BusError, Client};
 use board_client::bus::port::PortError;
 use model_core::Mode;
 use wire::State;
@@ -19,9 +20,12 @@ use wire::registers::{Access, Command, Id, VERSION, Value, mode_number, state_nu
 
 use crate::boards::Boards;
 use crate::clock::Clock;
-use crate::driving::Driving;
-use crate::lines::{Line, Member};
-use crate::seen::{Problem, Telemetry};
+use crate::driving::{Driving, Said};
+use crate::lines::Member;
+use crate::seen::{Problem, Progress, Telemetry};
+use crate::start::{Phase, Start};
+use crate::stream::{self, Stream, Time};
+use crate::trajectory::Trajectory;
 
 /// After so many questions without an answer a board counts as silent.
 const LOST: u32 = 3;
@@ -32,6 +36,19 @@ const STOPS: usize = 3;
 /// How often each step of a start is tried: the other boards of the line wait meanwhile, and vent if
 /// they wait for longer than 0.5 s.
 const TRIES: usize = 2;
+/// How long before a start the boards begin to count down: time for a frame to all, and for a look at
+/// each board whether it has heard it. Unit: s.
+const COUNTDOWN_S: f64 = 0.3;
+/// Until when before its start a board has to have its points. Unit: s.
+const PREPARED_S: f64 = 0.2;
+/// The least time that a countdown takes: what is due sooner is not begun. Unit: s.
+const LEAST_S: f64 = 0.02;
+/// How long behind its start a board may be found to play. Unit: s.
+const LATEST_S: f64 = 1.0;
+/// How often a countdown is sent where this machine has been too slow in between.
+const COUNTS: usize = 5;
+/// How long this machine may take to send a countdown: a tick of the board. Unit: s.
+const SENT_S: f64 = 1e-3;
 
 /// What is asked of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,13 +66,17 @@ pub enum Ask {
 pub enum Order {
     /// Stop and vent every board.
     StopAll,
-    /// Something of the board at this place of the line; who is told what became of it.
+    /// Something of the board of this number among all; who is told what became of it.
     One(usize, Ask, Sender<Result<(), String>>),
+    /// A trajectory for the board of this number among all.
+    Play(usize, Trajectory, Start),
+    /// These are the line's boards from now on, with their numbers among all.
+    Members(Vec<(usize, Member)>),
 }
 
 /// A board as its line's thread knows it.
-struct Asked<'a> {
-    member: &'a Member,
+struct Asked {
+    member: Member,
     /// Its place among all boards.
     index: usize,
     /// Time from tick to tick, once it has said who it is. Unit: s.
@@ -66,8 +87,20 @@ struct Asked<'a> {
     lost: u32,
     /// When it is asked again, if it is left alone.
     until: Option<Instant>,
-    /// The last sign of life.
-    heartbeat: u16,
+    /// Its client has said that it lives since its last turn, by an order to all.
+    lives: bool,
+    stream: Option<Stream>,
+    /// It has points of a trajectory that is left off.
+    clears: bool,
+}
+
+/// What a line's thread works with.
+struct Work<'a> {
+    client: &'a mut Client,
+    all: &'a Boards,
+    driving: &'a Driving,
+    /// The last sign of life, of all its boards: none hears the same twice.
+    heartbeat: &'a mut u16,
 }
 
 /// Why a round ends.
@@ -77,135 +110,278 @@ enum Ended {
     Gateway,
 }
 
-/// Asks the boards of a line until the sender of its orders is gone. `first`: the place of its first
-/// board among all boards.
-pub fn run(line: &Line, first: usize, all: &Boards, driving: &Driving, orders: &Receiver<Order>) {
-    let asked = |(index, member)| Asked {
-        member,
-        index: first + index,
-        period_s: None,
-        ticks: 0,
-        clock: None,
-        lost: 0,
-        until: None,
-        heartbeat: 0,
-    };
-    let mut boards: Vec<Asked<'_>> = line.boards.iter().enumerate().map(asked).collect();
+/// Asks the boards of a line until the sender of its orders is gone.
+pub fn run(
+    address: &Address,
+    members: Vec<(usize, Member)>,
+    all: &Boards,
+    driving: &Driving,
+    orders: &Receiver<Order>,
+) {
+    let mut boards: Vec<Asked> = members.into_iter().map(Asked::new).collect();
+    let mut heartbeat = 0;
     loop {
-        let ended = match Client::open(line.address.clone()) {
-            Ok(mut client) => rounds(&mut client, &mut boards, (all, driving), orders),
+        let ended = match Client::open(address.clone()) {
+            Ok(mut client) => {
+                let work = Work { client: &mut client, all, driving, heartbeat: &mut heartbeat };
+                work.rounds(&mut boards, orders)
+            }
             Err(error) => Ended::Port(error),
         };
         let Ended::Port(error) = ended else { return };
         for board in &mut boards {
             driving.end(board.index);
+            board.leave_off(all, driving, "the line's port is gone".to_owned());
             all.problem(board.index, Problem::Port(error.to_string()));
             (board.period_s, board.clock) = (None, None);
         }
-        if !is_patient(orders) {
+        if !is_patient(&mut boards, orders) {
             return;
         }
     }
 }
 
 /// Waits a while; whether the gateway goes on. Orders that come meanwhile reach nobody.
-fn is_patient(orders: &Receiver<Order>) -> bool {
+fn is_patient(boards: &mut Vec<Asked>, orders: &Receiver<Order>) -> bool {
     thread::sleep(PATIENCE);
     loop {
         match orders.try_recv() {
-            Ok(_) => {}
+            Ok(Order::Members(members)) => drop(arrange(boards, members)),
+            Ok(Order::Play(_, _, start)) => start.give_up("the line's port is not there".to_owned()),
+            Ok(Order::StopAll | Order::One(..)) => {}
             Err(TryRecvError::Empty) => return true,
             Err(TryRecvError::Disconnected) => return false,
         }
     }
 }
 
-fn rounds(
-    client: &mut Client,
-    boards: &mut [Asked<'_>],
-    (all, driving): (&Boards, &Driving),
-    orders: &Receiver<Order>,
-) -> Ended {
-    loop {
-        let begin = Instant::now();
-        let mut is_idle = true;
-        for place in 0..boards.len() {
-            if let Err(ended) = obey(client, boards, driving, orders) {
+/// Gives a line these boards; those that stay are as they were. Answers those that go.
+fn arrange(boards: &mut Vec<Asked>, members: Vec<(usize, Member)>) -> Vec<Asked> {
+    let mut before = std::mem::take(boards);
+    for (index, member) in members {
+        match before.iter().position(|board| board.index == index) {
+            Some(place) => boards.push(Asked { member, ..before.swap_remove(place) }),
+            None => boards.push(Asked::new((index, member))),
+        }
+    }
+    before
+}
+
+impl Work<'_> {
+    fn rounds(mut self, boards: &mut Vec<Asked>, orders: &Receiver<Order>) -> Ended {
+        loop {
+            if let Err(ended) = self.round(boards, orders) {
                 return ended;
             }
-            let Some(board) = boards.get_mut(place) else { continue };
+        }
+    }
+
+    fn round(&mut self, boards: &mut Vec<Asked>, orders: &Receiver<Order>) -> Result<(), Ended> {
+        let begin = Instant::now();
+        let mut is_idle = true;
+        self.tell_all(boards)?;
+        let mut place = 0;
+        loop {
+            self.obey(boards, orders)?;
+            self.count_down(boards)?;
+            let Some(board) = boards.get_mut(place) else { break };
+            place += 1;
             if board.until.is_some_and(|until| Instant::now() < until) {
+                board.tend(self.all, self.driving);
                 continue;
             }
             is_idle = false;
-            client.turn_to(board.member.number);
-            match board.ask(client, driving) {
-                Ok(telemetry) => {
-                    board.lost = 0;
-                    board.until = None;
-                    if !telemetry.state.is_driven() {
-                        driving.vented(board.index);
-                    }
-                    all.telemetry(board.index, telemetry);
-                }
-                Err(Unanswered::Port(error)) => return Ended::Port(error),
-                Err(Unanswered::Other(problem)) => {
-                    board.lost = board.lost.saturating_add(1);
-                    all.lost(board.index);
-                    if board.lost >= LOST || !matches!(problem, Problem::Silent(_)) {
-                        board.until = Some(Instant::now() + PATIENCE);
-                        board.period_s = None;
-                        driving.end(board.index);
-                        all.problem(board.index, problem);
-                    }
-                }
-            }
+            self.turn(board)?;
         }
         if is_idle {
+            // An order that comes is seen after as long.
             thread::sleep(Duration::from_millis(10));
         } else {
-            all.round(boards.iter().map(|board| board.index), begin.elapsed());
+            self.all.round(boards.iter().map(|board| board.index), begin.elapsed());
+        }
+        Ok(())
+    }
+
+    /// A board's turn: it is told, asked, and given points of its trajectory.
+    fn turn(&mut self, board: &mut Asked) -> Result<(), Ended> {
+        self.client.turn_to(board.member.number);
+        board.tend(self.all, self.driving);
+        if board.clears {
+            match stream::clear(self.client) {
+                Err(BusError::Port(error)) => return Err(Ended::Port(error)),
+                Err(error) if error.is_lost() => {}
+                // What is refused it has not.
+                _ => board.clears = false,
+            }
+        }
+        let said = self.driving.take(board.index);
+        let lives = std::mem::take(&mut board.lives) || said.is_some();
+        match board.ask(self.client, said, self.heartbeat) {
+            Ok(telemetry) => {
+                board.lost = 0;
+                board.until = None;
+                if !telemetry.state.is_driven() {
+                    self.driving.vented(board.index);
+                }
+                self.all.telemetry(board.index, telemetry);
+                if lives { self.play_on(board) } else { Ok(()) }
+            }
+            Err(Unanswered::Port(error)) => Err(Ended::Port(error)),
+            Err(Unanswered::Other(problem)) => {
+                board.lost = board.lost.saturating_add(1);
+                self.all.lost(board.index);
+                if board.lost >= LOST || !matches!(problem, Problem::Silent(_)) {
+                    board.until = Some(Instant::now() + PATIENCE);
+                    board.period_s = None;
+                    self.driving.end(board.index);
+                    self.all.problem(board.index, problem);
+                }
+                Ok(())
+            }
         }
     }
-}
 
-/// Carries out what the line was asked for.
-fn obey(
-    client: &mut Client,
-    boards: &mut [Asked<'_>],
-    driving: &Driving,
-    orders: &Receiver<Order>,
-) -> Result<(), Ended> {
-    loop {
-        let order = match orders.try_recv() {
-            Ok(order) => order,
-            Err(TryRecvError::Empty) => return Ok(()),
-            Err(TryRecvError::Disconnected) => return Err(Ended::Gateway),
+    /// Tells all boards of the line at once, where their clients have said the same to each.
+    fn tell_all(&mut self, boards: &mut [Asked]) -> Result<(), Ended> {
+        if boards.len() < 2 || boards.iter().any(|board| board.until.is_some()) {
+            return Ok(());
+        }
+        let indices: Vec<usize> = boards.iter().map(|board| board.index).collect();
+        let Some(said) = self.driving.take_common(&indices) else { return Ok(()) };
+        let (address, words) = told(said, self.heartbeat);
+        self.client.write_all(address, &words).map_err(Ended::Port)?;
+        boards.iter_mut().for_each(|board| board.lives = true);
+        Ok(())
+    }
+
+    /// Counts the boards that wait for their start down to it, all at once.
+    fn count_down(&mut self, boards: &mut [Asked]) -> Result<(), Ended> {
+        if boards.iter().any(|board| board.clears && board.until.is_none()) {
+            // It would begin with the others.
+            return Ok(());
+        }
+        let waiting = boards.iter().find_map(|board| {
+            let stream = board.stream.as_ref().filter(|stream| stream.awaits_countdown())?;
+            Some((stream.start().clone(), board.period_s?))
+        });
+        let Some((start, period_s)) = waiting else { return Ok(()) };
+        if start.at_s - Boards::now_s() > COUNTDOWN_S {
+            return Ok(());
+        }
+        for _ in 0..COUNTS {
+            self.client.settle();
+            let sent_s = Boards::now_s();
+            let left_s = start.at_s - sent_s - self.client.heard_in(1).as_secs_f64();
+            if left_s < LEAST_S {
+                break;
+            }
+            let ticks = (left_s / period_s).round() as u16;
+            self.client.write_all(Id::StreamPlayIn.register().address, &[ticks]).map_err(Ended::Port)?;
+            if Boards::now_s() - sent_s < SENT_S {
+                boards.iter_mut().filter_map(|board| board.stream.as_mut()).for_each(Stream::counted);
+                return Ok(());
+            }
+        }
+        start.give_up("the countdown could not be sent in time".to_owned());
+        Ok(())
+    }
+
+    /// Takes a board's trajectory a step further.
+    fn play_on(&mut self, board: &mut Asked) -> Result<(), Ended> {
+        if board.clears {
+            // What is pushed now would be forgotten with the rest.
+            return Ok(());
+        }
+        let (Some(stream), Some(period_s)) = (&mut board.stream, board.period_s) else { return Ok(()) };
+        let drift = board.clock.as_ref().map_or(0.0, |clock| clock.drift().0);
+        match stream.step(self.client, Time { now_s: Boards::now_s(), period_s, drift }) {
+            Ok(None) => {}
+            Ok(Some(Progress::Playing { start_tick, .. })) => {
+                let (start_s, bound_s) = board.time_of(start_tick, period_s);
+                self.all.progress(board.index, Progress::Playing { start_tick, start_s, bound_s });
+            }
+            Ok(Some(progress @ Progress::Ready { .. })) => self.all.progress(board.index, progress),
+            Ok(Some(progress)) => {
+                board.stream = None;
+                self.driving.plays(board.index, false);
+                self.all.progress(board.index, progress);
+            }
+            Err(BusError::Port(error)) => return Err(Ended::Port(error)),
+            // It is asked again.
+            Err(error) if error.is_lost() => {}
+            Err(error) => board.leave_off(self.all, self.driving, error.to_string()),
+        }
+        Ok(())
+    }
+
+    /// Carries out what the line was asked for.
+    fn obey(&mut self, boards: &mut Vec<Asked>, orders: &Receiver<Order>) -> Result<(), Ended> {
+        loop {
+            let order = match orders.try_recv() {
+                Ok(order) => order,
+                Err(TryRecvError::Empty) => return Ok(()),
+                Err(TryRecvError::Disconnected) => return Err(Ended::Gateway),
+            };
+            let find = |boards: &mut Vec<Asked>, index| boards.iter().position(|board| board.index == index);
+            match order {
+                Order::StopAll => {
+                    for _ in 0..STOPS {
+                        let stop = [Command::Stop.number()];
+                        let address = Id::Command.register().address;
+                        self.client.write_all(address, &stop).map_err(Ended::Port)?;
+                    }
+                }
+                Order::One(index, ask, told) => {
+                    let Some(board) = find(boards, index).and_then(|place| boards.get_mut(place)) else {
+                        continue;
+                    };
+                    self.carry_out(board, ask, &told)?;
+                }
+                Order::Play(index, trajectory, start) => {
+                    match find(boards, index).and_then(|place| boards.get_mut(place)) {
+                        Some(board) => board.stream = Some(Stream::new(trajectory, start)),
+                        None => start.give_up("a board is no longer on its line".to_owned()),
+                    }
+                }
+                Order::Members(members) => {
+                    for mut board in arrange(boards, members) {
+                        board.leave_off(self.all, self.driving, "the board was taken out".to_owned());
+                        if self.driving.is_driven(board.index) {
+                            self.driving.end(board.index);
+                            self.client.turn_to(board.member.number);
+                            // It vents by itself where it has not heard this.
+                            let _ = command(self.client, Command::Stop);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn carry_out(
+        &mut self,
+        board: &mut Asked,
+        ask: Ask,
+        told: &Sender<Result<(), String>>,
+    ) -> Result<(), Ended> {
+        self.client.turn_to(board.member.number);
+        let done = match ask {
+            Ask::Start => board.start(self.client, self.heartbeat),
+            // It may be heard twice.
+            Ask::Stop => {
+                let address = Id::Command.register().address;
+                self.client.write_in(address, &[Command::Stop.number()], TRIES)
+            }
+            Ask::Acknowledge => command(self.client, Command::Acknowledge),
         };
-        match order {
-            Order::StopAll => {
-                for _ in 0..STOPS {
-                    let stop = [Command::Stop.number()];
-                    client.write_all(Id::Command.register().address, &stop).map_err(Ended::Port)?;
-                }
-            }
-            Order::One(place, ask, told) => {
-                let Some(board) = boards.get_mut(place) else { continue };
-                client.turn_to(board.member.number);
-                let done = match ask {
-                    Ask::Start => board.start(client),
-                    Ask::Stop => command(client, Command::Stop),
-                    Ask::Acknowledge => command(client, Command::Acknowledge),
-                };
-                if ask == Ask::Start && done.is_ok() {
-                    driving.started(board.index);
-                }
-                // Who has asked may have given up meanwhile.
-                let _ = told.send(done.as_ref().copied().map_err(BusError::to_string));
-                if let Err(BusError::Port(error)) = done {
-                    return Err(Ended::Port(error));
-                }
-            }
+        if ask == Ask::Start && done.is_ok() {
+            self.driving.started(board.index);
+        }
+        // Who has asked may have given up meanwhile.
+        let _ = told.send(done.as_ref().copied().map_err(BusError::to_string));
+        match done {
+            Err(BusError::Port(error)) => Err(Ended::Port(error)),
+            _ => Ok(()),
         }
     }
 }
@@ -213,6 +389,18 @@ fn obey(
 /// Gives the board that the client is turned to a command, once.
 fn command(client: &mut Client, command: Command) -> Result<(), BusError> {
     client.write_once(Id::Command.register().address, &[command.number()], 1)
+}
+
+/// What a client says as registers, with the next sign of life: their address and words.
+fn told(said: Said, heartbeat: &mut u16) -> (u16, Vec<u16>) {
+    *heartbeat = heartbeat.wrapping_add(1);
+    match said {
+        Said::Lives => (Id::Heartbeat.register().address, vec![*heartbeat]),
+        Said::SetPoint(mm) => {
+            let points = [Value::F32(mm as f32), Value::F32(0.0), Value::U16(*heartbeat)];
+            (Id::SetpointMm.register().address, points.into_iter().flat_map(Value::words).collect())
+        }
+    }
 }
 
 /// Why there is no telemetry.
@@ -231,10 +419,61 @@ impl From<BusError> for Unanswered {
     }
 }
 
-impl Asked<'_> {
-    /// Brings the board to track from where its muscle is. The valve opens in two steps; where it is
+impl Asked {
+    fn new((index, member): (usize, Member)) -> Self {
+        Self {
+            member,
+            index,
+            period_s: None,
+            ticks: 0,
+            clock: None,
+            lost: 0,
+            until: None,
+            lives: false,
+            stream: None,
+            clears: false,
+        }
+    }
+
+    /// Looks whether its trajectory is still to be played; leaves it off if not.
+    fn tend(&mut self, all: &Boards, driving: &Driving) {
+        let Some(stream) = &self.stream else { return };
+        if !driving.is_driven(self.index) {
+            self.leave_off(all, driving, "the board is driven no longer".to_owned());
+        } else if let (true, Phase::GivenUp(reason)) = (stream.waits(), stream.start().phase()) {
+            self.leave_off(all, driving, reason);
+        } else if !stream.is_filled() && stream.start().at_s - Boards::now_s() < PREPARED_S {
+            stream.start().give_up(format!(
+                "{} has not got its points in time: does its client say that it lives?",
+                self.member.name
+            ));
+        } else if stream.waits() && stream.start().at_s - Boards::now_s() < -LATEST_S {
+            stream.start().give_up(format!("{} has not begun", self.member.name));
+        }
+    }
+
+    /// Leaves its trajectory off, and that of those that were to begin with it.
+    fn leave_off(&mut self, all: &Boards, driving: &Driving, reason: String) {
+        if let Some(stream) = self.stream.take() {
+            if stream.waits() {
+                stream.start().give_up(format!("{}: {reason}", self.member.name));
+            }
+            self.clears = true;
+            driving.plays(self.index, false);
+            all.progress(self.index, Progress::Ended { reason });
+        }
+    }
+
+    /// When a tick was that lies not far back, and by how much that may be off. Unit: s.
+    fn time_of(&self, tick: u32, period_s: f64) -> (f64, f64) {
+        let since = (self.ticks as u32).wrapping_sub(tick).cast_signed();
+        let board_s = (self.ticks as f64 - f64::from(since)) * period_s;
+        self.clock.as_ref().map_or((0.0, f64::INFINITY), |clock| clock.at(board_s))
+    }
+
+    /// Brings the board to track from where the muscle is. The valve opens in two steps; where it is
     /// not known whether it has, the board is stopped.
-    fn start(&mut self, client: &mut Client) -> Result<(), BusError> {
+    fn start(&mut self, client: &mut Client, heartbeat: &mut u16) -> Result<(), BusError> {
         let (setpoint, contraction) = (Id::SetpointMm.register(), Id::ContractionMm.register());
         let words = client.read_in(contraction.address, contraction.words(), TRIES)?;
         let measured_mm = Value::of_words(contraction.kind, &words).map_or(0.0, Value::number);
@@ -243,7 +482,8 @@ impl Asked<'_> {
             _ => measured_mm,
         };
         let mode = [mode_number(Mode::Both)];
-        let words: Vec<u16> = mode.into_iter().chain(self.set_point(here_mm)).collect();
+        let (_, set_point) = told(Said::SetPoint(here_mm), heartbeat);
+        let words: Vec<u16> = mode.into_iter().chain(set_point).collect();
         client.write_in(Id::Mode.register().address, &words, TRIES)?;
         client.write_in(Id::Command.register().address, &[Command::Arm.number()], TRIES)?;
         match command(client, Command::Start) {
@@ -260,15 +500,13 @@ impl Asked<'_> {
         }
     }
 
-    /// A set point with the next sign of life, from the register `setpoint_mm` on.
-    fn set_point(&mut self, mm: f64) -> Vec<u16> {
-        self.heartbeat = self.heartbeat.wrapping_add(1);
-        let points = [Value::F32(mm as f32), Value::F32(0.0), Value::U16(self.heartbeat)];
-        points.into_iter().flat_map(Value::words).collect()
-    }
-
-    /// Asks once; gives the board its next set point, if there is one.
-    fn ask(&mut self, client: &mut Client, driving: &Driving) -> Result<Telemetry, Unanswered> {
+    /// Asks once; tells the board what its client has said, if it has said anything.
+    fn ask(
+        &mut self,
+        client: &mut Client,
+        said: Option<Said>,
+        heartbeat: &mut u16,
+    ) -> Result<Telemetry, Unanswered> {
         let period_s = match self.period_s {
             Some(period_s) => period_s,
             None => *self.period_s.insert(period_s(client)?),
@@ -276,10 +514,10 @@ impl Asked<'_> {
         let (first, last) = (Id::State.register(), Telemetry::LAST.register());
         let sent_s = Boards::now_s();
         let (address, count) = (first.address, last.end() - first.address);
-        let words = match driving.take(self.index) {
-            Some(mm) => {
-                let written = self.set_point(mm);
-                client.write_and_read((Id::SetpointMm.register().address, &written), address, count)
+        let words = match said {
+            Some(said) => {
+                let (to, written) = told(said, heartbeat);
+                client.write_and_read((to, &written), address, count)
             }
             None => client.read_in(address, count, 1),
         }?;
@@ -308,7 +546,12 @@ impl Asked<'_> {
 
 /// Asks a board who it is; answers the time from tick to tick. Unit: s.
 fn period_s(client: &mut Client) -> Result<f64, Unanswered> {
+    // What is late of questions before is nobody's second answer.
+    client.forget().map_err(Unanswered::Port)?;
     let version = client.read_in(Id::RegistersVersion.register().address, 1, 1)?;
+    if client.forget().map_err(Unanswered::Port)? > 0 {
+        return Err(Unanswered::Other(Problem::Several));
+    }
     if version != [VERSION] {
         return Err(Unanswered::Other(Problem::OtherVersion(version.first().copied().unwrap_or_default())));
     }

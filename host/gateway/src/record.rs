@@ -80,13 +80,12 @@ impl Record {
             }
         }
         let file = File::create(&part).map_err(|problem| RecordError::Io { path: part.clone(), problem })?;
-        let names = boards.all();
-        let mut sheet = Sheet::begin(part, file, &names)?;
+        let mut sheet = Sheet::begin(part, file, boards)?;
         let is_ended = Arc::new(AtomicBool::new(false));
         let ended = is_ended.clone();
         let (listener, path) = (boards.listen(), path.to_owned());
         let thread = thread::spawn(move || {
-            let recorded = sheet.run(&listener, &names, &ended).and_then(|()| sheet.finish(&path));
+            let recorded = sheet.run(&listener, &ended).and_then(|()| sheet.finish(&path));
             if let Err(error) = &recorded {
                 eprintln!("warning: the recording has ended: {error}");
             }
@@ -135,8 +134,14 @@ struct Channel {
     count: u32,
 }
 
+/// State and fault of a board, or why it is not seen.
+type Seen = Result<(wire::State, u8), Problem>;
+
 /// The topics of a board.
 struct Topics {
+    board: Board,
+    /// How it was last seen.
+    last: Option<Seen>,
     state: Channel,
     reference: Channel,
     pressure: Channel,
@@ -146,6 +151,8 @@ struct Topics {
 /// The file, while it grows.
 struct Sheet {
     out: Out,
+    all: Boards,
+    /// Of each board at its place among all.
     boards: Vec<Topics>,
     diagnostics: Channel,
 }
@@ -188,53 +195,56 @@ impl Out {
 }
 
 impl Sheet {
-    fn begin(part: PathBuf, file: File, boards: &[Board]) -> Result<Self, RecordError> {
+    fn begin(part: PathBuf, file: File, all: &Boards) -> Result<Self, RecordError> {
         let options =
             WriteOptions::new().profile("ros2").library(concat!("mgpi ", env!("CARGO_PKG_VERSION")));
         let writer = options.create(BufWriter::new(file));
         let writer = writer.map_err(|problem| RecordError::Mcap { path: part.clone(), problem })?;
         let mut out = Out { part, writer };
-        let mut topics = |board: &Board| {
+        let diagnostics = out.channel::<DiagnosticArray>("/diagnostics")?;
+        let mut sheet = Self { out, all: all.clone(), boards: Vec::new(), diagnostics };
+        sheet.arrange()?;
+        Ok(sheet)
+    }
+
+    /// There are other boards than before: those that are new get their topics.
+    fn arrange(&mut self) -> Result<(), RecordError> {
+        let Self { out, all, boards, .. } = self;
+        for board in all.all().into_iter().skip(boards.len()) {
             let topic = |what: &str| format!("/{}/{what}", board.name);
-            Ok(Topics {
+            boards.push(Topics {
                 state: out.channel::<JointState>(&topic("joint_state"))?,
                 reference: out.channel::<JointState>(&topic("joint_reference"))?,
                 pressure: out.channel::<FluidPressure>(&topic("pressure"))?,
                 command: out.channel::<FluidPressure>(&topic("command"))?,
-            })
-        };
-        let boards = boards.iter().map(&mut topics).collect::<Result<_, RecordError>>()?;
-        let diagnostics = out.channel::<DiagnosticArray>("/diagnostics")?;
-        Ok(Self { out, boards, diagnostics })
+                board,
+                last: None,
+            });
+        }
+        Ok(())
     }
 
-    fn run(
-        &mut self,
-        listener: &Listener,
-        boards: &[Board],
-        is_ended: &AtomicBool,
-    ) -> Result<(), RecordError> {
-        let mut last = vec![None; boards.len()];
+    fn run(&mut self, listener: &Listener, is_ended: &AtomicBool) -> Result<(), RecordError> {
         let mut flushed = Instant::now();
         while !is_ended.load(Ordering::Relaxed) {
             let news = listener.next(PATIENCE);
             let (index, now) = match &news {
                 Some(News::Telemetry(index, told)) => (*index, Ok((told.state, told.fault))),
                 Some(News::Problem(index, problem)) => (*index, Err(problem.clone())),
-                None => continue,
+                Some(News::Arranged) => {
+                    self.arrange()?;
+                    continue;
+                }
+                Some(News::Trajectory(..)) | None => continue,
             };
-            let (Some(board), Some(last)) = (boards.get(index), last.get_mut(index)) else { continue };
             let time_s = match &news {
                 Some(News::Telemetry(_, told)) => {
-                    self.telemetry(index, &board.name, told)?;
+                    self.telemetry(index, told)?;
                     told.time_s
                 }
                 _ => Boards::now_s(),
             };
-            if last.as_ref() != Some(&now) {
-                self.change(board, &now, time_s)?;
-                *last = Some(now);
-            }
+            self.change(index, now, time_s)?;
             if flushed.elapsed() >= FLUSH {
                 flushed = Instant::now();
                 self.out.writer.flush().map_err(|problem| self.out.of(problem))?;
@@ -243,17 +253,18 @@ impl Sheet {
         Ok(())
     }
 
-    fn telemetry(&mut self, index: usize, name: &str, told: &Telemetry) -> Result<(), RecordError> {
+    fn telemetry(&mut self, index: usize, told: &Telemetry) -> Result<(), RecordError> {
         let (Some(topics), out) = (self.boards.get_mut(index), &mut self.out) else { return Ok(()) };
+        let name = &topics.board.name;
         let unix_s = Boards::unix_s(told.time_s);
         let joint = |mm: f64| JointState {
             header: Header::at_s(unix_s),
-            name: vec![name.to_owned()],
+            name: vec![name.clone()],
             position: vec![mm / MM_PER_M],
             ..JointState::default()
         };
         let pressure = |bar: f64| FluidPressure {
-            header: Header { frame_id: name.to_owned(), ..Header::at_s(unix_s) },
+            header: Header { frame_id: name.clone(), ..Header::at_s(unix_s) },
             fluid_pressure: PA_PER_BAR * bar,
             variance: 0.0,
         };
@@ -265,13 +276,13 @@ impl Sheet {
         out.write(&mut topics.command, unix_s, &pressure(told.command_bar))
     }
 
-    fn change(
-        &mut self,
-        board: &Board,
-        now: &Result<(wire::State, u8), Problem>,
-        time_s: f64,
-    ) -> Result<(), RecordError> {
-        let (level, message) = match now {
+    /// Writes how a board is seen, if that is new.
+    fn change(&mut self, index: usize, now: Seen, time_s: f64) -> Result<(), RecordError> {
+        let Some(Topics { board, last, .. }) = self.boards.get_mut(index) else { return Ok(()) };
+        if last.as_ref() == Some(&now) {
+            return Ok(());
+        }
+        let (level, message) = match &now {
             Ok((_, fault)) if *fault != 0 => {
                 let name =
                     wire::Fault::of_code(*fault).map_or_else(String::new, |fault| format!(": {fault:?}"));
@@ -284,6 +295,7 @@ impl Sheet {
         let status =
             DiagnosticStatus { level, name: board.name.clone(), message, hardware_id, values: Vec::new() };
         let unix_s = Boards::unix_s(time_s);
+        *last = Some(now);
         let message = DiagnosticArray { header: Header::at_s(unix_s), status: vec![status] };
         self.out.write(&mut self.diagnostics, unix_s, &message)
     }

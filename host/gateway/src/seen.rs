@@ -91,6 +91,55 @@ impl Telemetry {
     }
 }
 
+/// How far a board's trajectory has come. Times are since the gateway's start. Unit: s.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress {
+    /// The board has its points, and waits for the start.
+    Ready {
+        /// When that shall be.
+        start_s: f64,
+    },
+    /// It plays.
+    Playing {
+        /// The tick that had the start as its set point.
+        start_tick: u32,
+        /// When that was.
+        start_s: f64,
+        /// By how much that may be off.
+        bound_s: f64,
+    },
+    /// It has come to its end, where the board stays.
+    Done {
+        /// Ticks in which points were missing.
+        underrun_ticks: u32,
+    },
+    /// It has not begun, or not come to its end.
+    Ended {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl Progress {
+    /// A word for it, as programs are told.
+    pub fn phase(&self) -> &'static str {
+        match self {
+            Self::Ready { .. } => "ready",
+            Self::Playing { .. } => "playing",
+            Self::Done { .. } => "done",
+            Self::Ended { .. } => "ended",
+        }
+    }
+
+    /// For people.
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::Ended { reason } => format!("ended: {reason}"),
+            _ => self.phase().to_owned(),
+        }
+    }
+}
+
 /// Why a board is not seen.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Problem {
@@ -100,6 +149,8 @@ pub enum Problem {
     Silent(String),
     /// Its registers are of this version.
     OtherVersion(u16),
+    /// More than one answers by its number, or somebody sends unasked.
+    Several,
     /// Something that has no such registers; in words.
     NotABoard(String),
 }
@@ -114,6 +165,11 @@ impl Problem {
                  program",
                 wire::registers::VERSION
             ),
+            Self::Several => {
+                "more than one board answers by this number, or somebody sends unasked: `mgpi scan` tells, \
+                              with one board connected alone"
+                    .to_owned()
+            }
             Self::NotABoard(words) => format!("no valve board answers: {words}"),
         }
     }

@@ -190,7 +190,7 @@ fn a_network_that_cannot_be_is_refused_and_nothing_is_recorded() {
     let taken = format!("--zenoh tcp/{}", taken.local_addr().expect("bound"));
     for (options, message) in [
         ("--ros-domain 0", "--ros-domain needs --zenoh"),
-        ("--zenoh tcp/127.0.0.1:0 --name a/b", "the name \"a/b\" cannot be part of a key"),
+        ("--zenoh tcp/127.0.0.1:0 --name a/b", "the name \"a/b\": this name cannot be part of a key"),
         ("--zenoh 127.0.0.1", "Zenoh: "),
         (&*taken, "Zenoh: "),
         ("--zenoh-config none.json5", "none.json5"),

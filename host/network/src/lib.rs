@@ -6,7 +6,7 @@
 //! | `keys` | the keys under which boards are found |
 //! | `session` | how a gateway is on the network |
 //! | `publish` | telemetry, states and liveliness |
-//! | `orders` | starts, stops and set points that come in |
+//! | `orders` | starts, stops, trajectories and set points that come in |
 //! | `ros` | the same for ROS 2, as its middleware `rmw_zenoh` sees it |
 //! | `lib` | all of them together |
 //!
@@ -29,6 +29,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gateway::Gateway;
+use gateway::lines::NO_NAME;
 use thiserror::Error;
 use zenoh::{Session, Wait};
 
@@ -39,10 +40,7 @@ use crate::session::Access;
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
 pub enum NetworkError {
-    #[error(
-        "the name \"{name}\" cannot be part of a key: it must not be empty, begin with @, or have one of / * $ # ? or a \
-         space in it"
-    )]
+    #[error("the name \"{name}\": {NO_NAME}")]
     Name { name: String },
     #[error("{}: {problem}", file.display())]
     File { file: PathBuf, problem: String },
@@ -55,6 +53,9 @@ impl NetworkError {
         Self::Access { words: problem.to_string() }
     }
 }
+
+/// Reads the gateway's file again; why it is of no use, if so.
+pub type Reload = Arc<dyn Fn() -> Result<(), String> + Send + Sync>;
 
 /// What a gateway is on the network.
 #[derive(Clone, Debug)]
@@ -77,14 +78,14 @@ pub struct Network {
 }
 
 impl Network {
-    /// Brings a gateway on the network.
+    /// Brings a gateway on the network; `reload` reads its file again.
     ///
     /// # Errors
     /// The name is no name, or the session cannot be opened.
-    pub fn start(gateway: &Arc<Gateway>, settings: &Settings) -> Result<Self, NetworkError> {
+    pub fn start(gateway: &Arc<Gateway>, reload: &Reload, settings: &Settings) -> Result<Self, NetworkError> {
         let keys = Keys::of(&settings.name, &gateway.boards().all())?;
         let session = settings.access.open()?;
-        let (orders, refusals) = orders::Orders::start(&session, gateway, &keys)?;
+        let (orders, refusals) = orders::Orders::start(&session, gateway, reload, &keys)?;
         let publisher = publish::Publisher::start(&session, gateway.boards(), &keys, refusals)?;
         let face = |domain| ros::Face::start(&session, gateway, &settings.name, domain);
         let ros = settings.ros_domain.map(face).transpose()?;

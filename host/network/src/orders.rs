@@ -3,19 +3,23 @@
 //! | key | what | answer |
 //! |---|---|---|
 //! | `order` of a board | a query with `{"order": "start"}`, `"stop"` or `"acknowledge"` | `{"done": true}`, of a start with its `grant`; or an error with its `reason` |
-//! | `setpoint` of a board | `{"grant": 7, "sequence": 1, "setpoint_mm": 20.0, "sent_s": 1.7e9}` | none; on `refused` if it is not taken |
+//! | `setpoint` of a board | `{"grant": 7, "sequence": 1, "setpoint_mm": 20.0, "sent_s": 1.7e9}`; without `setpoint_mm` a sign of life alone | none; on `refused` if it is not taken |
+//! | `order` and `setpoint` of a group | the same for all of its boards, with one grant | one, for all; set points on `refused` of each board |
+//! | `trajectory` of the gateway | a query with `{"start_s": 1.7e9, "parts": [{"board": "biceps", "grant": 7, "points": [[0.5, 20.0]]}]}` | `{"done": true, "start_s": 1.7e9}`, or an error with its `reason` |
+//! | `reload` of the gateway | a query: the file of the lines is read again | `{"done": true}`, or an error with its `reason` |
 //! | `stop` of the gateway | anything | none: every board of every line is stopped and vented |
 //!
-//! A query may be for many boards at once, by a pattern in its key; each answers by its own key.
+//! A query may be for many boards at once, by a pattern in its key; each answers by its own key. A
+//! query by keys of another version is answered by an error that says so.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
-use gateway::Gateway;
 use gateway::boards::Boards;
 use gateway::driving::SetPoint;
-use serde::Deserialize;
+use gateway::{Gateway, Part};
+use serde::{Deserialize, Deserializer};
 use serde_json::{Value, json};
 use zenoh::bytes::Encoding;
 use zenoh::handlers::{FifoChannel, FifoChannelHandler};
@@ -25,8 +29,8 @@ use zenoh::query::{Query, Queryable};
 use zenoh::sample::Sample;
 use zenoh::{Session, Wait};
 
-use crate::NetworkError;
-use crate::keys::Keys;
+use crate::keys::{Keys, VERSION};
+use crate::{NetworkError, Reload};
 
 /// How many orders, and how many words of refusal, may wait: beyond them a client that floods is
 /// told no more.
@@ -46,7 +50,7 @@ pub struct Refusal {
 /// Takes orders, until it is dropped.
 #[derive(Debug)]
 pub struct Orders {
-    _setpoints: Subscriber<()>,
+    _setpoints: [Subscriber<()>; 2],
     _stop: Subscriber<()>,
 }
 
@@ -69,8 +73,31 @@ enum Kind {
 struct SetPointMessage {
     grant: u32,
     sequence: u64,
-    setpoint_mm: f64,
+    #[serde(default, deserialize_with = "given")]
+    setpoint_mm: Option<f64>,
     sent_s: f64,
+}
+
+/// A number that is there has to be one: what a program writes for none is no sign of life.
+fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    f64::deserialize(deserializer).map(Some)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TrajectoryMessage {
+    start_s: Option<f64>,
+    parts: Vec<PartMessage>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PartMessage {
+    /// The name of a board or a group.
+    board: String,
+    grant: u32,
+    /// Time from the start on (s), set point (mm).
+    points: Vec<(f64, f64)>,
 }
 
 impl Orders {
@@ -81,24 +108,34 @@ impl Orders {
     pub fn start(
         session: &Session,
         gateway: &Arc<Gateway>,
+        reload: &Reload,
         keys: &Keys,
     ) -> Result<(Self, Receiver<Refusal>), NetworkError> {
         let of = |problem: zenoh::Error| NetworkError::of(&problem);
-        let queries = session
-            .declare_queryable(keys.of_any("order"))
-            .with(FifoChannel::new(WAITING))
-            .wait()
-            .map_err(of)?;
         let (all, its) = (gateway.clone(), keys.clone());
-        // It ends with the session: an order may wait for its line, which must not hold up others.
-        thread::spawn(move || answer(&queries, &all, &its));
+        answer_each(session, keys.of_any("order"), move |query| answer(query, &all, &its))?;
+        let (all, its) = (gateway.clone(), keys.clone());
+        answer_each(session, keys.of_any_group("order"), move |query| answer_group(query, &all, &its))?;
+        let (all, key) = (gateway.clone(), keys.of_all("trajectory"));
+        answer_each(session, key.clone(), move |query| reply(query, &key, play(&all, &content(query))))?;
+        let (reload, key) = (reload.clone(), keys.of_all("reload"));
+        answer_each(session, key.clone(), move |query| {
+            reply(query, &key, reload().map(|()| json!({"done": true})));
+        })?;
+        answer_each(session, keys.of_any_version(), other_version)?;
         let (refused, refusals) = sync_channel(WAITING);
-        let (all, its) = (gateway.clone(), keys.clone());
-        let setpoints = session
-            .declare_subscriber(keys.of_any("setpoint"))
-            .callback(move |sample| take(&sample, &all, &its, &refused))
-            .wait()
-            .map_err(of)?;
+        let subscribe = |keys_of: String, refused: SyncSender<Refusal>| {
+            let (all, its) = (gateway.clone(), keys.clone());
+            session
+                .declare_subscriber(keys_of)
+                .callback(move |sample| take(&sample, &all, &its, &refused))
+                .wait()
+                .map_err(of)
+        };
+        let setpoints = [
+            subscribe(keys.of_any("setpoint"), refused.clone())?,
+            subscribe(keys.of_any_group("setpoint"), refused)?,
+        ];
         let all = gateway.clone();
         let stop = session
             .declare_subscriber(keys.of_all("stop"))
@@ -109,51 +146,127 @@ impl Orders {
     }
 }
 
-/// Answers until the session ends.
-fn answer(queries: &Queryable<FifoChannelHandler<Query>>, gateway: &Gateway, keys: &Keys) {
-    while let Ok(query) = queries.recv() {
-        let content = query.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default();
-        let order: Result<Order, _> = serde_json::from_slice(&content);
-        for (index, key) in of_pattern(keys, "order", query.key_expr()) {
-            let done = match &order {
-                Ok(Order { order }) => carry_out(gateway, index, *order),
-                Err(problem) => Err(format!("no order: {problem}")),
-            };
-            // Who has asked may have gone.
-            let _ = match done {
-                Ok(told) => query.reply(key, told.to_string()).encoding(Encoding::APPLICATION_JSON).wait(),
-                Err(reason) => query
-                    .reply_err(json!({"key": key, "reason": reason}).to_string())
-                    .encoding(Encoding::APPLICATION_JSON)
-                    .wait(),
-            };
+/// Answers queries one by one, in a thread of its own that ends with the session: one may wait for
+/// its line, which must not hold up others.
+fn answer_each(
+    session: &Session,
+    key: String,
+    answer: impl Fn(&Query) + Send + 'static,
+) -> Result<(), NetworkError> {
+    let queries: Queryable<FifoChannelHandler<Query>> = session
+        .declare_queryable(key)
+        .with(FifoChannel::new(WAITING))
+        .wait()
+        .map_err(|problem| NetworkError::of(&problem))?;
+    thread::spawn(move || {
+        while let Ok(query) = queries.recv() {
+            answer(&query);
         }
+    });
+    Ok(())
+}
+
+fn content(query: &Query) -> Vec<u8> {
+    query.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default()
+}
+
+fn reply(query: &Query, key: &str, done: Result<Value, String>) {
+    // Who has asked may have gone.
+    let _ = match done {
+        Ok(told) => query.reply(key, told.to_string()).encoding(Encoding::APPLICATION_JSON).wait(),
+        Err(reason) => query
+            .reply_err(json!({"key": key, "reason": reason}).to_string())
+            .encoding(Encoding::APPLICATION_JSON)
+            .wait(),
+    };
+}
+
+/// Answers an order to boards.
+fn answer(query: &Query, gateway: &Gateway, keys: &Keys) {
+    let content = content(query);
+    for (index, key) in of_pattern(keys.all("order"), query.key_expr()) {
+        reply(query, &key, carry_out(gateway, &[index], &content));
     }
 }
 
-fn carry_out(gateway: &Gateway, index: usize, order: Kind) -> Result<Value, String> {
+/// Answers an order to groups.
+fn answer_group(query: &Query, gateway: &Gateway, keys: &Keys) {
+    let content = content(query);
+    let key = |(group, places): (String, Vec<usize>)| (places, keys.of_group(&group, "order"));
+    let groups = gateway.groups().into_iter().map(key).collect();
+    for (places, key) in of_pattern(groups, query.key_expr()) {
+        reply(query, &key, carry_out(gateway, &places, &content));
+    }
+}
+
+/// Says to who speaks another version that this is not his.
+fn other_version(query: &Query) {
+    let key = query.key_expr().as_str();
+    let version = key.splitn(3, '/').take(2).collect::<Vec<_>>().join("/");
+    if version != VERSION && !version.contains('*') {
+        reply(query, key, Err(format!("this gateway speaks {VERSION}, not {version}")));
+    }
+}
+
+fn carry_out(gateway: &Gateway, boards: &[usize], order: &[u8]) -> Result<Value, String> {
+    let Order { order } = serde_json::from_slice(order).map_err(|problem| format!("no order: {problem}"))?;
     match order {
-        Kind::Start => gateway.start_board(index).map(|grant| json!({"done": true, "grant": grant})),
-        Kind::Stop => gateway.stop(index).map(|()| json!({"done": true})),
-        Kind::Acknowledge => gateway.acknowledge(index).map(|()| json!({"done": true})),
+        Kind::Start => gateway.start_boards(boards).map(|grant| json!({"done": true, "grant": grant})),
+        Kind::Stop => gateway.stop(boards).map(|()| json!({"done": true})),
+        Kind::Acknowledge => gateway.acknowledge(boards).map(|()| json!({"done": true})),
     }
     .map_err(|refused| refused.to_string())
 }
 
-/// The boards whose key a pattern is for, with these keys.
-fn of_pattern(keys: &Keys, what: &str, pattern: &KeyExpr<'_>) -> Vec<(usize, String)> {
-    let key = |index| (index, keys.of_board(index, what));
-    let is_meant = |(_, key): &(usize, String)| {
-        KeyExpr::try_from(key.as_str()).is_ok_and(|key| pattern.intersects(&key))
-    };
-    keys.indices().map(key).filter(is_meant).collect()
+/// Takes a trajectory.
+fn play(gateway: &Gateway, content: &[u8]) -> Result<Value, String> {
+    let message: TrajectoryMessage =
+        serde_json::from_slice(content).map_err(|problem| format!("no trajectory: {problem}"))?;
+    let mut parts = Vec::new();
+    for PartMessage { board, grant, points } in message.parts {
+        let places = gateway.named(&board);
+        if places.is_empty() {
+            return Err(format!("{board}: there is no board or group of this name"));
+        }
+        parts.extend(places.into_iter().map(|index| Part { index, grant, points: points.clone() }));
+    }
+    if parts.is_empty() {
+        return Err("no trajectory: it is for no board".to_owned());
+    }
+    // The moment at which 1970 was, since the gateway's start.
+    let epoch_s = -Boards::unix_s(0.0);
+    match gateway.play(parts, message.start_s.map(|start_s| epoch_s + start_s)) {
+        Ok(start_s) => Ok(json!({"done": true, "start_s": Boards::unix_s(start_s)})),
+        Err((index, refused)) => {
+            let name = gateway.boards().all().get(index).map_or_else(String::new, |board| board.name.clone());
+            Err(format!("{name}: {refused}"))
+        }
+    }
 }
 
-/// Takes a set point.
+/// Those whose key a pattern is for.
+fn of_pattern<T>(keys: Vec<(T, String)>, pattern: &KeyExpr<'_>) -> Vec<(T, String)> {
+    let is_meant =
+        |(_, key): &(T, String)| KeyExpr::try_from(key.as_str()).is_ok_and(|key| pattern.intersects(&key));
+    keys.into_iter().filter(is_meant).collect()
+}
+
+/// Takes a set point of a board or a group.
 fn take(sample: &Sample, gateway: &Gateway, keys: &Keys, refused: &SyncSender<Refusal>) {
-    // One board's: a set point has the grant of one.
-    if let Some(index) = keys.index(sample.key_expr(), "setpoint") {
-        let message: Result<SetPointMessage, _> = serde_json::from_slice(&sample.payload().to_bytes());
+    let key = sample.key_expr().as_str();
+    // A pattern is nobody's: a set point has the grant of one.
+    let boards = match keys.index(key, "setpoint") {
+        Some(index) => vec![index],
+        None => keys.group(key, "setpoint").map_or_else(Vec::new, |group| {
+            gateway
+                .groups()
+                .into_iter()
+                .find(|(name, _)| name == group)
+                .map_or_else(Vec::new, |(_, boards)| boards)
+        }),
+    };
+    let message: Result<SetPointMessage, _> = serde_json::from_slice(&sample.payload().to_bytes());
+    for index in boards {
         let (sequence, taken) = match &message {
             Ok(message) => {
                 let &SetPointMessage { grant, sequence, setpoint_mm, sent_s } = message;
@@ -167,5 +280,22 @@ fn take(sample: &Sample, gateway: &Gateway, keys: &Keys, refused: &SyncSender<Re
             // Where nobody publishes any more, or not fast enough, nobody is told.
             let _ = refused.try_send(Refusal { index, sequence, reason });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_point_that_is_no_number_is_no_sign_of_life() {
+        let read = |point: &str| {
+            let text = format!("{{\"grant\": 1, \"sequence\": 2, \"sent_s\": 3.0{point}}}");
+            serde_json::from_str::<SetPointMessage>(&text).map(|message| message.setpoint_mm)
+        };
+        assert_eq!(read(", \"setpoint_mm\": 20").expect("a number"), Some(20.0));
+        assert_eq!(read("").expect("a sign of life"), None);
+        assert!(read(", \"setpoint_mm\": null").is_err());
+        assert!(read(", \"setpoint\": 20").is_err());
     }
 }

@@ -5,6 +5,7 @@
 //! | `telemetry` | what it measures | each answer |
 //! | `state` | its state, its fault, or why it is not seen | each change; the last ones for late joiners |
 //! | `alive` | a token | while it answers |
+//! | `trajectory` | how far its trajectory has come | each step |
 //! | `refused` | a set point that was not taken, and why | each |
 
 use std::sync::Arc;
@@ -14,8 +15,8 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use gateway::boards::{Board, Boards, Listener, News};
-use gateway::seen::Telemetry;
-use serde_json::json;
+use gateway::seen::{Progress, Telemetry};
+use serde_json::{Value, json};
 use wire::{Fault, State};
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
@@ -41,6 +42,7 @@ pub struct Publisher {
 
 /// A board as it is published.
 struct Published {
+    name: String,
     telemetry: zenoh::pubsub::Publisher<'static>,
     state: AdvancedPublisher<'static>,
     alive: Option<LivelinessToken>,
@@ -48,6 +50,30 @@ struct Published {
     count: u64,
     /// As it was last published.
     last: Option<Seen>,
+}
+
+impl Published {
+    fn declare(session: &Session, keys: &Keys, index: usize, board: &Board) -> Result<Self, NetworkError> {
+        let of = |problem: zenoh::Error| NetworkError::of(&problem);
+        // One that has gone has no key, and is not declared.
+        let key = |what: &str| keys.of_board(index, what).unwrap_or_else(|| keys.of_all(what));
+        // Nothing is dropped for a subscriber that is slow for a moment.
+        let telemetry = session
+            .declare_publisher(key("telemetry"))
+            .encoding(Encoding::APPLICATION_JSON)
+            .congestion_control(CongestionControl::Block)
+            .wait()
+            .map_err(of)?;
+        let state = session
+            .declare_publisher(key("state"))
+            .encoding(Encoding::APPLICATION_JSON)
+            .congestion_control(CongestionControl::Block)
+            .cache(CacheConfig::default().max_samples(KEPT))
+            .publisher_detection()
+            .wait()
+            .map_err(of)?;
+        Ok(Self { name: board.name.clone(), telemetry, state, alive: None, count: 0, last: None })
+    }
 }
 
 /// State and fault of a board, or why it is not seen.
@@ -64,35 +90,17 @@ impl Publisher {
         keys: &Keys,
         refusals: Receiver<Refusal>,
     ) -> Result<Self, NetworkError> {
-        let mut published = Vec::new();
-        for index in keys.indices() {
-            // Nothing is dropped for a subscriber that is slow for a moment.
-            let telemetry = session
-                .declare_publisher(keys.of_board(index, "telemetry"))
-                .encoding(Encoding::APPLICATION_JSON)
-                .congestion_control(CongestionControl::Block)
-                .wait()
-                .map_err(|problem| NetworkError::of(&problem))?;
-            let state = session
-                .declare_publisher(keys.of_board(index, "state"))
-                .encoding(Encoding::APPLICATION_JSON)
-                .congestion_control(CongestionControl::Block)
-                .cache(CacheConfig::default().max_samples(KEPT))
-                .publisher_detection()
-                .wait()
-                .map_err(|problem| NetworkError::of(&problem))?;
-            published.push(Published { telemetry, state, alive: None, count: 0, last: None });
-        }
         let (is_ended, listener) = (Arc::new(AtomicBool::new(false)), boards.listen());
-        let work = Work {
+        let mut work = Work {
             session: session.clone(),
             keys: keys.clone(),
-            boards: boards.all(),
-            published,
+            all: boards.clone(),
+            published: Vec::new(),
             listener,
             refusals,
             is_ended: is_ended.clone(),
         };
+        work.arrange()?;
         let thread = Some(thread::spawn(move || work.run()));
         Ok(Self { is_ended, thread })
     }
@@ -111,8 +119,9 @@ impl Drop for Publisher {
 struct Work {
     session: Session,
     keys: Keys,
-    boards: Vec<Board>,
-    published: Vec<Published>,
+    all: Boards,
+    /// Each board at its place among all; none of one that is gone.
+    published: Vec<Option<Published>>,
     listener: Listener,
     refusals: Receiver<Refusal>,
     is_ended: Arc<AtomicBool>,
@@ -124,39 +133,80 @@ impl Work {
             match self.listener.next(PATIENCE) {
                 Some(News::Telemetry(index, telemetry)) => self.telemetry(index, &telemetry),
                 Some(News::Problem(index, problem)) => self.problem(index, problem.in_words()),
+                Some(News::Trajectory(index, progress)) => self.trajectory(index, &progress),
+                // A session that is closed ends this thread soon.
+                Some(News::Arranged) => drop(self.arrange()),
                 None => {}
             }
             while let Ok(refusal) = self.refusals.try_recv() {
-                let key = self.keys.of_board(refusal.index, "refused");
                 let told = json!({"sequence": refusal.sequence, "reason": refusal.reason});
-                // Who has gone is told nothing.
-                let _ = self.session.put(key, told.to_string()).encoding(Encoding::APPLICATION_JSON).wait();
+                self.put(refusal.index, "refused", &told);
             }
         }
     }
 
+    /// The boards are others than before; those that stay are published on.
+    fn arrange(&mut self) -> Result<(), NetworkError> {
+        let boards = self.all.all();
+        self.keys.arrange(&boards);
+        for (index, board) in boards.iter().enumerate() {
+            if self.published.len() <= index {
+                self.published.push(None);
+            }
+            let Some(place) = self.published.get_mut(index) else { continue };
+            match place {
+                Some(_) if board.is_gone => *place = None,
+                None if !board.is_gone => {
+                    *place = Some(Published::declare(&self.session, &self.keys, index, board)?)
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn put(&self, index: usize, what: &str, told: &Value) {
+        let Some(key) = self.keys.of_board(index, what) else { return };
+        // Who has gone is told nothing.
+        let _ = self.session.put(key, told.to_string()).encoding(Encoding::APPLICATION_JSON).wait();
+    }
+
+    fn trajectory(&self, index: usize, progress: &Progress) {
+        let mut told = json!({"version": VERSION, "phase": progress.phase()});
+        match progress {
+            Progress::Ready { start_s } => told["start_s"] = Boards::unix_s(*start_s).into(),
+            Progress::Playing { start_tick, start_s, bound_s } => {
+                told["start_tick"] = (*start_tick).into();
+                told["start_s"] = Boards::unix_s(*start_s).into();
+                told["bound_s"] = (*bound_s).into();
+            }
+            Progress::Done { underrun_ticks } => told["underrun_ticks"] = (*underrun_ticks).into(),
+            Progress::Ended { reason } => told["reason"] = reason.as_str().into(),
+        }
+        self.put(index, "trajectory", &told);
+    }
+
     fn telemetry(&mut self, index: usize, telemetry: &Telemetry) {
-        let (Some(published), Some(board)) = (self.published.get_mut(index), self.boards.get(index)) else {
-            return;
-        };
+        let Some(Some(published)) = self.published.get_mut(index) else { return };
         let mut told = telemetry.to_json();
         told["version"] = VERSION.into();
-        told["name"] = board.name.as_str().into();
+        told["name"] = published.name.as_str().into();
         told["unix_s"] = Boards::unix_s(telemetry.time_s).into();
         published.count += 1;
         told["count"] = published.count.into();
         told["missed"] = self.listener.missed().into();
         // A session that is closed ends this thread soon.
         let _ = published.telemetry.put(told.to_string()).wait();
-        if published.alive.is_none() {
-            let token = self.session.liveliness().declare_token(self.keys.of_board(index, "alive"));
-            published.alive = token.wait().ok();
+        if published.alive.is_none()
+            && let Some(key) = self.keys.of_board(index, "alive")
+        {
+            published.alive = self.session.liveliness().declare_token(key).wait().ok();
         }
         self.seen(index, Ok((telemetry.state, telemetry.fault)), telemetry.time_s);
     }
 
     fn problem(&mut self, index: usize, problem: String) {
-        if let Some(published) = self.published.get_mut(index) {
+        if let Some(Some(published)) = self.published.get_mut(index) {
             // The token goes with it.
             published.alive = None;
         }
@@ -165,9 +215,7 @@ impl Work {
 
     /// Publishes how a board is seen, if that is new.
     fn seen(&mut self, index: usize, now: Seen, time_s: f64) {
-        let (Some(published), Some(board)) = (self.published.get_mut(index), self.boards.get(index)) else {
-            return;
-        };
+        let Some(Some(published)) = self.published.get_mut(index) else { return };
         if published.last.as_ref() == Some(&now) {
             return;
         }
@@ -177,7 +225,7 @@ impl Work {
         };
         let name = code.and_then(Fault::of_code).map(|fault| format!("{fault:?}"));
         let told = json!({
-            "version": VERSION, "name": board.name, "unix_s": Boards::unix_s(time_s), "state": state, "fault": code,
+            "version": VERSION, "name": published.name, "unix_s": Boards::unix_s(time_s), "state": state, "fault": code,
             "fault_name": name, "problem": problem,
         });
         // A session that is closed ends this thread soon.

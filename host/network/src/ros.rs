@@ -5,7 +5,8 @@
 //! |---|---|---|
 //! | `/NAME/joint_states` | `sensor_msgs/JointState` | all boards that are seen; position in m |
 //! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | each board: state, fault with cure, pressure, bus |
-//! | `/NAME/joint_commands` | `sensor_msgs/JointState` | set points: position in m |
+//! | `/NAME/joint_commands` | `sensor_msgs/JointState` | set points: position in m; names alone are a sign of life |
+//! | `/NAME/joint_trajectory` | `trajectory_msgs/JointTrajectory` | positions in m over time, for joints that begin at once |
 //! | `/NAME/start`, `/NAME/stop` | `std_srvs/Trigger` | starts all boards that are ready; stops and vents all |
 //!
 //! Keys, tokens and attachments are those of `rmw_zenoh_cpp` since 0.2.4
@@ -15,20 +16,28 @@
 //! A command is taken by the boards that were started by the service here, while its stamp is fresh
 //! ([`gateway::driving`]); a stamp of 0 stands for the moment at which it was sent.
 //!
+//! # Trajectories
+//! The stamp is the start, 0 as soon as can be. Lines are straight: velocities and what else a point
+//! may have are not looked at. What becomes of it stands in the diagnostics of each board; while it
+//! waits and plays its client says that it lives, by commands with names alone.
+//!
 //! # Limits
 //! Checked by independent decoders; there was no ROS 2 to try it with.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use gateway::Gateway;
 use gateway::boards::{Board, Boards};
-use gateway::driving::SetPoint;
+use gateway::driving::{Refused, SetPoint};
+use gateway::seen::Progress;
+use gateway::{Gateway, Part};
 use ros::bytes;
 use ros::messages::{
-    DiagnosticArray, DiagnosticStatus, Header, JointState, KeyValue, Trigger, TriggerResponse,
+    DiagnosticArray, DiagnosticStatus, Header, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue,
+    Trigger, TriggerResponse,
 };
 use ros::types::Named;
 use serde::Serialize;
@@ -70,7 +79,7 @@ type Gid = [u8; 16];
 pub struct Face {
     is_ended: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
-    _commands: Subscriber<()>,
+    _commands: [Subscriber<()>; 2],
     /// What tells ROS 2 that node and endpoints are there.
     _tokens: Vec<LivelinessToken>,
 }
@@ -236,9 +245,18 @@ impl Topic {
 /// The boards that were started by the service here, with their grants.
 #[derive(Debug)]
 struct Started {
-    grants: Mutex<Vec<Option<u32>>>,
+    grants: Mutex<BTreeMap<usize, u32>>,
     /// Commands are taken in the order in which they come.
     sequence: AtomicU64,
+}
+
+impl Started {
+    /// The place of the board of this name, and its grant, if it was started here.
+    fn of(&self, boards: &[Board], name: &str) -> Option<(usize, u32)> {
+        let index = boards.iter().position(|board| !board.is_gone && board.name == name)?;
+        let grants = self.grants.lock().unwrap_or_else(PoisonError::into_inner);
+        Some((index, *grants.get(&index)?))
+    }
 }
 
 impl Face {
@@ -260,9 +278,7 @@ impl Face {
         declared.token(token)?;
         let states = declared.publisher::<JointState>(&format!("{namespace}/joint_states"))?;
         let diagnostics = declared.publisher::<DiagnosticArray>("/diagnostics")?;
-        let boards = gateway.boards().all().len();
-        let started =
-            Arc::new(Started { grants: Mutex::new(vec![None; boards]), sequence: AtomicU64::new(0) });
+        let started = Arc::new(Started { grants: Mutex::default(), sequence: AtomicU64::new(0) });
         let (all, its) = (gateway.clone(), started.clone());
         declared.service(&format!("{namespace}/start"), move || start_all(&all, &its))?;
         let all = gateway.clone();
@@ -272,16 +288,29 @@ impl Face {
         })?;
         let commands = format!("{namespace}/joint_commands");
         let (key, _) = declared.endpoint::<JointState>(Kind::Subscription, &commands)?;
-        let all = gateway.clone();
+        let (all, its) = (gateway.clone(), started.clone());
         let commands = session
             .declare_subscriber(key)
-            .callback(move |sample| take(&sample, &all, &started))
+            .callback(move |sample| take(&sample, &all, &its))
+            .wait()
+            .map_err(of)?;
+        let trajectories = format!("{namespace}/joint_trajectory");
+        let (key, _) = declared.endpoint::<JointTrajectory>(Kind::Subscription, &trajectories)?;
+        let all = gateway.clone();
+        let trajectories = session
+            .declare_subscriber(key)
+            .callback(move |sample| play(&sample, &all, &started))
             .wait()
             .map_err(of)?;
         let is_ended = Arc::new(AtomicBool::new(false));
         let (boards, ended) = (gateway.boards().clone(), is_ended.clone());
         let thread = thread::spawn(move || publish(&boards, &states, &diagnostics, &ended));
-        Ok(Self { is_ended, thread: Some(thread), _commands: commands, _tokens: declared.tokens })
+        Ok(Self {
+            is_ended,
+            thread: Some(thread),
+            _commands: [commands, trajectories],
+            _tokens: declared.tokens,
+        })
     }
 }
 
@@ -305,7 +334,7 @@ fn publish(boards: &Boards, states: &Topic, diagnostics: &Topic, is_ended: &Atom
         }
         if Instant::now() >= next_diagnostics {
             next_diagnostics = Instant::now() + DIAGNOSTICS;
-            let status = boards.all().iter().map(status).collect();
+            let status = boards.all().iter().filter(|board| !board.is_gone).map(status).collect();
             let header = Header::at_s(Boards::unix_s(Boards::now_s()));
             diagnostics.publish(&DiagnosticArray { header, status });
         }
@@ -316,7 +345,7 @@ fn publish(boards: &Boards, states: &Topic, diagnostics: &Topic, is_ended: &Atom
 fn joint_state(boards: &[Board], now_s: f64) -> JointState {
     let mut state = JointState::default();
     let mut newest_s = f64::NEG_INFINITY;
-    for board in boards.iter().filter(|board| board.problem.is_none()) {
+    for board in boards.iter().filter(|board| !board.is_gone && board.problem.is_none()) {
         let Some(told) = board.telemetry.as_ref().filter(|told| now_s - told.time_s < GONE_S) else {
             continue;
         };
@@ -353,6 +382,7 @@ fn status(board: &Board) -> DiagnosticStatus {
             ("clock's bound, ms", format!("{:.2}", 1e3 * told.time_bound_s)),
         ]);
     }
+    values.extend(board.trajectory.as_ref().map(|progress| ("trajectory", progress.in_words())));
     values.extend([("questions answered", board.answered.to_string()), ("lost", board.lost.to_string())]);
     let values = values.into_iter().map(|(key, value)| KeyValue { key: key.to_owned(), value }).collect();
     let hardware_id = format!("{}/{}", board.line, board.number);
@@ -364,17 +394,15 @@ fn start_all(gateway: &Gateway, started: &Started) -> TriggerResponse {
     let boards = gateway.boards().all();
     let (mut count, mut refused) = (0, Vec::new());
     for (index, board) in boards.iter().enumerate() {
-        let is_ready = board.problem.is_none()
+        let is_ready = !board.is_gone
+            && board.problem.is_none()
             && board.telemetry.as_ref().is_some_and(|told| told.state == State::Ready);
         if !is_ready {
             continue;
         }
-        match gateway.start_board(index) {
+        match gateway.start_boards(&[index]) {
             Ok(grant) => {
-                let mut grants = started.grants.lock().unwrap_or_else(PoisonError::into_inner);
-                if let Some(place) = grants.get_mut(index) {
-                    *place = Some(grant);
-                }
+                started.grants.lock().unwrap_or_else(PoisonError::into_inner).insert(index, grant);
                 count += 1;
             }
             Err(reason) => refused.push(format!("{}: {reason}", board.name)),
@@ -399,16 +427,54 @@ fn take(sample: &Sample, gateway: &Gateway, started: &Started) {
     };
     let age_s = Boards::unix_s(Boards::now_s()) - sent_s;
     let boards = gateway.boards().all();
-    let grants = started.grants.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    for (name, position_m) in command.name.iter().zip(&command.position) {
-        let index = boards.iter().position(|board| board.name == *name);
-        let Some((index, grant)) = index.and_then(|index| Some((index, (*grants.get(index)?)?))) else {
+    let is_life = command.position.is_empty();
+    for (place, name) in command.name.iter().enumerate() {
+        let position_m = command.position.get(place);
+        let Some((index, grant)) = started.of(&boards, name).filter(|_| is_life || position_m.is_some())
+        else {
             continue;
         };
         let sequence = started.sequence.fetch_add(1, Ordering::Relaxed);
-        let point = SetPoint { grant, sequence, mm: MM_PER_M * position_m, age_s };
+        let mm = position_m.map(|position_m| MM_PER_M * position_m);
+        let point = SetPoint { grant, sequence, mm, age_s };
         // ROS 2's topics have no answer: the board's state, and its silence, show in diagnostics.
         let _ = gateway.set(index, point);
+    }
+}
+
+/// Takes a trajectory. What is refused is told where its progress would be: ROS 2's topics have no
+/// answer.
+fn play(sample: &Sample, gateway: &Gateway, started: &Started) {
+    let Ok(message) = bytes::read::<JointTrajectory>(&sample.payload().to_bytes()) else { return };
+    let boards = gateway.boards().all();
+    let stamp_s = message.header.stamp.s();
+    let at_s = (stamp_s != 0.0).then(|| stamp_s - Boards::unix_s(0.0));
+    let (mut parts, mut refused) = (Vec::new(), None);
+    for (place, name) in message.joint_names.iter().enumerate() {
+        let Some(index) = boards.iter().position(|board| !board.is_gone && board.name == *name) else {
+            eprintln!("warning: a trajectory is refused: there is no board {name}");
+            return;
+        };
+        // A point without this joint has no number for it, which is refused.
+        let point = |point: &JointTrajectoryPoint| {
+            let position_m = point.positions.get(place).copied().unwrap_or(f64::NAN);
+            (point.time_from_start.s(), MM_PER_M * position_m)
+        };
+        let points = message.points.iter().map(point).collect();
+        match started.of(&boards, name) {
+            Some((_, grant)) => parts.push(Part { index, grant, points }),
+            None => refused = Some((index, Refused::NotDriven)),
+        }
+    }
+    let named: Vec<usize> = parts.iter().map(|part| part.index).collect();
+    let refused = refused.or_else(|| gateway.play(parts, at_s).err());
+    if let Some((index, refused)) = refused {
+        let name = boards.get(index).map_or("", |board| &board.name);
+        for index in named.into_iter().chain([index]) {
+            gateway
+                .boards()
+                .progress(index, Progress::Ended { reason: format!("refused: {name}: {refused}") });
+        }
     }
 }
 

@@ -59,6 +59,33 @@ pub struct JointState {
     pub effort: Vec<f64>,
 }
 
+/// `trajectory_msgs/JointTrajectoryPoint`: lists of as many numbers as there are joints, or empty
+/// ones.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JointTrajectoryPoint {
+    /// Unit: m of a joint that moves straight.
+    pub positions: Vec<f64>,
+    /// Unit: m/s.
+    pub velocities: Vec<f64>,
+    /// Unit: m/s².
+    pub accelerations: Vec<f64>,
+    /// Unit: N.
+    pub effort: Vec<f64>,
+    /// Since the trajectory's start: `builtin_interfaces/Duration`, of the same two numbers.
+    pub time_from_start: Time,
+}
+
+/// `trajectory_msgs/JointTrajectory`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JointTrajectory {
+    /// When it starts; 0 for at once.
+    pub header: Header,
+    /// Names of the joints.
+    pub joint_names: Vec<String>,
+    /// Points, in the order of time.
+    pub points: Vec<JointTrajectoryPoint>,
+}
+
 /// `sensor_msgs/FluidPressure`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FluidPressure {

@@ -1,6 +1,6 @@
 //! Names, hashes and definitions of the messages, as ROS 2 publishes them.
 
-use crate::messages::{DiagnosticArray, FluidPressure, JointState, Trigger};
+use crate::messages::{DiagnosticArray, FluidPressure, JointState, JointTrajectory, Trigger};
 
 /// What a definition says of `std_msgs/Header`, and of what is in it.
 macro_rules! header {
@@ -49,6 +49,12 @@ float64[] effort
 ",
         header!()
     );
+}
+
+impl Named for JointTrajectory {
+    const TYPE: &'static str = "trajectory_msgs/msg/JointTrajectory";
+    const DDS_TYPE: &'static str = "trajectory_msgs::msg::dds_::JointTrajectory_";
+    const HASH: &'static str = "RIHS01_179b33eba59d676f6d967ac71fe35e7ca2f64b2f3928f4a018cec115e213796e";
 }
 
 impl Named for DiagnosticArray {

@@ -36,6 +36,8 @@ use super::port::{Line, Port, PortError};
 const TRIES: usize = 16;
 /// What comes after so long a silence is no answer to a question before.
 const LATE: Duration = Duration::from_millis(30);
+/// So long what comes late is waited for: somebody who goes on sends no answers.
+const LATEST: Duration = Duration::from_millis(300);
 /// The most registers of a reading.
 pub const MOST_READ: u16 = 125;
 /// The most registers of a writing.
@@ -63,7 +65,7 @@ pub enum BusError {
          and its rate {baud} bit/s, are A and B swapped?", port.display()
     )]
     Silent { port: PathBuf, unit: u8, limit_s: f64, tries: usize, baud: u32 },
-    #[error("{}: damaged answers only ({problem}): is the rate {baud} bit/s?", port.display())]
+    #[error("{}: damaged answers only ({problem}): is the rate {baud} bit/s, has one board alone this number?", port.display())]
     Damaged { port: PathBuf, problem: ErrorKind, baud: u32 },
     #[error("the board refuses to {question}: {}", in_words(*.exception))]
     Refused { question: String, exception: ErrorKind },
@@ -334,6 +336,23 @@ impl Client {
         Ok(())
     }
 
+    /// Waits for the silence behind the last frame: what is sent next goes out at once.
+    pub fn settle(&self) {
+        thread::sleep((self.ended + self.silence()).saturating_duration_since(Instant::now()));
+    }
+
+    /// How long so many values take from [`Client::write_all`] until the boards have them: the
+    /// frame's bytes, and the silence by which they see its end.
+    pub fn heard_in(&self, values: usize) -> Duration {
+        let bits = 11 * (WRITTEN + 1 + 2 * values);
+        Duration::from_secs_f64(bits as f64 / f64::from(self.address.line.baud)) + self.silence()
+    }
+
+    /// Between two frames.
+    fn silence(&self) -> Duration {
+        Duration::from_secs_f64(SILENCE_BITS / f64::from(self.address.line.baud)).max(LEAST_SILENCE)
+    }
+
     fn request(&self) -> ModbusRequest {
         ModbusRequest::new(self.address.unit, ModbusProto::Rtu)
     }
@@ -410,9 +429,7 @@ impl Client {
 
     /// Sends a frame behind a silence, and takes what comes until the limit.
     fn exchange(&mut self, frame: &[u8], expected: usize, limit: Duration) -> Result<Vec<u8>, PortError> {
-        let silence = Duration::from_secs_f64(SILENCE_BITS / f64::from(self.address.line.baud));
-        let begin = self.ended + silence.max(LEAST_SILENCE);
-        thread::sleep(begin.saturating_duration_since(Instant::now()));
+        self.settle();
         self.port.discard()?;
         let deadline = Instant::now() + limit;
         self.port.send(frame, deadline)?;
@@ -421,19 +438,20 @@ impl Client {
         Ok(answer)
     }
 
-    /// Takes what still comes behind an answer, as to a question that was asked more than once;
-    /// how many bytes.
+    /// Takes what still comes behind an answer, as to a question that was asked more than once, for
+    /// a while; how many bytes.
     ///
     /// # Errors
     /// The port cannot be used.
     pub fn forget(&mut self) -> Result<usize, PortError> {
-        let (mut buffer, mut late) = ([0; 256], 0);
-        loop {
+        let (mut buffer, mut late, begin) = ([0; 256], 0, Instant::now());
+        while begin.elapsed() < LATEST {
             match self.port.receive(&mut buffer, Instant::now() + LATE)? {
-                0 => return Ok(late),
+                0 => break,
                 count => late += count,
             }
         }
+        Ok(late)
     }
 
     /// What comes until an answer is whole: as long as expected, or an exception. What came until

@@ -13,7 +13,7 @@ use board_client::stop::Stop;
 use clap::Args;
 use network::keys::VERSION;
 use network::session::Access;
-use network::{Network, Settings};
+use network::{Network, Reload, Settings};
 
 use crate::Error;
 use crate::live::fleet::FleetSite;
@@ -23,12 +23,15 @@ use crate::live::serve;
 /// cure, contraction, pressure, bus and clock of each and a stop for all; the same figures for
 /// Prometheus under /metrics and for programs under /fleet.json; and, where it is asked for, on the
 /// network by Zenoh, for ROS 2, and in a recording. By itself it drives nothing: a board is started
-/// for a program that then sends it set points, and vents where these stop. Page and network are
+/// for a program that then sends it set points, or trajectories and signs of life, and vents where
+/// these stop. Page and network are
 /// for this machine alone unless they are told otherwise.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Which boards there are: a [[line]] with port, boards = [1, 2] or [{number = 1, name =
-    /// "biceps"}], and, where they are not the usual ones, name, rate_bit_per_s, parity, answer_s
+    /// "biceps"}], and, where they are not the usual ones, name, rate_bit_per_s, parity, answer_s,
+    /// travel_mm = [0, 40], slew_mm_per_s (these two of a board too); a [[group]] with name and
+    /// boards = ["biceps"]. Read again, without a stop, by an order to /reload
     #[arg(value_name = "LINES.toml")]
     lines: PathBuf,
     /// Where the page is served
@@ -78,6 +81,21 @@ impl Arguments {
     }
 }
 
+/// Reads the file again. One that is of no use leaves everything as it was.
+fn reload(gateway: &Arc<Gateway>, file: PathBuf) -> Reload {
+    let gateway = gateway.clone();
+    Arc::new(move || match lines::read(&file) {
+        Ok(lines) => {
+            gateway.arrange(lines);
+            Ok(())
+        }
+        Err(problem) => {
+            eprintln!("warning: the lines stay as they were: {problem}");
+            Err(problem.to_string())
+        }
+    })
+}
+
 /// Watches, until the user ends it.
 ///
 /// # Errors
@@ -88,11 +106,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let settings = arguments.network()?;
     let stop = Stop::on_signals();
     let gateway = Arc::new(Gateway::start(lines));
-    let network = settings.as_ref().map(|settings| Network::start(&gateway, settings)).transpose()?;
+    let reload = reload(&gateway, arguments.lines.clone());
+    let network =
+        settings.as_ref().map(|settings| Network::start(&gateway, &reload, settings)).transpose()?;
     let record =
         arguments.record.as_deref().map(|file| Record::start(file, gateway.boards(), arguments.force));
     let record = record.transpose()?;
-    let address = serve(arguments.http, &FleetSite::new(gateway.clone()))?;
+    let address = serve(arguments.http, &FleetSite::new(gateway.clone(), reload))?;
     say!("http://{address}/ shows the boards; Ctrl-C ends");
     if !address.ip().is_loopback() {
         eprintln!("warning: whoever reaches {address} sees the boards, and may stop them");

@@ -6,7 +6,7 @@ use report::page::PLOTS;
 
 use super::feed::{Feed, Order, Seen};
 use super::page;
-use super::server::{HTML, SCRIPT, Site};
+use super::server::{HTML, NO_ORDER, SCRIPT, Site};
 
 impl Site for Feed {
     fn get(&self, path: &str) -> Option<(&'static str, String)> {
@@ -18,14 +18,14 @@ impl Site for Feed {
         }
     }
 
-    fn order(&self, path: &str) -> bool {
+    fn order(&self, path: &str) -> Result<(), String> {
         let order = match path {
             "/stop" => Order::Stop,
             "/acknowledge" => Order::Acknowledge,
-            _ => return false,
+            _ => return Err(NO_ORDER.to_owned()),
         };
         Feed::order(self, order);
-        true
+        Ok(())
     }
 
     fn events(&self) -> impl FnMut(Duration) -> Option<String> {

@@ -11,9 +11,8 @@ id("stop").addEventListener("click", () => order("stop"));
 
 const cards = new Map();
 // A board's card, made once: a button that is replaced under the finger takes no click.
-const cardOf = (board, index) => {
-  const key = `${board.line} ${board.number}`;
-  if (cards.has(key)) return cards.get(key);
+const cardOf = board => {
+  if (cards.has(board.index)) return cards.get(board.index);
   const root = element("section", "", "board"), list = element("dl"), wrong = element("p", "", "wrong");
   const acknowledge = element("button", "Acknowledge"), state = element("span", "", "state"), values = {};
   const title = element("h2", `${board.name} `);
@@ -23,18 +22,20 @@ const cardOf = (board, index) => {
     values[name] = element("dd");
     list.append(element("dt", words), values[name]);
   }
-  acknowledge.addEventListener("click", () => order(`acknowledge/${index}`));
+  acknowledge.addEventListener("click", () => order(`acknowledge/${board.index}`));
   root.append(title, state, list, wrong, acknowledge);
   id("boards").append(root);
   const card = { root, state, list, values, wrong, acknowledge };
-  cards.set(key, card);
+  cards.set(board.index, card);
   return card;
 };
 
 const show = ({ now_s, boards }) => {
   let seen = 0, driven = 0, faults = 0;
-  boards.forEach((board, index) => {
-    const card = cardOf(board, index), told = board.telemetry, age_s = told && now_s - told.time_s;
+  const there = new Set(boards.map(board => board.index));
+  for (const [index, card] of cards) if (!there.has(index)) { card.root.remove(); cards.delete(index); }
+  boards.forEach(board => {
+    const card = cardOf(board), told = board.telemetry, age_s = told && now_s - told.time_s;
     const isSeen = told && !board.problem, isDriven = isSeen && DRIVEN.includes(told.state), isFault = isSeen && told.fault !== 0;
     seen += isSeen ? 1 : 0; driven += isDriven ? 1 : 0; faults += isFault ? 1 : 0;
     card.root.className = `board ${isFault ? "fault" : isDriven ? "driven" : isSeen ? "" : "unseen"}`;

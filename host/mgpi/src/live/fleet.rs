@@ -9,11 +9,12 @@ use std::time::{Duration, Instant};
 use gateway::Gateway;
 use gateway::boards::{Board, Boards};
 use maud::{DOCTYPE, PreEscaped, html};
+use network::Reload;
 use report::page::head;
 use serde_json::{Value, json};
 use wire::fault::table::TABLE;
 
-use super::server::{HTML, SCRIPT, Site};
+use super::server::{HTML, NO_ORDER, SCRIPT, Site};
 
 /// The least time between two events of a page: as fast as an eye follows numbers.
 const EVENT: Duration = Duration::from_millis(100);
@@ -39,13 +40,16 @@ button { font: inherit; padding: .4rem 1.2rem; border: 1px solid var(--ink); bor
 ";
 
 /// Many boards, as they are served.
-#[derive(Clone, Debug)]
-pub struct FleetSite(Arc<Gateway>);
+#[derive(Clone)]
+pub struct FleetSite {
+    gateway: Arc<Gateway>,
+    reload: Reload,
+}
 
 impl FleetSite {
-    /// The boards of a gateway.
-    pub fn new(gateway: Arc<Gateway>) -> Self {
-        Self(gateway)
+    /// The boards of a gateway; `reload` reads its file again.
+    pub fn new(gateway: Arc<Gateway>, reload: Reload) -> Self {
+        Self { gateway, reload }
     }
 }
 
@@ -54,23 +58,31 @@ impl Site for FleetSite {
         match path {
             "/" => Some((HTML, page())),
             "/fleet.js" => Some((SCRIPT, PAGE_SCRIPT.to_owned())),
-            "/fleet.json" => Some(("application/json", in_json(self.0.boards()).to_string())),
-            "/metrics" => Some(("text/plain; version=0.0.4; charset=utf-8", metrics(&self.0.boards().all()))),
+            "/fleet.json" => Some(("application/json", in_json(self.gateway.boards()).to_string())),
+            "/metrics" => {
+                Some(("text/plain; version=0.0.4; charset=utf-8", metrics(&self.gateway.boards().all())))
+            }
             _ => None,
         }
     }
 
-    fn order(&self, path: &str) -> bool {
-        if path == "/stop" {
-            self.0.stop_all();
-            return true;
+    fn order(&self, path: &str) -> Result<(), String> {
+        match path {
+            "/stop" => {
+                self.gateway.stop_all();
+                Ok(())
+            }
+            "/reload" => (self.reload)(),
+            _ => {
+                let index = path.strip_prefix("/acknowledge/").and_then(|index| index.parse().ok());
+                let index: usize = index.ok_or(NO_ORDER)?;
+                self.gateway.acknowledge(&[index]).map_err(|refused| refused.to_string())
+            }
         }
-        let index = path.strip_prefix("/acknowledge/").and_then(|index| index.parse().ok());
-        index.is_some_and(|index| self.0.acknowledge(index).is_ok())
     }
 
     fn events(&self) -> impl FnMut(Duration) -> Option<String> {
-        let (boards, mut seen, mut last) = (self.0.boards().clone(), 0, None::<Instant>);
+        let (boards, mut seen, mut last) = (self.gateway.boards().clone(), 0, None::<Instant>);
         move |limit| {
             let early = last.map_or(Duration::ZERO, |last| EVENT.saturating_sub(last.elapsed()));
             thread::sleep(early);
@@ -83,15 +95,18 @@ impl Site for FleetSite {
 
 /// All boards; what is latched with its cause and its cure.
 fn in_json(boards: &Boards) -> Value {
-    let board = |board: &Board| {
+    let board = |(index, board): (usize, &Board)| {
         let mut told = board.to_json();
+        told["index"] = index.into();
         let fault = board.telemetry.as_ref().and_then(|telemetry| telemetry.fault());
         let row = fault.and_then(|fault| TABLE.iter().find(|row| row.fault == fault));
         told["fault"] =
             row.map_or(Value::Null, |row| json!({"title": row.title, "cause": row.cause, "cure": row.cure}));
         told
     };
-    json!({"now_s": Boards::now_s(), "boards": boards.all().iter().map(board).collect::<Vec<_>>()})
+    let all = boards.all();
+    let there = all.iter().enumerate().filter(|(_, board)| !board.is_gone);
+    json!({"now_s": Boards::now_s(), "boards": there.map(board).collect::<Vec<_>>()})
 }
 
 /// The figures in the text format of Prometheus, version 0.0.4.
@@ -141,7 +156,7 @@ fn metrics(boards: &[Board]) -> String {
     for (name, kind, help, figure) in figures {
         // Writing into a text does not fail.
         let _ = writeln!(text, "# HELP mgpi_{name} {help}\n# TYPE mgpi_{name} {kind}");
-        for board in boards {
+        for board in boards.iter().filter(|board| !board.is_gone) {
             if let Some(value) = figure(board, now_s) {
                 let [name_of_board, line] = [&board.name, &board.line].map(|label| escaped(label));
                 let _ = writeln!(

@@ -38,12 +38,18 @@ pub const HTML: &str = "text/html; charset=utf-8";
 /// The kind of a script.
 pub const SCRIPT: &str = "text/javascript; charset=utf-8";
 
+/// What is said of an order that there is not.
+pub const NO_ORDER: &str = "no order of this page";
+
 /// A page with all that belongs to it.
 pub trait Site: Clone + Send + 'static {
     /// What is at a path, its kind first.
     fn get(&self, path: &str) -> Option<(&'static str, String)>;
-    /// Passes on what the page asks for by a path; whether there is such an order.
-    fn order(&self, path: &str) -> bool;
+    /// Passes on what the page asks for by a path.
+    ///
+    /// # Errors
+    /// There is no such order ([`NO_ORDER`]), or why it was not carried out.
+    fn order(&self, path: &str) -> Result<(), String>;
     /// What there is to show beyond what was shown, as soon as there is something; none within
     /// `limit` is `None`. A call of its own for each browser, with what that has seen.
     fn events(&self) -> impl FnMut(Duration) -> Option<String>;
@@ -93,10 +99,11 @@ fn answer(stream: &TcpStream, site: &impl Site) -> io::Result<()> {
             Some((kind, content)) => send(stream, "200 OK", kind, &content),
             None => send(stream, "404 Not Found", "text/plain", "there is only the page /"),
         },
-        ["POST", path, _] if is_order && site.order(path) => {
-            send(stream, "202 Accepted", "text/plain", "passed on to the board")
-        }
-        ["POST", ..] => send(stream, "403 Forbidden", "text/plain", "no order of this page"),
+        ["POST", path, _] if is_order => match site.order(path) {
+            Ok(()) => send(stream, "202 Accepted", "text/plain", "passed on"),
+            Err(reason) => send(stream, "403 Forbidden", "text/plain; charset=utf-8", &reason),
+        },
+        ["POST", ..] => send(stream, "403 Forbidden", "text/plain", NO_ORDER),
         _ => send(stream, "404 Not Found", "text/plain", "there is only the page /"),
     }
 }

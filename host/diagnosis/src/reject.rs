@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::beam::EVIDENCE;
 use super::candidate::Candidate;
 use super::effect::Effect;
-use super::extend::{Extended, HeldOutGain};
+use super::extend::Extended;
 use super::fit::fit;
 use super::poor::Poor;
 use super::screen::Screen;
@@ -50,9 +50,6 @@ const NOW_AND_THEN: f64 = 7.0;
 const FAR: f64 = 10.0;
 const MOVES: f64 = 4.0;
 const TOO_MANY: usize = 4;
-
-/// A free run has to be better by this share, over all rows or over those that were held out.
-const GAIN: f64 = 0.05;
 
 /// Something that is seen and not explained.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,16 +103,7 @@ pub fn unexplained(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> 
 /// That a simulated model with the named causes is no better than one without.
 pub fn no_gain(extended: &Extended) -> Option<Unexplained> {
     let (before, after) = (extended.baseline_rmse, extended.extended_rmse);
-    (!gains((before, after), &extended.heldout)).then_some(Unexplained::NoGain { before, after })
-}
-
-/// Whether a simulated model is better than another one, whose errors are root mean squares over all rows and over those that took no part
-/// in the fit: over all rows and, by more than the standard error, over the others; and by `GAIN` over one or the other.
-pub fn gains((before, after): (f64, f64), heldout: &HeldOutGain) -> bool {
-    let is_much = |before: f64, after: f64| after < (1.0 - GAIN) * before;
-    after < before
-        && heldout.is_sure()
-        && (is_much(before, after) || is_much(heldout.before.rmse, heldout.after.rmse))
+    (!extended.heldout.is_clear(before, after)).then_some(Unexplained::NoGain { before, after })
 }
 
 fn outliers(signals: &Signals) -> Option<Unexplained> {
@@ -237,8 +225,7 @@ impl Left {
 
 #[cfg(test)]
 mod tests {
-    use super::{HeldOutGain, Left, gains};
-    use recording::figures::Figures;
+    use super::Left;
 
     fn left(pure_error: f64, removed: Option<f64>) -> Left {
         Left { pure_error, removed, rare: (0.2, 0.5), heldout: 1.0, least: 0.07, fades: false }
@@ -263,23 +250,6 @@ mod tests {
         let noiseless = |pure_error, rare| Left { least: 1e-6, rare, ..left(pure_error, None) };
         assert!(!noiseless(0.06, (0.1, 0.4)).is_too_much());
         assert!(noiseless(0.30, (0.1, 0.3)).is_too_much());
-    }
-
-    #[test]
-    fn a_model_gains_where_it_is_clearly_better_on_rows_that_it_has_not_seen() {
-        let of = |rmse| Figures { rmse, mae: rmse, max_error: rmse };
-        let heldout = |after, gain_error| HeldOutGain {
-            from_s: None,
-            before: of(1.0),
-            after: of(after),
-            noise_floor: 0.01,
-            gain_error,
-        };
-        assert!(gains((1.0, 0.97), &heldout(0.9, 0.05)));
-        assert!(gains((1.0, 0.9), &heldout(0.97, 0.02)));
-        assert!(!gains((1.0, 0.97), &heldout(0.97, 0.02)), "a little of both");
-        assert!(!gains((1.0, 0.8), &heldout(0.9, 0.2)), "within the standard error");
-        assert!(!gains((1.0, 1.01), &heldout(0.8, 0.02)), "worse over all rows");
     }
 
     #[test]

@@ -10,6 +10,8 @@ use recording::numbers::root_mean_square;
 
 /// Blocks of rows that the uncertainty comes from.
 const BLOCKS: usize = 10;
+/// A free run has to be better by this share, over all rows or over those that were held out.
+const GAIN: f64 = 0.05;
 
 /// A gain on rows that the fit has not seen. Output unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +34,15 @@ impl HeldOutGain {
     pub fn share(&self) -> Option<f64> {
         let most = self.before.rmse - self.noise_floor;
         (most > 0.0).then(|| (self.before.rmse - self.after.rmse) / most)
+    }
+
+    /// Whether a simulated model is clearly better than another one, whose errors over all rows these are: over these and, by more than
+    /// the standard error, over the rows that took no part in the fit; and by `GAIN` over one or the other.
+    pub fn is_clear(&self, before: f64, after: f64) -> bool {
+        let is_much = |before: f64, after: f64| after < (1.0 - GAIN) * before;
+        after < before
+            && self.is_sure()
+            && (is_much(before, after) || is_much(self.before.rmse, self.after.rmse))
     }
 
     /// Whether it is more than its standard error.
@@ -99,4 +110,26 @@ pub fn on_another(columns: &Columns, extended: &Extended) -> Option<HeldOutGain>
 pub(super) fn on_all(columns: &Columns, models: (&Extension, &Extension)) -> Option<HeldOutGain> {
     let rows: Vec<usize> = (0..columns.scored.len()).filter(|&row| columns.scored[row]).collect();
     on_rows(columns, &rows, models, columns.noise_floor().deviation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_gains_where_it_is_clearly_better_on_rows_that_it_has_not_seen() {
+        let of = |rmse| Figures { rmse, mae: rmse, max_error: rmse };
+        let heldout = |after, gain_error| HeldOutGain {
+            from_s: None,
+            before: of(1.0),
+            after: of(after),
+            noise_floor: 0.01,
+            gain_error,
+        };
+        assert!(heldout(0.9, 0.05).is_clear(1.0, 0.97));
+        assert!(heldout(0.97, 0.02).is_clear(1.0, 0.9));
+        assert!(!heldout(0.97, 0.02).is_clear(1.0, 0.97), "a little of both");
+        assert!(!heldout(0.9, 0.2).is_clear(1.0, 0.8), "within the standard error");
+        assert!(!heldout(0.8, 0.02).is_clear(1.0, 1.01), "worse over all rows");
+    }
 }

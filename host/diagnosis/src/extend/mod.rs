@@ -63,7 +63,6 @@ use super::Columns;
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::race::is_same;
-use super::reject::gains;
 use super::search::Search;
 use super::valve::ValveFit;
 use beginnings::{continued, nearer, plainer};
@@ -406,7 +405,7 @@ impl<'a> Extender<'a> {
         let seen = extended.seen_from(self.columns);
         let models = (&less.counted.extended, &extended.counted.extended);
         let heldout = heldout::gain(&seen, &self.split, models, extended.heldout.noise_floor);
-        heldout.is_some_and(|heldout| gains((less.extended_rmse, extended.extended_rmse), &heldout))
+        heldout.is_some_and(|heldout| heldout.is_clear(less.extended_rmse, extended.extended_rmse))
     }
 
     /// Extends the operator model by each of a few sets; a set with which no model can be simulated is left out.

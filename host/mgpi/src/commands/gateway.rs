@@ -24,14 +24,14 @@ use crate::live::serve;
 /// Prometheus under /metrics and for programs under /fleet.json; and, where it is asked for, on the
 /// network by Zenoh, for ROS 2, and in a recording. By itself it drives nothing: a board is started
 /// for a program that then sends it set points, or trajectories and signs of life, and vents where
-/// these stop. Page and network are
-/// for this machine alone unless they are told otherwise.
+/// these stop. Page and network are for this machine alone unless they are told otherwise.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// Which boards there are: a [[line]] with port, boards = [1, 2] or [{number = 1, name =
     /// "biceps"}], and, where they are not the usual ones, name, rate_bit_per_s, parity, answer_s,
-    /// travel_mm = [0, 40], slew_mm_per_s (these two of a board too); a [[group]] with name and
-    /// boards = ["biceps"]. Read again, without a stop, by an order to /reload
+    /// travel_mm = [0, 40], slew_mm_per_s (these two of a board too); and groups, each an entry of
+    /// the list group with name and boards = ["biceps"]. Read again, without a stop, by an order to
+    /// /reload
     #[arg(value_name = "LINES.toml")]
     lines: PathBuf,
     /// Where the page is served

@@ -55,6 +55,7 @@ fn every_written_register_reads_as_it_was_written_at_both_limits_and_refuses_wha
         Id::Command,
         Id::SetpointBar,
         Id::StreamOrder,
+        Id::StreamPlayIn,
         Id::PushNumber,
         Id::PushPoints,
         Id::UploadOrder,

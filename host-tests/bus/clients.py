@@ -99,8 +99,8 @@ def every_register_is_read(board):
 
 def every_register_is_written(board):
     """Each at both its limits, and beyond them; what has an effect of its own has tests of its own."""
-    own = ("command", "setpoint_bar", "stream_order", "stream_play_in_ticks", "push_number", "push_points", "upload_order", "bus_take",
-           "update_order", "update_older", "update_offset", "update_window")
+    own = ("command", "setpoint_bar", "stream_order", "stream_play_in_ticks", "push_number", "push_points",
+           "upload_order", "bus_take", "update_order", "update_older", "update_offset", "update_window")
     together = {"command_min_bar": [0.0, 0.5], "command_max_bar": [4.0, 8.0]}
     for row in TABLE.values():
         name = row["name"]

@@ -562,15 +562,19 @@ def ros(arguments):
             state_key = f"{arguments.domain}/{arguments.name}/joint_states/" + "/".join(endpoints["MP", f"/{arguments.name}/joint_states"])
             heard = []
             empty = numpy.array([], dtype=numpy.float64)
-            with on.declare_subscriber(state_key, heard.append):
-                for number in range(250):
-                    target = numpy.full(len(told["joints"]), 0.03 * min(number / 150.0, 1.0))
-                    message = joint(header(stamp(0, 0), ""), told["joints"], target, empty, empty)
-                    content = struct.pack("<qq", number, time.time_ns()) + bytes([16]) + bytes(range(16))
-                    on.put(key, bytes(types.serialize_cdr(message, "sensor_msgs/msg/JointState")), attachment=content)
-                    time.sleep(0.02)
-            last = types.deserialize_cdr(heard[-1].payload.to_bytes(), "sensor_msgs/msg/JointState")
-            told["moved_to_m"] = [float(position) for position in last.position]
+
+            def command(positions):
+                """What `positions` answers for each number, 50 times a second for 5 s; where the joints are then."""
+                with on.declare_subscriber(state_key, heard.append):
+                    for number in range(250):
+                        message = joint(header(stamp(0, 0), ""), told["joints"], positions(number), empty, empty)
+                        content = struct.pack("<qq", number, time.time_ns()) + bytes([16]) + bytes(range(16))
+                        on.put(key, bytes(types.serialize_cdr(message, "sensor_msgs/msg/JointState")), attachment=content)
+                        time.sleep(0.02)
+                last = types.deserialize_cdr(heard[-1].payload.to_bytes(), "sensor_msgs/msg/JointState")
+                return [float(position) for position in last.position]
+
+            told["moved_to_m"] = command(lambda number: numpy.full(len(told["joints"]), 0.03 * min(number / 150.0, 1.0)))
             # A trajectory, as a controller of ROS 2 is sent it; names alone say that its client lives.
             course, point = types.types["trajectory_msgs/msg/JointTrajectory"], types.types["trajectory_msgs/msg/JointTrajectoryPoint"]
             span = types.types["builtin_interfaces/msg/Duration"]
@@ -588,14 +592,7 @@ def ros(arguments):
 
             send([*told["joints"], "nobody"])
             send(told["joints"])
-            with on.declare_subscriber(state_key, heard.append):
-                for number in range(250):
-                    message = joint(header(stamp(0, 0), ""), told["joints"], empty, empty, empty)
-                    content = struct.pack("<qq", number, time.time_ns()) + bytes([16]) + bytes(range(16))
-                    on.put(key, bytes(types.serialize_cdr(message, "sensor_msgs/msg/JointState")), attachment=content)
-                    time.sleep(0.02)
-            last = types.deserialize_cdr(heard[-1].payload.to_bytes(), "sensor_msgs/msg/JointState")
-            told["played_to_m"] = [float(position) for position in last.position]
+            told["played_to_m"] = command(lambda number: empty)
             told["stop"] = trigger("stop")
     print(json.dumps(told))
 

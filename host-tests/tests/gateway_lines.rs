@@ -19,11 +19,8 @@ use rand_chacha::ChaCha8Rng;
 const PATIENCE: Duration = Duration::from_secs(20);
 /// How long the sound line is watched while the other one is wrong.
 const WATCHED: Duration = Duration::from_secs(2);
-/// The longest from answer to answer of a sound board: a handful of rounds, on a busy machine.
-const LONGEST_GAP: Duration = Duration::from_millis(900);
-/// Share of its questions that a sound line may lose on a machine with much else to do: an answer
-/// that takes 55 ms is lost.
-const LOST: f64 = 0.1;
+/// From answer to answer of a sound board: a driven board bears so long a silence, and vents then.
+const LONGEST_GAP: Duration = Duration::from_millis(500);
 
 /// One line with its neighbour at a time: boards keep real time.
 static ALONE: Mutex<()> = Mutex::new(());
@@ -56,12 +53,6 @@ fn beside_a_sound_line(bad: &Desk, units: &[u8], is_so: impl Fn(&[Board]) -> boo
         assert!(Instant::now() < deadline, "{boards:#?}");
         sleep(Duration::from_millis(20));
     };
-    let count = || {
-        let of = |board: &Board| (board.lost as f64, board.answered as f64);
-        let boards = gateway.boards().all();
-        boards[..2].iter().map(of).fold((0.0, 0.0), |sum, board| (sum.0 + board.0, sum.1 + board.1))
-    };
-    let (lost, answered) = count();
     let (listener, begin) = (gateway.boards().listen(), Instant::now());
     let mut last = [begin; 2];
     while begin.elapsed() < WATCHED {
@@ -71,8 +62,6 @@ fn beside_a_sound_line(bad: &Desk, units: &[u8], is_so: impl Fn(&[Board]) -> boo
         }
     }
     assert!(last.iter().all(|last| last.elapsed() < LONGEST_GAP));
-    let (lost, answered) = (count().0 - lost, count().1 - answered);
-    assert!(lost <= LOST * answered, "{lost} of {answered} lost");
     let boards = gateway.boards().all();
     assert!(boards[..2].iter().all(|board| board.problem.is_none()));
     seen

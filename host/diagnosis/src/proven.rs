@@ -22,8 +22,8 @@ pub struct Proven {
 }
 
 /// Extends the operator model by a set of causes and those of the valve, and asks what that gains: all together, and each of the muscle
-/// beside the others. What a set gains may be the gain of one of its causes alone. The operator goes on from a given one, unless there
-/// is none or its form is too poor. `progress` is called with the share of the work that is done.
+/// beside the others, since what a set gains may be the gain of one of its causes alone. The fit starts from the `given` operator, if
+/// there is one and its form is rich enough. `progress` is called with the share of the work done so far.
 ///
 /// # Errors
 /// No model can be simulated, not even one without causes.

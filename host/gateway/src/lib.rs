@@ -50,9 +50,9 @@ const ORDER: Duration = Duration::from_secs(2);
 /// The least time from an order to a start: eight boards of a line at 115,200 bit/s have their points
 /// within it. Unit: s.
 const LEAD_S: f64 = 1.0;
-/// The start of a trajectory that shall begin as soon as can be. Unit: s.
+/// The start of a trajectory that shall begin as soon as can be: with time for one round more. Unit: s.
 const SOONEST_S: f64 = LEAD_S + 0.2;
-/// The farthest start: beyond it the clocks differ rather than that a client waits. Unit: s.
+/// The farthest start, by convention: a start beyond it is a wrong clock rather than a plan. Unit: s.
 const FARTHEST_S: f64 = 60.0;
 
 /// The threads of all lines, until it is dropped.
@@ -162,13 +162,18 @@ impl Gateway {
         self.running().groups.iter().map(places).collect()
     }
 
+    /// The places of a group's boards; none if there is no such group.
+    pub fn group(&self, name: &str) -> Vec<usize> {
+        self.groups().into_iter().find(|(group, _)| group == name).map_or_else(Vec::new, |(_, places)| places)
+    }
+
     /// The places of the boards that have this name: one, or those of a group; none if nobody has.
     pub fn named(&self, name: &str) -> Vec<usize> {
         let is_it = |board: &Board| !board.is_gone && board.name == name;
         if let Some(place) = self.boards.all().iter().position(is_it) {
             return vec![place];
         }
-        self.groups().into_iter().find(|(group, _)| group == name).map_or_else(Vec::new, |(_, places)| places)
+        self.group(name)
     }
 
     /// Stops and vents all boards of all lines.

@@ -257,13 +257,7 @@ fn take(sample: &Sample, gateway: &Gateway, keys: &Keys, refused: &SyncSender<Re
     // A pattern is nobody's: a set point has the grant of one.
     let boards = match keys.index(key, "setpoint") {
         Some(index) => vec![index],
-        None => keys.group(key, "setpoint").map_or_else(Vec::new, |group| {
-            gateway
-                .groups()
-                .into_iter()
-                .find(|(name, _)| name == group)
-                .map_or_else(Vec::new, |(_, boards)| boards)
-        }),
+        None => keys.group(key, "setpoint").map_or_else(Vec::new, |group| gateway.group(group)),
     };
     let message: Result<SetPointMessage, _> = serde_json::from_slice(&sample.payload().to_bytes());
     for index in boards {

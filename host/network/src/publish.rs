@@ -53,26 +53,34 @@ struct Published {
 }
 
 impl Published {
-    fn declare(session: &Session, keys: &Keys, index: usize, board: &Board) -> Result<Self, NetworkError> {
+    /// None of a board that is gone: it has no keys.
+    fn declare(
+        session: &Session,
+        keys: &Keys,
+        index: usize,
+        board: &Board,
+    ) -> Result<Option<Self>, NetworkError> {
         let of = |problem: zenoh::Error| NetworkError::of(&problem);
-        // One that has gone has no key, and is not declared.
-        let key = |what: &str| keys.of_board(index, what).unwrap_or_else(|| keys.of_all(what));
+        let Some((telemetry, state)) = keys.of_board(index, "telemetry").zip(keys.of_board(index, "state"))
+        else {
+            return Ok(None);
+        };
         // Nothing is dropped for a subscriber that is slow for a moment.
         let telemetry = session
-            .declare_publisher(key("telemetry"))
+            .declare_publisher(telemetry)
             .encoding(Encoding::APPLICATION_JSON)
             .congestion_control(CongestionControl::Block)
             .wait()
             .map_err(of)?;
         let state = session
-            .declare_publisher(key("state"))
+            .declare_publisher(state)
             .encoding(Encoding::APPLICATION_JSON)
             .congestion_control(CongestionControl::Block)
             .cache(CacheConfig::default().max_samples(KEPT))
             .publisher_detection()
             .wait()
             .map_err(of)?;
-        Ok(Self { name: board.name.clone(), telemetry, state, alive: None, count: 0, last: None })
+        Ok(Some(Self { name: board.name.clone(), telemetry, state, alive: None, count: 0, last: None }))
     }
 }
 
@@ -156,10 +164,8 @@ impl Work {
             let Some(place) = self.published.get_mut(index) else { continue };
             match place {
                 Some(_) if board.is_gone => *place = None,
-                None if !board.is_gone => {
-                    *place = Some(Published::declare(&self.session, &self.keys, index, board)?)
-                }
-                _ => {}
+                Some(_) => {}
+                None => *place = Published::declare(&self.session, &self.keys, index, board)?,
             }
         }
         Ok(())

@@ -273,7 +273,7 @@ table! {
     0x0606 StreamConsumed "stream_consumed" U32 [1] "" READ, "Points taken out of the queue since the last clear";
     0x0608 StreamUnderrun "stream_underrun_ticks" U32 [1] "tick" READ, "Ticks without a point to go to since the last clear";
     0x060A StreamStart "stream_start_tick" U32 [1] "tick" READ, "The tick in which point 0 was the set point";
-    0x060C StreamPlayIn "stream_play_in_ticks" U16 [1] "tick" write(1.0, 60_000.0), "Plays as order 1 does, so that point 0 is the set point in so many ticks; until then the set point stays. Written again meanwhile, it counts anew; written to all boards, those that have points begin in the same tick. Reads as the ticks that are left";
+    0x060C StreamPlayIn "stream_play_in_ticks" U16 [1] "tick" write(1.0, 60_000.0), "Starts the stream like stream_order 1, this many ticks from now: point 0 is then the set point, and until then the set point stays. Writing it again restarts the count. Broadcast, it starts all boards that hold points in the same tick. Reads as the ticks left";
     0x0610 PushNumber "push_number" U32 [1] "" DOUBLE_WORD, "Number of the first of the points behind it; written together with them";
     0x0612 PushPoints "push_points" F32 [STREAM_POINTS] "" MM, "Points, mm or bar; as many as are written. Reads as the next ones to be played, 0 behind the last";
 

@@ -111,6 +111,18 @@ impl Search<'_> {
         Some(better.cloned().unwrap_or(without))
     }
 
+    /// A set with one more cause: the best that was looked at, else what the starts of that cause come to beside the set.
+    pub fn with(&self, set: &Candidate, cause: Cause, sizes: &[Vec<Candidate>]) -> Option<Candidate> {
+        let wider: Vec<Cause> = set.causes.iter().copied().chain([cause]).collect();
+        let alike = sizes.iter().flatten().filter(|other| is_same(&other.causes, &wider));
+        let known = alike.min_by(|one, other| one.cost().total_cmp(&other.cost())).cloned();
+        let raced = || {
+            let runners = self.runners(set, cause, Effect::starts(cause, self.signals));
+            self.race(runners, f64::INFINITY).into_iter().next()
+        };
+        known.or_else(raced)
+    }
+
     /// The set that the evidence is for, and all sets that were looked at, by size, the best first.
     ///
     /// It is the best of the largest size that is worth each of its causes, or what is left of one that is not, less those causes

@@ -108,7 +108,7 @@ use extend::{Extended, Extender, Operator, Plain, likely};
 use identification::IdentificationError;
 use measured::measure;
 pub use noisy_input::Smoothing;
-use ordinary::{beside_ordinary_lag, is_ordinary, with_ordinary_lag};
+use ordinary::{beside_ordinary_lag, is_ordinary, with_ordinary_lag, without_ordinary_lag};
 use overlooked::{Overlooked, overlooked};
 use poor::{Better, Poor, poor};
 use proven::{Proven, proven};
@@ -328,18 +328,24 @@ pub fn diagnose_and_extend(
     let is_named = unexplained.is_none() || beside_lag.is_some();
     let named = if is_named { &best } else { &search.baseline };
     let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
-    let Proven { set, mut extended, refuted, is_needless } =
+    let Proven { set, wider, mut extended, refuted, is_needless } =
         proven(&extender, (named, valve.as_ref()), &sizes, given, &simulating)?;
     // What is left of the causes may leave something unexplained.
     let is_less = set.causes.len() < named.causes.len();
     let unexplained = if is_less { left(&set, unexplained_by) } else { unexplained };
-    let (best, alternatives, evidence) = match is_less {
+    let (best, mut alternatives, evidence) = match is_less {
         true => {
             let alternatives = not_told_apart(&search, (&set, &set.causes), &sizes);
             (set, alternatives, None)
         }
         false => (best, alternatives, evidence),
     };
+    let wider = wider.into_iter().map(|wider| without_ordinary_lag(&search, &best, wider));
+    for rival in wider {
+        if !alternatives.iter().any(|other| is_same(other, &rival)) {
+            alternatives.push(rival);
+        }
+    }
     let named = if is_named { &best } else { &search.baseline };
     // A step is rejected where the simulated model is nearer without it: it made up for a misfit of the search's own model.
     let is_needless_step = |seen: &Unexplained| {

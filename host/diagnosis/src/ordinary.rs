@@ -38,15 +38,25 @@ pub fn with_ordinary_lag(
 
 /// The search with a regulator's ordinary lag in its baseline, where that lag is all that a set has.
 pub fn beside_ordinary_lag<'a>(search: &Search<'a>, set: &Candidate) -> Option<Search<'a>> {
-    let [(Cause::ValveLag, parameters)] =
-        &parameters(search.signals, &search.basis, &set.causes, &set.fit)[..]
-    else {
-        return None;
-    };
-    let lag_s = parameters.iter().find(|(name, _)| *name == TIME_CONSTANT)?.1;
+    let [Cause::ValveLag] = set.causes[..] else { return None };
     let baseline = Candidate { causes: Vec::new(), ..set.clone() };
     let pure = pure_error(search.signals, &search.basis, &set.fit.seen, &set.residual);
-    (lag_s <= ORDINARY_LAG_S).then(|| Search { baseline, pure, ..search.clone() })
+    has_ordinary_lag(search, set).then(|| Search { baseline, pure, ..search.clone() })
+}
+
+/// The causes of a set around another one, but for the ordinary lag of the regulator that this one has: that is not named.
+pub fn without_ordinary_lag(search: &Search<'_>, set: &Candidate, mut wider: Vec<Cause>) -> Vec<Cause> {
+    if has_ordinary_lag(search, set) {
+        wider.retain(|cause| *cause != Cause::ValveLag);
+    }
+    wider
+}
+
+/// Whether a set has a lag of the valve that is as short as any regulator's.
+fn has_ordinary_lag(search: &Search<'_>, set: &Candidate) -> bool {
+    let all = parameters(search.signals, &search.basis, &set.causes, &set.fit);
+    let mut of_valve = all.iter().filter(|(cause, _)| *cause == Cause::ValveLag).flat_map(|(_, all)| all);
+    of_valve.any(|(name, value)| *name == TIME_CONSTANT && *value <= ORDINARY_LAG_S)
 }
 
 /// Whether what is named is the lag of any regulator.

@@ -2,6 +2,7 @@
 
 use super::DiagnosisError;
 use super::candidate::Candidate;
+use super::cause::Cause;
 use super::extend::{Extended, Extender, Operator};
 use super::reject::{Unexplained, no_gain, unexplained};
 use super::valve::ValveFit;
@@ -12,6 +13,8 @@ use rayon::prelude::*;
 pub struct Proven {
     /// The causes of the muscle that hold.
     pub set: Candidate,
+    /// Sets with one cause more that are not excluded, see [`not_excluded`].
+    pub wider: Vec<Vec<Cause>>,
     /// The model.
     pub extended: Extended,
     /// Why the named causes explain nothing, if they do not.
@@ -43,11 +46,18 @@ pub fn proven(
     };
     let named = !set.causes.is_empty() || valve.is_some_and(|valve| !valve.causes.is_empty());
     if !named {
-        return Ok(Proven { set: set.clone(), extended: plainly()?, refuted: None, is_needless: false });
+        return Ok(Proven {
+            set: set.clone(),
+            wider: Vec::new(),
+            extended: plainly()?,
+            refuted: None,
+            is_needless: false,
+        });
     }
     let Some(extended) = extender.extend(set, valve, given, progress) else {
         return Ok(Proven {
             set: set.clone(),
+            wider: Vec::new(),
             extended: plainly()?,
             refuted: Some(Unexplained::NotSimulated),
             is_needless: false,
@@ -56,9 +66,13 @@ pub fn proven(
     let (set, extended) = holding(extender, (set.clone(), extended), valve, (sizes, given));
     let refuted = no_gain(&extended);
     if refuted.is_some() && unexplained(search, &search.baseline).is_none() {
-        return Ok(Proven { set, extended: plainly()?, refuted: None, is_needless: true });
+        return Ok(Proven { set, wider: Vec::new(), extended: plainly()?, refuted: None, is_needless: true });
     }
-    Ok(Proven { set, extended, refuted, is_needless: false })
+    let wider = match refuted {
+        None => not_excluded(extender, (&set, &extended), valve, (sizes, given)),
+        Some(_) => Vec::new(),
+    };
+    Ok(Proven { set, wider, extended, refuted, is_needless: false })
 }
 
 /// What is left of a set and of its model when each cause of the muscle has gone that gains nothing beside the others and the valve's,
@@ -86,4 +100,36 @@ fn holding(
         (set, extended) = least;
     }
     (set, extended)
+}
+
+/// The sets with one cause more which two judges find better, each by more than its own standard error: the search, on blocks of time
+/// that no fit has seen, and the simulated models. The search does not name that cause, since it is not worth its place; but to call a
+/// recording explained says that nothing else is in it, and both of them see something else. None where only causes of the valve are
+/// named: what the muscle does has then been judged without them.
+fn not_excluded(
+    extender: &Extender<'_>,
+    (set, extended): (&Candidate, &Extended),
+    valve: Option<&ValveFit>,
+    (sizes, given): (&[Vec<Candidate>], Option<&Operator>),
+) -> Vec<Vec<Cause>> {
+    if set.causes.is_empty() {
+        return Vec::new();
+    }
+    let search = extender.search;
+    let is_better = |wider: &Candidate| {
+        let (gain, error) = (set.score.gain(&wider.score), set.score.gain_error(&wider.score));
+        wider.shows && wider.outlasts && gain > error
+    };
+    let gains = |wider: Candidate| {
+        let model = extender.extend(&wider, valve, given, &|_| ())?;
+        extender.gains_over(&model, extended).then_some(wider.causes)
+    };
+    let others: Vec<Cause> =
+        search.examinable.iter().copied().filter(|cause| !set.causes.contains(cause)).collect();
+    others
+        .par_iter()
+        .filter_map(|&cause| search.with(set, cause, sizes))
+        .filter(is_better)
+        .filter_map(gains)
+        .collect()
 }

@@ -10,7 +10,7 @@ use super::cause::Cause;
 use super::effect::{Effect, Form, Parameter};
 use super::equivalent::Arrived;
 use super::extend::{Extender, Plain};
-use super::proven::proven;
+use super::proven::{Proven, proven};
 use super::reject::Unexplained;
 use super::search::Search;
 use super::signals::Signals;
@@ -316,27 +316,41 @@ fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     assert!(better.score.mean() < alone);
 }
 
+/// What is proven of the first of two causes and of both of them, where the search could look for both.
+fn proven_one_and_both(columns: &Columns, both: [Cause; 2]) -> [Proven; 2] {
+    let mut signals = Signals::new(columns);
+    let search = Search::new(&mut signals, both.to_vec(), 0.0).expect("a baseline");
+    let one = search.with(&search.baseline, both[0], &[]).expect("a fit");
+    let two = search.with(&one, both[1], &[]).expect("a fit");
+    assert_eq!(two.causes, both);
+    let plain = Plain::new(columns, &search.signals.scored()).expect("a model");
+    let extender = Extender::new(columns, &search, plain);
+    [one, two].map(|set| proven(&extender, (&set, None), &[], None, &|_| ()).expect("a model"))
+}
+
 #[test]
-fn a_cause_that_gains_nothing_beside_another_does_not_hold() {
+fn a_cause_that_gains_nothing_beside_another_neither_holds_nor_is_a_rival() {
     let plant = Plant::new();
     let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
     let columns = plant.recorded(&hysteresis(&late));
-    let mut signals = Signals::new(&columns);
+    let [one, two] = proven_one_and_both(&columns, [Cause::TransportDelay, Cause::Drift]);
+    assert_eq!(two.set.causes, [Cause::TransportDelay]);
+    assert_eq!(two.extended.model.extensions.drift, None);
+    assert!(two.extended.model.extensions.transport_delay.is_some() && two.refuted.is_none());
+    assert!(one.wider.is_empty() && two.wider.is_empty());
+}
+
+#[test]
+fn a_cause_that_gains_beside_what_is_named_is_not_excluded() {
+    let plant = Plant::new();
+    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let drifting = |(y, t): (f64, &f64)| y + 0.01 * t;
+    let drifting: Vec<f64> = hysteresis(&late).into_iter().zip(&plant.time_s).map(drifting).collect();
     let both = [Cause::TransportDelay, Cause::Drift];
-    let search = Search::new(&mut signals, both.to_vec(), 0.0).expect("a baseline");
-    let beside = |set: &Candidate, cause| {
-        let starts = Effect::starts(cause, search.signals);
-        search.race(search.runners(set, cause, starts), f64::INFINITY).swap_remove(0)
-    };
-    let delay = beside(&search.baseline, Cause::TransportDelay);
-    let set = beside(&delay, Cause::Drift);
-    assert_eq!(set.causes, both);
-    let plain = Plain::new(&columns, &search.signals.scored()).expect("a model");
-    let extender = Extender::new(&columns, &search, plain);
-    let proven = proven(&extender, (&set, None), &[], None, &|_| ()).expect("a model");
-    assert_eq!(proven.set.causes, [Cause::TransportDelay]);
-    assert_eq!(proven.extended.model.extensions.drift, None);
-    assert!(proven.extended.model.extensions.transport_delay.is_some() && proven.refuted.is_none());
+    let [one, two] = proven_one_and_both(&plant.recorded(&drifting), both);
+    assert_eq!(one.set.causes, [Cause::TransportDelay]);
+    assert_eq!(one.wider, [both.to_vec()]);
+    assert_eq!(two.set.causes, both);
 }
 
 fn named(cause: Cause, parameters: Vec<(&'static str, f64)>) -> Named {

@@ -162,6 +162,15 @@ impl Check {
         }
     }
 
+    pub(crate) fn below<T: Real>(self, value: T, limit: T) -> Result<T, ParameterError> {
+        let value = self.finite(value)?;
+        if value < limit {
+            Ok(value)
+        } else {
+            Err(self.error(value.to_f64(), Requirement::Below(limit.to_f64())))
+        }
+    }
+
     /// A list's length against its capacity or against that of its companion.
     pub(crate) fn length(self, length: usize, requirement: Requirement) -> ParameterError {
         self.error(length as f64, requirement)

@@ -22,6 +22,7 @@
 //! | [`observer`] | gains by the slope of the inverse | |
 //! | [`adaptation`] | offset, gain and width that follow the muscle | |
 //! | [`tracking`] | feed-forward plus feedback, limits, slew | Fig. 10 |
+//! | [`joint`] | two muscles at one axis: model, and control of angle and stiffness | |
 //! | [`paper`] | the paper's Tables 1 and 2 as a model | |
 //!
 //! Equation and table numbers are those of the paper on the modified generalized Prandtl-Ishlinskii
@@ -58,6 +59,7 @@ pub mod error;
 pub mod extension;
 mod few_plays;
 pub mod hysteresis;
+pub mod joint;
 pub mod law;
 pub mod list;
 mod loading_curve;

@@ -56,6 +56,8 @@ pub trait Real:
     fn atanh_of_ratio(a: Self, b: Self) -> Self;
     /// Exponential function.
     fn exp(self) -> Self;
+    /// Square root of a number that is not negative.
+    fn sqrt(self) -> Self;
 
     /// This number, or the limits that it passes. NaN stays NaN.
     fn limit(self, min: Self, max: Self) -> Self {
@@ -81,7 +83,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($float:ident, $tanh:path, $atanh_of_ratio:path, $exp:path) => {
+    ($float:ident, $tanh:path, $atanh_of_ratio:path, $exp:path, $sqrt:path) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -107,12 +109,15 @@ macro_rules! real {
             fn exp(self) -> Self {
                 $exp(self)
             }
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
         }
     };
 }
 
-real!(f32, libm::tanhf, crate::atanh::atanh_of_ratio, libm::expf);
-real!(f64, libm::tanh, atanh_of_ratio, libm::exp);
+real!(f32, libm::tanhf, crate::atanh::atanh_of_ratio, libm::expf, libm::sqrtf);
+real!(f64, libm::tanh, atanh_of_ratio, libm::exp, libm::sqrt);
 
 /// In double precision, where the ratio itself may leave the number type.
 fn atanh_of_ratio(a: f64, b: f64) -> f64 {

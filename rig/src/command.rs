@@ -8,6 +8,7 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use crate::effect::Hide;
 use crate::effects::Effects;
+use crate::joint::command::JointCommand;
 use crate::output::write_whole;
 use crate::parameters::{
     CONTRACTION_NOISE_MM, DEAD_LOAD_N, LOAD_LIMIT_N, NOMINAL_LENGTH_MM, PRESSURE_NOISE_BAR,
@@ -33,6 +34,9 @@ pub enum Command {
     Plant(PlantArgs),
     /// Write a reference of raised cosines
     Reference(ReferenceArgs),
+    /// Two muscles at a joint: recordings and a plant
+    #[command(subcommand)]
+    Joint(JointCommand),
     /// Write the recording of one plant of the zoo, drawn by the seed, and its truth
     Zoo(ZooArgs),
 }
@@ -194,6 +198,7 @@ impl Command {
                 serve(std::io::stdin().lock(), std::io::stdout().lock(), &mut args.plant(), args.columns())
             }
             Self::Reference(args) => reference(args),
+            Self::Joint(command) => command.run(),
             Self::Zoo(args) => zoo(args),
         }
     }

@@ -18,6 +18,8 @@ pub(crate) enum Stream {
     Choice,
     /// Parameters of the operator plant.
     Operator,
+    /// Constants of a joint.
+    Joint,
     /// A part of a plant of the zoo.
     Part(u64),
     /// Parameters of an effect.
@@ -34,6 +36,7 @@ impl Stream {
             Self::Temperature => 2,
             Self::Choice => 3,
             Self::Operator => 4,
+            Self::Joint => 5,
             Self::Part(part) => 1024 + part,
             Self::Parameters(effect) => 16 + 2 * effect,
             Self::Course(effect) => 17 + 2 * effect,

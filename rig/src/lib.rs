@@ -10,6 +10,8 @@
 //! hidden is told to those who ask ([`truth`]). A second muscle, an operator model ([`operator`]),
 //! has the same effects in other forms.
 //!
+//! Two such muscles at one axis are a [`joint`].
+//!
 //! The rig deliberately shares no code with the models that are identified from it: what they
 //! cannot follow is an honest error of structure. The same seed gives the same run.
 
@@ -26,6 +28,7 @@ pub mod dynamics;
 pub mod effect;
 pub mod effects;
 mod gauge;
+pub mod joint;
 pub mod muscle;
 pub mod operator;
 pub mod output;

@@ -116,6 +116,22 @@ impl Muscle {
         self.motion = step.arrive(ratio);
     }
 
+    /// What a muscle without load or motion pulls with where something else holds it at `ratio`, N,
+    /// and the slope, N.
+    pub(crate) fn pull_n(&self, ratio: f64, condition: &Condition) -> (f64, f64) {
+        self.surplus_n(ratio, condition, &self.dynamics.step(&self.motion, f64::INFINITY))
+    }
+
+    /// Holds it there.
+    pub(crate) fn hold(&mut self, ratio: f64, condition: &Condition) {
+        let still = self.dynamics.step(&self.motion, f64::INFINITY);
+        let limits_n = still.limits_n(condition.bristle_limit_n(), ratio);
+        for bristle in &mut self.bristles {
+            bristle.settle(ratio, &limits_n);
+        }
+        self.motion = Motion::resting(ratio);
+    }
+
     /// What pulls minus what resists at `ratio`, N, and its slope, N: always negative.
     fn surplus_n(&self, ratio: f64, condition: &Condition, step: &Step) -> (f64, f64) {
         let (pull_n, pull_slope_n) = self.braid.pull_n(condition.pressure_bar, ratio);

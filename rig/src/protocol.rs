@@ -102,6 +102,11 @@ impl Protocol {
 
     /// The command at `time_s`, bar. Before the first and after the last waypoint it is theirs.
     pub fn command_bar(&self, time_s: f64) -> f64 {
+        self.at(time_s)
+    }
+
+    /// The same of a course that is not one of a pressure.
+    pub(crate) fn at(&self, time_s: f64) -> f64 {
         let next = self.waypoints.partition_point(|waypoint| waypoint.0 <= time_s);
         if next == 0 {
             return self.waypoints[0].1;

@@ -67,7 +67,8 @@ fn parse(line: &[u8]) -> Result<(f64, f64)> {
     Ok((finite("time_s", time)?, finite("command_bar", command)?))
 }
 
-fn finite(name: &str, field: &str) -> Result<f64> {
+/// A finite number of a line.
+pub(crate) fn finite(name: &str, field: &str) -> Result<f64> {
     match field.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => bail!("{name} is {field:?}, not a finite number"),

@@ -15,6 +15,7 @@
 //! | `descent` | one search, from a start to its end |
 //! | `search` | the searches, one after the other and side by side |
 //! | `plan` | how many they are, on how many rows, and how much work |
+//! | [`joint`] | two muscles at a joint, by the balance of torques |
 //! | [`adapted`] | a model that answers as the muscle does that a board has learnt |
 //! | `raw` | the way to the raw parameters |
 //! | `robust` | Huber's loss |
@@ -52,6 +53,7 @@ mod error;
 pub mod holdout;
 pub mod identified;
 mod inner;
+pub mod joint;
 pub mod json;
 mod nnls;
 mod plan;

@@ -18,6 +18,7 @@ pub mod figures;
 pub mod history;
 pub mod input;
 mod joined;
+pub mod joint;
 pub mod lateness;
 pub mod left_out;
 pub mod model;

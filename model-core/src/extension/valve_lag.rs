@@ -40,7 +40,7 @@ impl<T: Real> ValveLagParameters<T> {
 
 /// A validated lag.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ValveLag<T> {
+pub(crate) struct ValveLag<T> {
     time_constant_s: T,
     lead_limit: T,
 }
@@ -48,14 +48,14 @@ pub(super) struct ValveLag<T> {
 /// What a step of time makes of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct ValveLagStep<T> {
+pub(crate) struct ValveLagStep<T> {
     share: T,
     per_share: T,
     lead_limit: T,
 }
 
 impl<T: Real> ValveLag<T> {
-    pub(super) fn try_new(parameters: &ValveLagParameters<T>) -> Result<Self, ParameterError> {
+    pub(crate) fn try_new(parameters: &ValveLagParameters<T>) -> Result<Self, ParameterError> {
         let ValveLagParameters { time_constant_s, lead_limit } = *parameters;
         Ok(Self {
             time_constant_s: Check::new("valve_lag time_constant_s", "s").above(time_constant_s, T::ZERO)?,
@@ -63,7 +63,7 @@ impl<T: Real> ValveLag<T> {
         })
     }
 
-    pub(super) fn step(&self, dt: T) -> ValveLagStep<T> {
+    pub(crate) fn step(&self, dt: T) -> ValveLagStep<T> {
         let share = relaxation::share(dt, self.time_constant_s);
         ValveLagStep { share, per_share: T::ONE / share, lead_limit: self.lead_limit }
     }
@@ -72,13 +72,13 @@ impl<T: Real> ValveLag<T> {
 impl<T: Real> ValveLagStep<T> {
     /// The pressure after the step.
     #[inline(always)]
-    pub(super) fn pressure(&self, from: T, set_point: T) -> T {
+    pub(crate) fn pressure(&self, from: T, set_point: T) -> T {
         from + (set_point - from) * self.share
     }
 
     /// The set point that leads to the wanted pressure, or as near as the lead limit allows.
     #[inline(always)]
-    pub(super) fn set_point(&self, from: T, wanted: T) -> T {
+    pub(crate) fn set_point(&self, from: T, wanted: T) -> T {
         from + ((wanted - from) * self.per_share).limit(-self.lead_limit, self.lead_limit)
     }
 }

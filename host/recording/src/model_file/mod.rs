@@ -27,7 +27,7 @@ mod parameters;
 mod read;
 mod scale;
 pub mod section;
-mod values;
+pub(crate) mod values;
 pub mod write;
 
 use std::io;

@@ -1,0 +1,239 @@
+//! The balance of torques as least squares: at every row the torque of the joint is that from
+//! outside, with the other sign.
+//!
+//! An error counts by what angle it is, the torque over the stiffness there: a first solution counts
+//! torques, and says how stiff the joint is for the second. For each pair of knees the problem is
+//! linear; the knees are searched by golden sections, one after the other.
+
+use model_core::List;
+use model_core::joint::PullParameters;
+use model_core::joint::stops::{Stops, Thresholds};
+use nalgebra::{DMatrix, DVector};
+use recording::joint::columns::JointRecording;
+use recording::joint::{HostJoint, HostJointParameters};
+
+use super::unknowns::{COUNT, LINEAR, Unknowns, features, is_bounded, knees, parameters};
+use super::{JointError, SHORTEST, STOPS, bounds};
+use crate::nnls;
+
+/// Half the rows that an angle is averaged over, for what is driven by it. Unit: s.
+const SMOOTHED_S: f64 = 0.02;
+/// The same for the speed.
+const SPEED_S: f64 = 0.1;
+/// The search for the knees looks at each so many-th row.
+const THINNED: usize = 5;
+/// The largest knee as a share of the square of the lowest pressure.
+const LARGEST_KNEE: f64 = 0.8;
+/// Rounds of the search, and sections of each.
+const ROUNDS: usize = 3;
+const SECTIONS: usize = 10;
+/// Of the diagonal, that makes what no row tells 0.
+const RIDGE: f64 = 1e-10;
+
+/// A recording with what is made of it once.
+pub(super) struct Rows {
+    pub(super) time_s: Vec<f64>,
+    pub(super) pressures: Vec<[f64; 2]>,
+    /// As measured. Unit: rad.
+    pub(super) angle: Vec<f64>,
+    pub(super) torque: Vec<f64>,
+    smoothed: Vec<f64>,
+    speed: Vec<f64>,
+    stops: Vec<[f64; STOPS]>,
+    known: HostJointParameters,
+}
+
+impl Rows {
+    /// Of a recording that has been checked.
+    pub(super) fn of(recording: &JointRecording, swing: f64) -> Result<Self, JointError> {
+        let JointRecording { time_s, pressures_bar: [a, b], angle_rad, torque_nm, scored, .. } = recording;
+        let step_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
+        let half = |s: f64| (s / step_s).round() as usize;
+        let smoothed = averaged(angle_rad, half(SMOOTHED_S));
+        let speed = slopes(time_s, angle_rad, half(SPEED_S).max(1));
+        let at = |row: &usize| scored[*row];
+        let rows = || (0..time_s.len()).filter(at);
+        let first = rows().map(|row| smoothed[row]).fold(f64::INFINITY, f64::min);
+        let last = rows().map(|row| smoothed[row]).fold(f64::NEG_INFINITY, f64::max);
+        let longest: f64 = 0.5 / SHORTEST;
+        let reach = |k: usize| SHORTEST * (last - first) * longest.powf(k as f64 / (STOPS - 1) as f64);
+        let reaches = List::from_iter((0..STOPS).map(reach));
+        let muscle = |place: usize, pressures: &[f64]| {
+            let mut points: Vec<(f64, f64)> = rows().map(|row| (smoothed[row], pressures[row])).collect();
+            Ok::<_, JointError>(PullParameters {
+                arm: [0.0; 3],
+                knee: 0.0,
+                friction: List::new(),
+                lowest: bounds::lowest(&mut points, (first, last)),
+                highest: points.iter().map(|point| point.1).fold(f64::NEG_INFINITY, f64::max),
+                valve_lag_s: bounds::lag_s(recording, place)?,
+            })
+        };
+        let known = HostJointParameters {
+            muscles: [muscle(0, a)?, muscle(1, b)?],
+            passive: [0.0; 4],
+            viscosity: 0.0,
+            reaches,
+            dry: List::new(),
+            swing,
+            angles: (first, last),
+        };
+        let thresholds = Thresholds::try_new(&known.reaches)?;
+        let mut memory = Stops::relaxed(smoothed[0]);
+        let stops = (smoothed.iter())
+            .map(|angle| {
+                thresholds.turn(&mut memory, *angle);
+                std::array::from_fn(|k| memory.moved()[k])
+            })
+            .collect();
+        Ok(Self {
+            time_s: time_s.clone(),
+            pressures: a.iter().zip(b).map(|(a, b)| [*a, *b]).collect(),
+            angle: angle_rad.clone(),
+            torque: torque_nm.clone(),
+            smoothed,
+            speed,
+            stops,
+            known,
+        })
+    }
+
+    pub(super) fn parameters(&self, unknowns: &Unknowns) -> HostJointParameters {
+        parameters(unknowns, &self.known)
+    }
+
+    pub(super) fn joint(&self, unknowns: &Unknowns) -> Result<HostJoint, JointError> {
+        Ok(HostJoint::try_new(&self.parameters(unknowns))?)
+    }
+
+    /// The stops at a row, as the measured angle has turned them.
+    pub(super) fn stops_at(&self, row: usize) -> Stops<f64, { recording::joint::STOPS }> {
+        let mut memory = Stops::relaxed(self.smoothed[0]);
+        if let Ok(thresholds) = Thresholds::try_new(&self.known.reaches) {
+            self.smoothed[..=row].iter().for_each(|angle| thresholds.turn(&mut memory, *angle));
+        }
+        memory
+    }
+
+    /// What each linear unknown does to the torque at a row.
+    pub(super) fn features(&self, row: usize, knees: [f64; 2]) -> [f64; LINEAR] {
+        let drives = std::array::from_fn(|muscle| {
+            let pressure = self.pressures[row][muscle];
+            pressure + knees[muscle] / pressure
+        });
+        features(self.smoothed[row], self.speed[row], &self.stops[row], drives)
+    }
+
+    fn largest_knee(&self, muscle: usize) -> f64 {
+        let [first, last] = self.known.muscles[muscle].lowest;
+        LARGEST_KNEE * first.min(last).max(0.0).powi(2)
+    }
+}
+
+/// The unknowns whose torque is nearest to that from outside in the rows of `counts`.
+pub(super) fn solve(rows: &Rows, counts: &[bool]) -> Result<Unknowns, JointError> {
+    let all: Vec<usize> = (0..counts.len()).filter(|row| counts[*row]).collect();
+    let few: Vec<usize> = all.iter().copied().step_by(THINNED).collect();
+    let mut weights = vec![1.0; counts.len()];
+    let mut found = None;
+    for _ in 0..2 {
+        let of = |knees, used: &[usize]| linear(rows, used, &weights, knees);
+        let best = search(rows, |knees| of(knees, &few).map_or(f64::INFINITY, |(_, cost)| cost));
+        let (unknowns, _) = of(best, &all).ok_or(JointError::Singular)?;
+        found = Some(unknowns);
+        let joint = rows.joint(&unknowns)?;
+        for row in &all {
+            weights[*row] = 1.0 / joint.stiffness(rows.smoothed[*row], rows.pressures[*row]);
+        }
+    }
+    found.ok_or(JointError::Singular)
+}
+
+/// The linear unknowns for given knees, and the sum of squares.
+fn linear(rows: &Rows, used: &[usize], weights: &[f64], knees: [f64; 2]) -> Option<(Unknowns, f64)> {
+    let (mut gram, mut moment) = (DMatrix::zeros(LINEAR, LINEAR), DVector::zeros(LINEAR));
+    let mut square = 0.0;
+    for &row in used {
+        let features = DVector::from_row_slice(&rows.features(row, knees)) * weights[row];
+        let wanted = -rows.torque[row] * weights[row];
+        gram.ger(1.0, &features, &features, 1.0);
+        moment.axpy(wanted, &features, 1.0);
+        square += wanted * wanted;
+    }
+    let lengths = gram.diagonal().map(|square: f64| if square > 0.0 { square.sqrt() } else { 1.0 });
+    let scaled = gram.component_div(&(&lengths * lengths.transpose()));
+    let scaled = scaled + DMatrix::identity(LINEAR, LINEAR) * RIDGE;
+    let bounded: Vec<bool> = (0..LINEAR).map(is_bounded).collect();
+    let values = nnls::solve(&scaled, &moment.component_div(&lengths), &bounded).values;
+    let values = values.component_div(&lengths);
+    let cost = square - 2.0 * values.dot(&moment) + values.dot(&(&gram * &values));
+    let mut unknowns = [0.0; COUNT];
+    unknowns[..LINEAR].copy_from_slice(values.as_slice());
+    unknowns[LINEAR..].copy_from_slice(&knees);
+    cost.is_finite().then_some((unknowns, cost))
+}
+
+/// The knees of the least cost.
+fn search(rows: &Rows, cost: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let mut knees = [0, 1].map(|muscle| 0.3 * rows.largest_knee(muscle));
+    for _ in 0..ROUNDS {
+        for muscle in [0, 1] {
+            let at = |knee: f64| {
+                let mut trial = knees;
+                trial[muscle] = knee;
+                cost(trial)
+            };
+            let (mut low, mut high) = (0.0, rows.largest_knee(muscle));
+            let inner = |low: f64, high: f64| [high - golden * (high - low), low + golden * (high - low)];
+            let [mut a, mut b] = inner(low, high);
+            let [mut cost_a, mut cost_b] = [at(a), at(b)];
+            for _ in 0..SECTIONS {
+                if cost_a < cost_b {
+                    (high, b, cost_b) = (b, a, cost_a);
+                    a = inner(low, high)[0];
+                    cost_a = at(a);
+                } else {
+                    (low, a, cost_a) = (a, b, cost_b);
+                    b = inner(low, high)[1];
+                    cost_b = at(b);
+                }
+            }
+            knees[muscle] = if cost_a < cost_b { a } else { b };
+        }
+    }
+    knees
+}
+
+/// The knees of some unknowns are within what a joint may have.
+pub(super) fn allows(rows: &Rows, unknowns: &Unknowns) -> bool {
+    (0..2).all(|muscle| knees(unknowns)[muscle] <= rows.largest_knee(muscle))
+}
+
+/// Means over so many values to either side.
+fn averaged(values: &[f64], half: usize) -> Vec<f64> {
+    let last = values.len() - 1;
+    let mean = |at: usize| {
+        // As many on one side as on the other, so that nothing comes late.
+        let half = half.min(at).min(last - at);
+        values[at - half..=at + half].iter().sum::<f64>() / (2 * half + 1) as f64
+    };
+    (0..=last).map(mean).collect()
+}
+
+/// Slopes of lines through so many values to either side.
+fn slopes(times: &[f64], values: &[f64], half: usize) -> Vec<f64> {
+    let last = values.len() - 1;
+    let slope = |at: usize| {
+        let (from, to) = (at.saturating_sub(half), (at + half).min(last));
+        let count = (to - from + 1) as f64;
+        let mean = |list: &[f64]| list[from..=to].iter().sum::<f64>() / count;
+        let (time, value) = (mean(times), mean(values));
+        let sums = (from..=to).fold((0.0, 0.0), |(up, along), row| {
+            let by = times[row] - time;
+            (up + by * (values[row] - value), along + by * by)
+        });
+        sums.0 / sums.1
+    };
+    (0..=last).map(slope).collect()
+}

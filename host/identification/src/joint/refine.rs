@@ -1,0 +1,99 @@
+//! Gauss-Newton on the simulated angle, damped as by Levenberg, with the bounds of the unknowns.
+//!
+//! Derivatives are differences of whole simulations: there is one for each unknown, side by side.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::JointError;
+use super::balance::{Rows, allows};
+use super::simulate::simulate;
+use super::unknowns::{COUNT, LINEAR, Unknowns, is_bounded, knees};
+use crate::nnls;
+
+/// Most steps.
+const STEPS: usize = 12;
+/// A step that gains less than this share of the sum of squares is the last.
+const CONVERGED: f64 = 1e-4;
+/// The torque that a difference is of. Unit: N m.
+const TORQUE: f64 = 1e-3;
+/// The knee that a difference is of. Unit: bar².
+const KNEE: f64 = 1e-3;
+/// The angle is compared in each so many-th row.
+const THINNED: usize = 4;
+/// Damping at first, and at which nothing more is tried.
+const DAMPING: f64 = 1e-4;
+const MOST_DAMPING: f64 = 1e3;
+
+/// Unknowns whose simulated angle is nearer to the measured one in the rows of `counts`.
+pub(super) fn refined(rows: &Rows, counts: &[bool], from: Unknowns) -> Result<Unknowns, JointError> {
+    let used: Vec<usize> = (0..counts.len()).filter(|row| counts[*row]).step_by(THINNED).collect();
+    let residuals = |unknowns: &Unknowns| -> Option<DVector<f64>> {
+        let joint = rows.joint(unknowns).ok().filter(|_| allows(rows, unknowns))?;
+        let simulated = simulate(rows, counts, &joint);
+        Some(DVector::from_iterator(used.len(), used.iter().map(|row| simulated[*row] - rows.angle[*row])))
+    };
+    let mut at = from;
+    let mut there = residuals(&at).ok_or(JointError::Singular)?;
+    let mut damping = DAMPING;
+    for _ in 0..STEPS {
+        let steps = steps(rows, &used, &at);
+        let columns: Option<Vec<DVector<f64>>> = (0..COUNT)
+            .into_par_iter()
+            .map(|place| {
+                // Away from a bound.
+                let mut beside = at;
+                beside[place] += steps[place];
+                Some((residuals(&beside)? - &there) / steps[place])
+            })
+            .collect();
+        // Next to what is no joint there are no differences: what is found stays.
+        let Some(columns) = columns else { break };
+        let jacobian = DMatrix::from_columns(&columns);
+        let (gram, slope) = (jacobian.transpose() * &jacobian, jacobian.transpose() * &there);
+        let before = there.norm_squared();
+        loop {
+            let trial = step(&gram, &slope, &at, damping);
+            match residuals(&trial).filter(|found| found.norm_squared() < before) {
+                Some(found) => {
+                    (at, there) = (trial, found);
+                    damping *= 0.1;
+                    break;
+                }
+                None if damping > MOST_DAMPING => break,
+                None => damping *= 10.0,
+            }
+        }
+        if before - there.norm_squared() < CONVERGED * before {
+            break;
+        }
+    }
+    Ok(at)
+}
+
+/// Of which size the differences are.
+fn steps(rows: &Rows, used: &[usize], at: &Unknowns) -> [f64; COUNT] {
+    let mut squares = [0.0; LINEAR];
+    for row in used {
+        let features = rows.features(*row, knees(at));
+        squares.iter_mut().zip(features).for_each(|(sum, feature)| *sum += feature * feature);
+    }
+    std::array::from_fn(|place| match squares.get(place) {
+        Some(square) => TORQUE / (square / used.len() as f64).sqrt().max(TORQUE),
+        None => KNEE,
+    })
+}
+
+/// The unknowns that a damped step leads to, none of the bounded ones negative.
+fn step(gram: &DMatrix<f64>, slope: &DVector<f64>, at: &Unknowns, damping: f64) -> Unknowns {
+    let lengths = gram.diagonal().map(|square| if square > 0.0 { square.sqrt() } else { 1.0 });
+    let mut damped = gram.component_div(&(&lengths * lengths.transpose()));
+    for place in 0..COUNT {
+        damped[(place, place)] += damping;
+    }
+    let scaled = DVector::from_row_slice(at).component_mul(&lengths);
+    let moment = &damped * scaled - slope.component_div(&lengths);
+    let bounded: Vec<bool> = (0..COUNT).map(is_bounded).collect();
+    let values = nnls::solve(&damped, &moment, &bounded).values.component_div(&lengths);
+    std::array::from_fn(|place| values[place])
+}

@@ -1,0 +1,68 @@
+//! A recording of a joint.
+//!
+//! | column | meaning |
+//! |---|---|
+//! | `time_s` | increasing |
+//! | `command_a_bar`, `command_b_bar` | what either regulator was told, held since the row before |
+//! | `pressure_a_bar`, `pressure_b_bar` | in the muscle that turns the joint to larger angles, and in the other one |
+//! | `angle_deg` | of the joint |
+//! | `torque_newton_metre` | that acts on the joint from outside, towards larger angles |
+//! | `valid` | 0: history only, as while the joint is being filled |
+//!
+//! Other units of the same quantity are converted, other names are said by `--columns`.
+
+use crate::table::{DataError, Table};
+use crate::unit::Unit;
+use crate::{Choice, Drive, Source};
+
+/// The column that is looked for first: with it a file is a joint's.
+const FIRST: &str = "pressure_a_bar";
+const RAD: &str = "rad";
+const TORQUE: &str = "newton_metre";
+
+/// A recording of a joint.
+#[derive(Clone, Debug)]
+pub struct JointRecording {
+    /// The file.
+    pub source: Source,
+    /// Unit: s.
+    pub time_s: Vec<f64>,
+    /// Unit: bar.
+    pub commands_bar: [Vec<f64>; 2],
+    /// Unit: bar.
+    pub pressures_bar: [Vec<f64>; 2],
+    /// Unit: rad.
+    pub angle_rad: Vec<f64>,
+    /// Unit: N m.
+    pub torque_nm: Vec<f64>,
+    /// Which rows count.
+    pub scored: Vec<bool>,
+    /// What was done to read it, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl JointRecording {
+    /// Takes a recording from a table.
+    ///
+    /// # Errors
+    /// A column is missing, or is not what it should be.
+    pub fn of(table: &Table, choice: &Choice) -> Result<Self, DataError> {
+        let choice = Choice { input: Some(FIRST.to_owned()), ..choice.clone() };
+        let drive = Drive::of(table, &choice)?;
+        let mut notes = drive.notes.clone();
+        let unit = |suffix| Unit::of_symbol(suffix).unwrap_or(Unit::BAR);
+        let mut column = |name: &str, unit: Unit| {
+            let found = drive.beside(table, name, unit)?;
+            let found = found.ok_or_else(|| table.missing(name, String::new()))?;
+            notes.extend(found.note);
+            Ok::<_, DataError>(found.values)
+        };
+        let commands_bar = [column("command_a_bar", Unit::BAR)?, column("command_b_bar", Unit::BAR)?];
+        let pressures_bar = [column(FIRST, Unit::BAR)?, column("pressure_b_bar", Unit::BAR)?];
+        let angle_rad = column("angle_deg", unit(RAD))?;
+        let torque_nm = column("torque_newton_metre", unit(TORQUE))?;
+        let source = Source { file: drive.file.display().to_string(), sha256: drive.sha256.clone() };
+        let Drive { time_s, scored, .. } = drive;
+        Ok(Self { source, time_s, commands_bar, pressures_bar, angle_rad, torque_nm, scored, notes })
+    }
+}

@@ -1,0 +1,229 @@
+//! The model file of a joint, `joint.toml`, format 1. Keys carry their units, angles are degrees in
+//! it; reading is as strict as that of the model file of one muscle.
+
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+use model_core::joint::PullParameters;
+use model_core::{List, ParameterError};
+use thiserror::Error;
+use toml::{Table, Value};
+
+use super::{HostJoint, HostJointParameters, STOPS};
+use crate::model_file::section::{KeyError, Section};
+use crate::model_file::values::{count, list, table};
+use crate::{Source, TOOL, input};
+
+/// The format that this version writes and reads.
+pub const FORMAT: usize = 1;
+/// What the key `kind` says.
+const KIND: &str = "joint";
+/// Degrees in a radian.
+const DEGREES: f64 = 180.0 / PI;
+const ANGLES: [&str; 2] = ["angle_min_deg", "angle_max_deg"];
+const PASSIVE: [&str; 4] = ["constant_nm", "linear_nm_per_rad", "square_nm_per_rad2", "cube_nm_per_rad3"];
+const ARM: [&str; 3] = ["arm_nm_per_bar", "arm_linear_nm_per_bar_rad", "arm_square_nm_per_bar_rad2"];
+const FRICTION: &str = "friction_nm_per_rad_bar";
+const LOWEST: [&str; 2] = ["lowest_at_angle_min_bar", "lowest_at_angle_max_bar"];
+const MUSCLES: [&str; 2] = ["muscle_a", "muscle_b"];
+
+/// A joint with what is known about it.
+#[derive(Clone, Debug)]
+pub struct JointFile {
+    /// The raw parameters.
+    pub parameters: HostJointParameters,
+    /// The joint of these.
+    pub joint: HostJoint,
+    /// Where they come from.
+    pub identification: JointIdentification,
+}
+
+/// What a joint was identified from, and how well.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointIdentification {
+    /// What wrote the file.
+    pub tool: String,
+    /// The recording.
+    pub recording: Source,
+    /// Rows that count.
+    pub scored_rows: usize,
+    /// Root mean square of the simulated less the measured angle. Unit: degrees.
+    pub rmse_deg: f64,
+    /// The same where a model of the other rows answers, in blocks all through the recording. Unit:
+    /// degrees.
+    pub heldout_rmse_deg: f64,
+}
+
+/// What is wrong with the model file of a joint.
+#[derive(Debug, Error)]
+#[error("{}{problem}", input::name(file))]
+pub struct JointFileError {
+    file: PathBuf,
+    problem: Problem,
+}
+
+#[derive(Debug, Error)]
+enum Problem {
+    #[error(": cannot be read: {0}")]
+    Unreadable(#[from] std::io::Error),
+    #[error(": not a TOML file, or cut off: {0}")]
+    Syntax(String),
+    #[error(": {0}")]
+    Key(#[from] KeyError),
+    #[error(": format {0} is of another version; this one reads format {FORMAT}")]
+    Format(usize),
+    #[error(": no joint can be made of it: {0}")]
+    Parameters(#[from] ParameterError),
+}
+
+impl JointFile {
+    /// A file of an identified joint.
+    ///
+    /// # Errors
+    /// The parameters are not those of a joint.
+    pub fn new(
+        parameters: HostJointParameters,
+        recording: Source,
+        scored_rows: usize,
+        (rmse_deg, heldout_rmse_deg): (f64, f64),
+    ) -> Result<Self, ParameterError> {
+        let tool = TOOL.to_owned();
+        let identification = JointIdentification { tool, recording, scored_rows, rmse_deg, heldout_rmse_deg };
+        Ok(Self { joint: HostJoint::try_new(&parameters)?, parameters, identification })
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// It cannot be read, or is not what it should be.
+    pub fn read(path: &Path) -> Result<Self, JointFileError> {
+        let read = || parse(&input::text(path)?);
+        read().map_err(|problem| JointFileError { file: path.to_owned(), problem })
+    }
+
+    /// Its text.
+    pub fn to_toml(&self) -> String {
+        let HostJointParameters { muscles, passive, viscosity, reaches, dry, swing, angles } =
+            &self.parameters;
+        let mut top = Table::new();
+        top.insert("format".into(), count(FORMAT));
+        top.insert("kind".into(), KIND.into());
+        let [min, max] = ANGLES;
+        top.insert(
+            "validity".into(),
+            table([(min, (angles.0 * DEGREES).into()), (max, (angles.1 * DEGREES).into())]),
+        );
+        top.insert(
+            "stops".into(),
+            table([
+                ("reaches_deg", list(&degrees(reaches))),
+                ("dry_nm_per_rad", list(dry)),
+                ("swing_deg", (swing * DEGREES).into()),
+            ]),
+        );
+        let mut rest = keyed(&PASSIVE, passive);
+        rest.insert("viscosity_nm_s_per_rad".into(), (*viscosity).into());
+        top.insert("passive".into(), Value::Table(rest));
+        for (name, muscle) in MUSCLES.iter().zip(muscles) {
+            top.insert((*name).into(), Value::Table(written(muscle)));
+        }
+        let JointIdentification { tool, recording, scored_rows, rmse_deg, heldout_rmse_deg } =
+            &self.identification;
+        top.insert(
+            "identification".into(),
+            table([
+                ("recording", recording.file.as_str().into()),
+                ("sha256", recording.sha256.as_str().into()),
+                ("tool", tool.as_str().into()),
+                ("scored_rows", count(*scored_rows)),
+                ("rmse_deg", (*rmse_deg).into()),
+                ("heldout_rmse_deg", (*heldout_rmse_deg).into()),
+            ]),
+        );
+        top.to_string()
+    }
+}
+
+fn degrees(radians: &[f64]) -> Vec<f64> {
+    radians.iter().map(|radian| radian * DEGREES).collect()
+}
+
+fn keyed(keys: &[&str], values: &[f64]) -> Table {
+    keys.iter().zip(values).map(|(key, value)| ((*key).to_owned(), (*value).into())).collect()
+}
+
+fn written(muscle: &PullParameters<f64, STOPS>) -> Table {
+    let mut section = keyed(&ARM, &muscle.arm);
+    section.insert("knee_bar2".into(), muscle.knee.into());
+    section.insert(FRICTION.into(), list(&muscle.friction));
+    section.extend(keyed(&LOWEST, &muscle.lowest));
+    section.insert("highest_bar".into(), muscle.highest.into());
+    section.insert("valve_lag_s".into(), muscle.valve_lag_s.into());
+    section
+}
+
+fn parse(text: &str) -> Result<JointFile, Problem> {
+    let table = text.parse::<Table>().map_err(|error| Problem::Syntax(error.message().replace('\n', ", ")))?;
+    let mut top = Section::top(table);
+    let format = top.count("format")?;
+    if format != FORMAT {
+        return Err(Problem::Format(format));
+    }
+    let kind = top.text("kind")?;
+    if kind != KIND {
+        return Err(top.error("kind", &format!("\"{kind}\" is no joint")).into());
+    }
+    let mut validity = top.section("validity")?;
+    let [low, high] = numbers(&mut validity, ANGLES)?.map(|angle| angle / DEGREES);
+    validity.finish()?;
+    let mut stops = top.section("stops")?;
+    let radians = listed(&mut stops, "reaches_deg")?.iter().map(|reach| reach / DEGREES).collect();
+    let (dry, swing) = (listed(&mut stops, "dry_nm_per_rad")?, stops.number("swing_deg")? / DEGREES);
+    stops.finish()?;
+    let mut rest = top.section("passive")?;
+    let (passive, viscosity) = (numbers(&mut rest, PASSIVE)?, rest.number("viscosity_nm_s_per_rad")?);
+    rest.finish()?;
+    let [a, b] = MUSCLES;
+    let muscles = [muscle(&mut top, a)?, muscle(&mut top, b)?];
+    let parameters =
+        HostJointParameters { muscles, passive, viscosity, reaches: radians, dry, swing, angles: (low, high) };
+    let mut section = top.section("identification")?;
+    let identification = JointIdentification {
+        recording: Source { file: section.text("recording")?, sha256: section.text("sha256")? },
+        tool: section.text("tool")?,
+        scored_rows: section.count("scored_rows")?,
+        rmse_deg: section.number("rmse_deg")?,
+        heldout_rmse_deg: section.number("heldout_rmse_deg")?,
+    };
+    section.finish()?;
+    top.finish()?;
+    Ok(JointFile { joint: HostJoint::try_new(&parameters)?, parameters, identification })
+}
+
+fn muscle(top: &mut Section, name: &str) -> Result<PullParameters<f64, STOPS>, KeyError> {
+    let mut section = top.section(name)?;
+    let muscle = PullParameters {
+        arm: numbers(&mut section, ARM)?,
+        knee: section.number("knee_bar2")?,
+        friction: listed(&mut section, FRICTION)?,
+        lowest: numbers(&mut section, LOWEST)?,
+        highest: section.number("highest_bar")?,
+        valve_lag_s: section.number("valve_lag_s")?,
+    };
+    section.finish()?;
+    Ok(muscle)
+}
+
+fn numbers<const N: usize>(section: &mut Section, keys: [&str; N]) -> Result<[f64; N], KeyError> {
+    let mut numbers = [0.0; N];
+    for (number, key) in numbers.iter_mut().zip(keys) {
+        *number = section.number(key)?;
+    }
+    Ok(numbers)
+}
+
+fn listed(section: &mut Section, key: &str) -> Result<List<f64, STOPS>, KeyError> {
+    let numbers = section.numbers(key)?;
+    let too_many = || section.error(key, &format!("{} numbers, at most {STOPS} are known", numbers.len()));
+    List::try_from_iter(numbers.iter().copied()).ok_or_else(too_many)
+}

@@ -1,0 +1,239 @@
+//! A joint: two muscles that pull against each other at one axis, each on a regulator of its own.
+//!
+//! ```text
+//! torque    τ = u_a α_a(φ) - u_b α_b(φ) - passive(φ) - viscosity φ' - Σₖ (wₖ + v_a,ₖ u_a + v_b,ₖ u_b) σₖ
+//! drive     u = p + knee/p
+//! stop k    σₖ: the angle since the last reversal, at most ± rₖ
+//! ```
+//!
+//! with φ the angle, p a muscle's pressure, α its torque for each bar of drive, w and v the friction
+//! that does not, and that does grow with the pressure. The torque is linear in both drives, and so
+//! is the stiffness: which pressures bring about a torque and a stiffness is two linear equations.
+//!
+//! # Why not two models of contraction over pressure
+//! Such a model has its hysteresis at one load. At a joint a muscle's load goes from nothing to
+//! nearly all of its force, and its friction grows with the pressure, so that the loop over the
+//! pressure is another one at each stiffness. Over the *angle*, which both muscles share, friction
+//! is a bank of stops, the counterpart of the plays: two muscles have one memory. And every unknown
+//! but the knees is then linear in what a recording of pressures, angle and torque shows.
+//!
+//! # Geometry
+//! Pulley, lever or cam are all in α and the passive torque, which are polynomials of the angle:
+//! neither radius nor length has to be known.
+//!
+//! # Stiffness
+//! The torque against a slow swing of the joint by ± `swing` around an angle, pressures held, for
+//! each radian: the slope of all that is smooth, and of each stop the part min(1, r/swing), since a
+//! stop that is shorter than the swing slips. Friction that sticks is a good part of it.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | [`pull`] | one muscle: drive, torque, lowest and highest pressure |
+//! | [`stops`] | the bank of stops |
+//! | [`balance`] | torque and stiffness as linear forms of the drives, and the two equations |
+//! | [`control`] | the controller of angle and stiffness |
+//!
+//! # Limits
+//! Neither muscle may be slack: the lowest pressures are those at which the joint was recorded.
+//! Friction goes with the angle alone: when a pressure falls, what was stuck is taken to slip in
+//! proportion.
+
+pub mod balance;
+pub mod control;
+pub mod pull;
+pub mod stops;
+
+pub use control::{JointCommand, JointControl, JointControlParameters, JointState, JointTarget};
+pub use pull::PullParameters;
+
+use crate::convert;
+use crate::error::{Check, ParameterError, Requirement};
+use crate::list::List;
+use crate::range::Range;
+use crate::real::Real;
+use balance::Form;
+use pull::{Pull, polynomial, slope};
+use stops::{Stops, Thresholds};
+
+/// Number of coefficients of a muscle's torque over the angle.
+pub const ARM: usize = 3;
+/// Number of coefficients of the passive torque.
+pub const PASSIVE: usize = 4;
+/// A joint is checked at so many angles of its range.
+const CHECKED_ANGLES: usize = 33;
+
+/// Raw parameters of a joint with at most `N` stops.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointParameters<T, const N: usize> {
+    /// The muscle that turns the joint to larger angles, and the other one.
+    pub muscles: [PullParameters<T, N>; 2],
+    /// Torque against the angle without pressure, a polynomial of it, constant first. Unit: N m,
+    /// N m/rad, …
+    pub passive: [T; PASSIVE],
+    /// Torque against the speed. Unit: N m s/rad, at least 0.
+    pub viscosity: T,
+    /// The stops' reaches r, rising. Unit: rad, above 0.
+    pub reaches: List<T, N>,
+    /// The stops' stiffness without pressure. Unit: N m/rad, at least 0.
+    pub dry: List<T, N>,
+    /// Half the swing that the stiffness is for. Unit: rad, above 0.
+    pub swing: T,
+    /// The angles that the model is valid for. Unit: rad.
+    pub angles: (T, T),
+}
+
+impl<T: Real, const N: usize> JointParameters<T, N> {
+    /// The same parameters in another number type or capacity, for instance those of the board.
+    ///
+    /// # Errors
+    /// The other capacity is too small.
+    pub fn convert<U: Real, const N2: usize>(&self) -> Result<JointParameters<U, N2>, ParameterError> {
+        let [a, b] = &self.muscles;
+        Ok(JointParameters {
+            muscles: [a.convert()?, b.convert()?],
+            passive: self.passive.map(convert::number),
+            viscosity: convert::number(self.viscosity),
+            reaches: convert::list("reaches", &self.reaches)?,
+            dry: convert::list("dry", &self.dry)?,
+            swing: convert::number(self.swing),
+            angles: (convert::number(self.angles.0), convert::number(self.angles.1)),
+        })
+    }
+}
+
+/// A validated joint of at most `N` stops.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint<T, const N: usize> {
+    muscles: [Pull<T, N>; 2],
+    passive: [T; PASSIVE],
+    viscosity: T,
+    stops: Thresholds<T, N>,
+    dry: List<T, N>,
+    /// The part of each stop that counts for the stiffness. Unit: 1.
+    chords: List<T, N>,
+    angles: Range<T>,
+}
+
+impl<T: Real, const N: usize> Joint<T, N> {
+    /// # Errors
+    /// The first parameter that no joint can be made of: muscles that do not pull against each
+    /// other everywhere in the range, a lowest pressure that is none, or a joint that does not get
+    /// stiffer with the pressure.
+    pub fn try_new(parameters: &JointParameters<T, N>) -> Result<Self, ParameterError> {
+        let JointParameters { muscles, passive, viscosity, reaches, dry, swing, angles } = parameters;
+        let stops = Thresholds::try_new(reaches)?;
+        let swing = Check::new("swing", "rad").above(*swing, T::ZERO)?;
+        let angles = Range::try_new(angles.0, angles.1, "angle range", "rad")?;
+        let mut chords = List::new();
+        for reach in reaches {
+            // As many as there are reaches fit.
+            let _ = chords.push((*reach / swing).at_most(T::ONE));
+        }
+        for (i, coefficient) in passive.iter().enumerate() {
+            Check::at("passive", i, "N m").finite(*coefficient)?;
+        }
+        check_friction("dry", dry, reaches.len())?;
+        let [a, b] = muscles;
+        let joint = Self {
+            muscles: [Pull::try_new(a, reaches, &angles)?, Pull::try_new(b, reaches, &angles)?],
+            passive: *passive,
+            viscosity: Check::new("viscosity", "N m s/rad").at_least(*viscosity, T::ZERO)?,
+            stops,
+            dry: dry.clone(),
+            chords,
+            angles,
+        };
+        joint.check_stiffening()?;
+        Ok(joint)
+    }
+
+    /// That more pressure in both muscles makes the joint stiffer, at all angles.
+    fn check_stiffening(&self) -> Result<(), ParameterError> {
+        let still = Stops::relaxed(T::ZERO);
+        for i in 0..CHECKED_ANGLES {
+            let angle = checked_angle(&self.angles, i);
+            let gain = self.stiffness_form(angle).along(&self.torque_form(angle, T::ZERO, &still));
+            Check::at("stiffening", i, "N m/(rad bar)").above(gain, T::ZERO)?;
+        }
+        Ok(())
+    }
+
+    /// The angles that it is valid for. Unit: rad.
+    pub fn angles(&self) -> &Range<T> {
+        &self.angles
+    }
+
+    /// The stops' reaches.
+    pub fn stops(&self) -> &Thresholds<T, N> {
+        &self.stops
+    }
+
+    /// A muscle, 0 or 1 by its place, for the bounds of its pressure.
+    pub fn muscles(&self) -> &[Pull<T, N>; 2] {
+        &self.muscles
+    }
+
+    /// The torque of both muscles at an angle (rad) and a speed (rad/s). Pressures: bar, above 0;
+    /// result: N m, that which turns the joint to larger angles positive.
+    pub fn torque(&self, angle: T, speed: T, stops: &Stops<T, N>, pressures: [T; 2]) -> T {
+        self.torque_form(angle, speed, stops).at(self.drives(pressures))
+    }
+
+    /// The stiffness at an angle (rad) under pressures (bar, above 0). Result: N m/rad.
+    pub fn stiffness(&self, angle: T, pressures: [T; 2]) -> T {
+        self.stiffness_form(angle).at(self.drives(pressures))
+    }
+
+    fn drives(&self, pressures: [T; 2]) -> [T; 2] {
+        let [a, b] = &self.muscles;
+        let [pressure_a, pressure_b] = pressures;
+        [a.drive(pressure_a), b.drive(pressure_b)]
+    }
+
+    /// The torque over the drives. Unit: N m.
+    pub(crate) fn torque_form(&self, angle: T, speed: T, stops: &Stops<T, N>) -> Form<T> {
+        let [a, b] = &self.muscles;
+        let mut constant = -polynomial(&self.passive, angle) - self.viscosity * speed;
+        let mut by = [polynomial(&a.arm, angle), -polynomial(&b.arm, angle)];
+        let [by_a, by_b] = &mut by;
+        let moved = stops.moved.iter().take(self.dry.len());
+        for (((moved, dry), of_a), of_b) in moved.zip(&self.dry).zip(&a.friction).zip(&b.friction) {
+            constant += -(*dry * *moved);
+            *by_a += -(*of_a * *moved);
+            *by_b += -(*of_b * *moved);
+        }
+        Form { constant, by }
+    }
+
+    /// The stiffness over the drives. Unit: N m/rad.
+    pub(crate) fn stiffness_form(&self, angle: T) -> Form<T> {
+        let [a, b] = &self.muscles;
+        let mut constant = slope(&self.passive, angle);
+        let mut by = [-slope(&a.arm, angle), slope(&b.arm, angle)];
+        let [by_a, by_b] = &mut by;
+        for (((chord, dry), of_a), of_b) in self.chords.iter().zip(&self.dry).zip(&a.friction).zip(&b.friction)
+        {
+            constant += *dry * *chord;
+            *by_a += *of_a * *chord;
+            *by_b += *of_b * *chord;
+        }
+        Form { constant, by }
+    }
+}
+
+/// One of the angles that a joint is checked at.
+fn checked_angle<T: Real>(angles: &Range<T>, i: usize) -> T {
+    let share = T::from_f64(i as f64 / (CHECKED_ANGLES - 1) as f64);
+    angles.min() + share * (angles.max() - angles.min())
+}
+
+/// That there is a friction for each stop, none negative.
+fn check_friction<T: Real>(name: &'static str, list: &[T], stops: usize) -> Result<(), ParameterError> {
+    if list.len() != stops {
+        return Err(Check::new(name, "").length(list.len(), Requirement::Exactly(stops as f64)));
+    }
+    for (i, friction) in list.iter().enumerate() {
+        Check::at(name, i, "N m/rad").at_least(*friction, T::ZERO)?;
+    }
+    Ok(())
+}

@@ -113,7 +113,7 @@ impl<T: Real, const N: usize> JointControl<T, N> {
         let per_period = |name, unit, rate: T| Ok(Check::new(name, unit).above(rate, T::ZERO)? * period);
         let [a, b] = &joint.muscles;
         let lead = |lag_s| Ok(ValveLag::try_new(&ValveLagParameters::new(lag_s))?.step(period));
-        let range = |highest| Range::try_new(T::ZERO, highest, "highest", "bar");
+        let range = |[first, last]: [T; 2]| Range::try_new(T::ZERO, first.at_least(last), "highest", "bar");
         Ok(Self {
             joint: Joint::try_new(joint)?,
             pid: Pid::try_new(pid, period)?,

@@ -61,6 +61,8 @@ pub const ARM: usize = 3;
 pub const PASSIVE: usize = 4;
 /// A joint is checked at so many angles of its range.
 const CHECKED_ANGLES: usize = 33;
+/// A friction of 0 may be negative by so many roundings.
+const ROUNDINGS: f64 = 64.0;
 
 /// Raw parameters of a joint with at most `N` stops.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,7 +76,8 @@ pub struct JointParameters<T, const N: usize> {
     pub viscosity: T,
     /// The stops' reaches r, rising. Unit: rad, above 0.
     pub reaches: List<T, N>,
-    /// The stops' stiffness without pressure. Unit: N m/rad, at least 0.
+    /// The stops' stiffness where both drives are 0, which no joint is: it may be negative. Unit:
+    /// N m/rad.
     pub dry: List<T, N>,
     /// Half the swing that the stiffness is for. Unit: rad, above 0.
     pub swing: T,
@@ -132,7 +135,7 @@ impl<T: Real, const N: usize> Joint<T, N> {
         for (i, coefficient) in passive.iter().enumerate() {
             Check::at("passive", i, "N m").finite(*coefficient)?;
         }
-        check_friction("dry", dry, reaches.len())?;
+        check_length("dry", dry, reaches.len())?;
         let [a, b] = muscles;
         let joint = Self {
             muscles: [Pull::try_new(a, reaches, &angles)?, Pull::try_new(b, reaches, &angles)?],
@@ -143,8 +146,25 @@ impl<T: Real, const N: usize> Joint<T, N> {
             chords,
             angles,
         };
+        joint.check_friction()?;
         joint.check_stiffening()?;
         Ok(joint)
+    }
+
+    /// That no stop drives the joint, whatever the pressures.
+    fn check_friction(&self) -> Result<(), ParameterError> {
+        let [a, b] = &self.muscles;
+        let (ends_a, ends_b) = (a.drive_ends(&self.angles), b.drive_ends(&self.angles));
+        for (i, ((dry, of_a), of_b)) in self.dry.iter().zip(&a.friction).zip(&b.friction).enumerate() {
+            for drive_a in ends_a {
+                for drive_b in ends_b {
+                    let (by_a, by_b) = (*of_a * drive_a, *of_b * drive_b);
+                    let rounding = T::from_f64(ROUNDINGS) * T::EPSILON * (dry.abs() + by_a.abs() + by_b.abs());
+                    Check::at("friction", i, "N m/rad").at_least(*dry + by_a + by_b, -rounding)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// That more pressure in both muscles makes the joint stiffer, at all angles.
@@ -227,13 +247,13 @@ fn checked_angle<T: Real>(angles: &Range<T>, i: usize) -> T {
     angles.min() + share * (angles.max() - angles.min())
 }
 
-/// That there is a friction for each stop, none negative.
-fn check_friction<T: Real>(name: &'static str, list: &[T], stops: usize) -> Result<(), ParameterError> {
+/// That there is a finite number for each stop.
+fn check_length<T: Real>(name: &'static str, list: &[T], stops: usize) -> Result<(), ParameterError> {
     if list.len() != stops {
         return Err(Check::new(name, "").length(list.len(), Requirement::Exactly(stops as f64)));
     }
     for (i, friction) in list.iter().enumerate() {
-        Check::at(name, i, "N m/rad").at_least(*friction, T::ZERO)?;
+        Check::at(name, i, "N m/rad").finite(*friction)?;
     }
     Ok(())
 }

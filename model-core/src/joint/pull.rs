@@ -4,7 +4,7 @@
 //! so that the first bar does less than the last. The knee (bar²) says over which pressures; what of
 //! the threshold does not depend on the pressure is in the joint's passive torque.
 
-use super::{ARM, CHECKED_ANGLES, check_friction, checked_angle};
+use super::{ARM, CHECKED_ANGLES, check_length, checked_angle};
 use crate::convert;
 use crate::error::{Check, ParameterError};
 use crate::list::List;
@@ -19,13 +19,14 @@ pub struct PullParameters<T, const N: usize> {
     pub arm: [T; ARM],
     /// Unit: bar², at least 0.
     pub knee: T,
-    /// Stiffness of each stop for each bar of drive. Unit: N m/(rad bar), at least 0.
+    /// By how much each stop is stiffer for each bar of drive; negative where another stop takes
+    /// over. Unit: N m/(rad bar).
     pub friction: List<T, N>,
     /// Lowest pressure at the lowest and at the highest angle, straight between: below it the
     /// muscle may be slack. Unit: bar, above the root of the knee.
     pub lowest: [T; 2],
-    /// Highest pressure. Unit: bar.
-    pub highest: T,
+    /// Highest pressure at the same angles. Unit: bar.
+    pub highest: [T; 2],
     /// Time constant of the regulator. Unit: s, above 0.
     pub valve_lag_s: T,
 }
@@ -37,7 +38,7 @@ impl<T: Real, const N: usize> PullParameters<T, N> {
             knee: convert::number(self.knee),
             friction: convert::list("friction", &self.friction)?,
             lowest: self.lowest.map(convert::number),
-            highest: convert::number(self.highest),
+            highest: self.highest.map(convert::number),
             valve_lag_s: convert::number(self.valve_lag_s),
         })
     }
@@ -51,7 +52,7 @@ pub struct Pull<T, const N: usize> {
     pub(super) friction: List<T, N>,
     /// Constant and slope over the angle.
     lowest: [T; 2],
-    highest: T,
+    highest: [T; 2],
 }
 
 impl<T: Real, const N: usize> Pull<T, N> {
@@ -60,26 +61,29 @@ impl<T: Real, const N: usize> Pull<T, N> {
         reaches: &[T],
         angles: &Range<T>,
     ) -> Result<Self, ParameterError> {
-        let PullParameters { arm, knee, friction, lowest: [first, last], highest, .. } = parameters;
+        let PullParameters { arm, knee, friction, lowest, highest, .. } = parameters;
         let knee = Check::new("knee", "bar²").at_least(*knee, T::ZERO)?;
-        check_friction("friction", friction, reaches.len())?;
-        let highest = Check::new("highest", "bar").finite(*highest)?;
+        check_length("friction", friction, reaches.len())?;
         let check = Check::new("lowest", "bar");
-        for lowest in [first, last] {
+        for (lowest, highest) in lowest.iter().zip(highest) {
+            let highest = Check::new("highest", "bar").finite(*highest)?;
             check.below(check.above(*lowest, knee.sqrt())?, highest)?;
         }
-        let slope = (*last - *first) / (angles.max() - angles.min());
+        let line = |[first, last]: [T; 2]| {
+            let slope = (last - first) / (angles.max() - angles.min());
+            [first - slope * angles.min(), slope]
+        };
         let pull = Self {
             arm: *arm,
             knee,
             friction: friction.clone(),
-            lowest: [*first - slope * angles.min(), slope],
-            highest,
+            lowest: line(*lowest),
+            highest: line(*highest),
         };
         // All friction against it, at most.
         let mut held = T::ZERO;
         for (reach, friction) in reaches.iter().zip(friction) {
-            held += *reach * *friction;
+            held += *reach * friction.abs();
         }
         for i in 0..CHECKED_ANGLES {
             let arm = polynomial(&pull.arm, checked_angle(angles, i)) - held;
@@ -99,10 +103,16 @@ impl<T: Real, const N: usize> Pull<T, N> {
         half + (half * half - self.knee).at_least(T::ZERO).sqrt()
     }
 
+    /// The lowest and the highest drive of all angles. Unit: bar.
+    pub(super) fn drive_ends(&self, angles: &Range<T>) -> [T; 2] {
+        let (first, last) = (self.bounds(angles.min()), self.bounds(angles.max()));
+        [self.drive(first.0.at_most(last.0)), self.drive(first.1.at_least(last.1))]
+    }
+
     /// Lowest and highest pressure at an angle (rad). Unit: bar.
     pub fn bounds(&self, angle: T) -> (T, T) {
-        let [constant, slope] = self.lowest;
-        (constant + slope * angle, self.highest)
+        let at = |[constant, slope]: [T; 2]| constant + slope * angle;
+        (at(self.lowest), at(self.highest))
     }
 }
 

@@ -2,21 +2,24 @@
 //! by, and a torque from outside.
 //!
 //! It begins with a full swing, which the friction's memory of what was before does not survive;
-//! until it is over rows do not count. Then come triangles of falling height at four levels of the
-//! common pressure, with small ones on their way, random ramps of both, and weights at the joint:
-//! without a known torque a recording does not tell how strong a joint is.
+//! until it is over rows do not count. Then come triangles of falling height at five levels of the
+//! common pressure, small swings at three angles of each, random ramps of both, and weights at the
+//! joint: without a known torque a recording does not tell how strong a joint is.
 
 use crate::draw::{Draw, Stream};
 use crate::protocol::Protocol;
 
 /// Levels of the common pressure, bar.
-const LEVELS_BAR: [f64; 4] = [2.3, 3.0, 3.8, 4.6];
+const LEVELS_BAR: [f64; 5] = [2.3, 2.9, 3.5, 4.2, 4.9];
 
 /// Largest difference to the common pressure, as a share of it: some 25 degrees.
 const SWING: f64 = 0.22;
 
-/// Torque of the weight, N m. Assumed: 1 kg at 0.3 m.
-const WEIGHT_NM: f64 = 3.0;
+/// Small swings as a share of the largest: some 3 degrees, of which a stiffness is told.
+const SMALL: f64 = 0.12;
+
+/// Torque of the weight, N m. Assumed: 1 kg at 0.4 m.
+const WEIGHT_NM: f64 = 4.0;
 
 /// The commands and the load over time.
 #[derive(Debug, Clone)]
@@ -43,12 +46,20 @@ impl JointProtocol {
             for share in [1.0, 0.5, 0.75, -1.0, -0.4, -0.65, 0.7, 0.4, 0.55, -0.5, -0.2, -0.35, 0.2, -0.1, 0.0] {
                 legs.to(level, share * SWING, 0.0, 2.0);
             }
+            for middle in [0.6, 0.0, -0.6] {
+                legs.to(level, middle * SWING, 0.0, 2.0);
+                for share in [SMALL, -SMALL, SMALL, -SMALL] {
+                    legs.to(level, (middle + share) * SWING, 0.0, 1.0);
+                }
+            }
         }
         for _ in 0..24 {
-            let level = draw.uniform(LEVELS_BAR[0], LEVELS_BAR[3]);
+            let level = draw.uniform(LEVELS_BAR[0], LEVELS_BAR[4]);
             legs.to(level, draw.uniform(-SWING, SWING), 0.0, draw.uniform(1.0, 3.0));
         }
-        for (level, weight_nm) in [(3.0, WEIGHT_NM), (4.2, WEIGHT_NM), (4.2, -WEIGHT_NM), (3.0, -WEIGHT_NM)] {
+        for (level, weight_nm) in
+            [2.6, 3.6, 4.6].into_iter().flat_map(|level| [(level, WEIGHT_NM), (level, -WEIGHT_NM)])
+        {
             legs.to(level, 0.0, weight_nm, 2.0);
             for share in [0.7, -0.7, 0.4, 0.0] {
                 legs.to(level, share * SWING, weight_nm, 2.0);

@@ -59,13 +59,13 @@ impl Rows {
         let reach = |k: usize| SHORTEST * (last - first) * longest.powf(k as f64 / (STOPS - 1) as f64);
         let reaches = List::from_iter((0..STOPS).map(reach));
         let muscle = |place: usize, pressures: &[f64]| {
-            let mut points: Vec<(f64, f64)> = rows().map(|row| (smoothed[row], pressures[row])).collect();
+            let points: Vec<(f64, f64)> = rows().map(|row| (smoothed[row], pressures[row])).collect();
             Ok::<_, JointError>(PullParameters {
                 arm: [0.0; 3],
                 knee: 0.0,
                 friction: List::new(),
-                lowest: bounds::lowest(&mut points, (first, last)),
-                highest: points.iter().map(|point| point.1).fold(f64::NEG_INFINITY, f64::max),
+                lowest: bounds::lowest(points.clone(), (first, last)),
+                highest: bounds::highest(points, (first, last)),
                 valve_lag_s: bounds::lag_s(recording, place)?,
             })
         };
@@ -121,7 +121,7 @@ impl Rows {
             let pressure = self.pressures[row][muscle];
             pressure + knees[muscle] / pressure
         });
-        features(self.smoothed[row], self.speed[row], &self.stops[row], drives)
+        features((self.smoothed[row], self.speed[row]), &self.stops[row], drives, &self.known)
     }
 
     fn largest_knee(&self, muscle: usize) -> f64 {

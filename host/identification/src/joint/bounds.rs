@@ -33,10 +33,10 @@ pub(super) fn lag_s(recording: &JointRecording, muscle: usize) -> Result<f64, Jo
 
 /// A line over the angle that no recorded pressure is below: of those the one that is highest in the
 /// middle of the angles. Its values at both ends of them.
-pub(super) fn lowest(points: &mut [(f64, f64)], (first, last): (f64, f64)) -> [f64; 2] {
+pub(super) fn lowest(mut points: Vec<(f64, f64)>, (first, last): (f64, f64)) -> [f64; 2] {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut hull: Vec<(f64, f64)> = Vec::new();
-    for &point in points.iter() {
+    for point in points {
         while let [.., a, b] = hull[..] {
             if (b.0 - a.0) * (point.1 - a.1) > (b.1 - a.1) * (point.0 - a.0) {
                 break;
@@ -54,15 +54,20 @@ pub(super) fn lowest(points: &mut [(f64, f64)], (first, last): (f64, f64)) -> [f
     [at(first), at(last)]
 }
 
+/// The same above all recorded pressures, lowest in the middle.
+pub(super) fn highest(points: Vec<(f64, f64)>, ends: (f64, f64)) -> [f64; 2] {
+    lowest(points.into_iter().map(|(angle, bar)| (angle, -bar)).collect(), ends).map(|bar| -bar)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn no_point_is_below_the_line_and_two_are_on_it() {
-        let mut points: Vec<(f64, f64)> =
+        let points: Vec<(f64, f64)> =
             (0..200).map(|k| (f64::from(k) * 0.005 - 0.5, 2.0 + (f64::from(k) * 1.7).sin().abs())).collect();
-        let [first, last] = lowest(&mut points, (-0.5, 0.5));
+        let [first, last] = lowest(points.clone(), (-0.5, 0.5));
         let above: Vec<f64> =
             points.iter().map(|(angle, bar)| bar - first - (last - first) * (angle + 0.5)).collect();
         assert!(above.iter().all(|above| *above > -1e-12));

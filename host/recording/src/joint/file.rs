@@ -25,6 +25,7 @@ const PASSIVE: [&str; 4] = ["constant_nm", "linear_nm_per_rad", "square_nm_per_r
 const ARM: [&str; 3] = ["arm_nm_per_bar", "arm_linear_nm_per_bar_rad", "arm_square_nm_per_bar_rad2"];
 const FRICTION: &str = "friction_nm_per_rad_bar";
 const LOWEST: [&str; 2] = ["lowest_at_angle_min_bar", "lowest_at_angle_max_bar"];
+const HIGHEST: [&str; 2] = ["highest_at_angle_min_bar", "highest_at_angle_max_bar"];
 const MUSCLES: [&str; 2] = ["muscle_a", "muscle_b"];
 
 /// A joint with what is known about it.
@@ -157,7 +158,7 @@ fn written(muscle: &PullParameters<f64, STOPS>) -> Table {
     section.insert("knee_bar2".into(), muscle.knee.into());
     section.insert(FRICTION.into(), list(&muscle.friction));
     section.extend(keyed(&LOWEST, &muscle.lowest));
-    section.insert("highest_bar".into(), muscle.highest.into());
+    section.extend(keyed(&HIGHEST, &muscle.highest));
     section.insert("valve_lag_s".into(), muscle.valve_lag_s.into());
     section
 }
@@ -207,7 +208,7 @@ fn muscle(top: &mut Section, name: &str) -> Result<PullParameters<f64, STOPS>, K
         knee: section.number("knee_bar2")?,
         friction: listed(&mut section, FRICTION)?,
         lowest: numbers(&mut section, LOWEST)?,
-        highest: section.number("highest_bar")?,
+        highest: numbers(&mut section, HIGHEST)?,
         valve_lag_s: section.number("valve_lag_s")?,
     };
     section.finish()?;

@@ -12,6 +12,7 @@ pub mod desk;
 pub mod desk_commands;
 pub mod flash;
 pub mod game;
+pub mod joint;
 pub mod single;
 pub mod store;
 

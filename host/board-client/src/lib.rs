@@ -9,6 +9,7 @@
 //! | [`bring_up`] | a new board, tested part by part |
 //! | `emulator` | the firmware in QEMU |
 //! | [`pil`] | that firmware in a loop with a plant, tick by tick |
+//! | [`joint`] | two muscles at a joint, controlled on the host |
 //! | `child` | programs that are started, and end with us |
 //! | [`stop`] | the request to stop |
 //! | [`update`] | a new image to a board |
@@ -25,6 +26,7 @@ pub mod bus;
 pub mod child;
 #[cfg(unix)]
 pub mod emulator;
+pub mod joint;
 pub mod part;
 pub mod pil;
 pub mod stop;

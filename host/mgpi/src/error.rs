@@ -24,8 +24,10 @@ use fleet::FleetError;
 use gateway::lines::LinesError;
 use gateway::record::RecordError;
 use identification::IdentificationError;
+use identification::joint::JointError;
 use import::ImportError;
 use network::NetworkError;
+use recording::joint::file::JointFileError;
 use recording::model_file::ModelFileError;
 use recording::simulation::SimulationError;
 use recording::table::DataError;
@@ -42,6 +44,17 @@ pub enum Error {
     /// A model file is not what it should be.
     #[error(transparent)]
     ModelFile(#[from] ModelFileError),
+    /// The model file of a joint is not what it should be.
+    #[error(transparent)]
+    JointFile(#[from] JointFileError),
+    /// No joint can be made of a recording.
+    #[error("{}: {source}", file.display())]
+    Joint {
+        /// The recording.
+        file: PathBuf,
+        /// Why.
+        source: JointError,
+    },
     /// A model does not answer a recording.
     #[error(transparent)]
     Simulation(#[from] SimulationError),

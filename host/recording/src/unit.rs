@@ -31,6 +31,8 @@ pub enum Quantity {
     Force,
     /// Base unit: N·m.
     Torque,
+    /// Base unit: N·m/rad.
+    Stiffness,
     /// Base unit: kg.
     Mass,
     /// Base unit: V.
@@ -66,12 +68,13 @@ pub struct Unit {
 }
 
 use Quantity::{
-    Angle, Current, Force, Frequency, Length, Mass, Pressure, Ratio, Temperature, Time, Torque, Voltage,
+    Angle, Current, Force, Frequency, Length, Mass, Pressure, Ratio, Stiffness, Temperature, Time, Torque,
+    Voltage,
 };
 
 /// Every known unit. Factors: International System of Units (BIPM 2019); of psi, lbf, in and mmHg:
 /// NIST SP 811.
-const KNOWN: [Unit; 43] = [
+const KNOWN: [Unit; 44] = [
     unit("s", "s", &["sec", "second", "seconds"], Time, 1.0),
     unit("ms", "ms", &["msec", "millisecond", "milliseconds"], Time, 1e-3),
     unit("us", "µs", &["μs", "usec", "microsecond", "microseconds"], Time, 1e-6),
@@ -115,6 +118,7 @@ const KNOWN: [Unit; 43] = [
     unit("ratio", "1", &[], Ratio, 1.0),
     unit("mrad", "mrad", &[], Angle, 1e-3),
     unit("g", "g", &["gram"], Mass, 1e-3),
+    unit("nm_per_rad", "N·m/rad", &["Nm/rad"], Stiffness, 1.0),
 ];
 
 const fn unit(

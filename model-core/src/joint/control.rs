@@ -84,6 +84,13 @@ pub struct JointState<T, const N: usize> {
     commands: [T; 2],
 }
 
+impl<T: Real, const N: usize> JointState<T, N> {
+    /// The angle that was due at the last sample. Unit: rad.
+    pub fn due(&self) -> T {
+        self.stops.angle()
+    }
+}
+
 /// A sample's commands and what they are made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointCommand<T> {

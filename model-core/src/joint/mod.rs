@@ -51,7 +51,7 @@ use crate::error::{Check, ParameterError, Requirement};
 use crate::list::List;
 use crate::range::Range;
 use crate::real::Real;
-use balance::Form;
+use balance::{Form, share};
 use pull::{Pull, polynomial, slope};
 use stops::{Stops, Thresholds};
 
@@ -61,6 +61,8 @@ pub const ARM: usize = 3;
 pub const PASSIVE: usize = 4;
 /// A joint is checked at so many angles of its range.
 const CHECKED_ANGLES: usize = 33;
+/// No joint is as stiff. Unit: N m/rad.
+const STIFFEST: f64 = 1e9;
 /// A friction of 0 may be negative by so many roundings.
 const ROUNDINGS: f64 = 64.0;
 
@@ -202,6 +204,18 @@ impl<T: Real, const N: usize> Joint<T, N> {
     /// The stiffness at an angle (rad) under pressures (bar, above 0). Result: N m/rad.
     pub fn stiffness(&self, angle: T, pressures: [T; 2]) -> T {
         self.stiffness_form(angle).at(self.drives(pressures))
+    }
+
+    /// The least and the largest stiffness at an angle (rad), nothing else acting, the stops without
+    /// tension. Unit: N m/rad.
+    pub fn stiffness_range(&self, angle: T) -> (T, T) {
+        let still = Stops::relaxed(angle);
+        let (torque, stiffness) = (self.torque_form(angle, T::ZERO, &still), self.stiffness_form(angle));
+        let at = |wanted: T| {
+            let found = share(&self.muscles, angle, (&torque, T::ZERO), (&stiffness, wanted));
+            self.stiffness(angle, found.pressures)
+        };
+        (at(T::ZERO), at(T::from_f64(STIFFEST)))
     }
 
     fn drives(&self, pressures: [T; 2]) -> [T; 2] {

@@ -62,6 +62,7 @@ impl<T: Real, const N: usize> Pull<T, N> {
         angles: &Range<T>,
     ) -> Result<Self, ParameterError> {
         let PullParameters { arm, knee, friction, lowest, highest, .. } = parameters;
+        Check::new("valve_lag_s", "s").above(parameters.valve_lag_s, T::ZERO)?;
         let knee = Check::new("knee", "bar²").at_least(*knee, T::ZERO)?;
         check_length("friction", friction, reaches.len())?;
         let check = Check::new("lowest", "bar");

@@ -39,6 +39,7 @@ use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Refusal, VERSION};
 use crate::bus::error::{in_full, row};
 #[cfg(unix)]
 use crate::emulator::EmulatorError;
+use crate::joint::start::JointFault;
 #[cfg(unix)]
 use plant::PlantError;
 use recording::model_file::ModelFile;
@@ -84,6 +85,8 @@ pub enum PilError {
     Vented { time_s: f64, fault: Option<Fault> },
     #[error("the run {}: {problem}", with(*.mode))]
     Run { mode: Mode, problem: Box<PilError> },
+    #[error(transparent)]
+    Joint(#[from] JointFault),
     #[error("interrupted")]
     Stopped,
 }

@@ -1,6 +1,9 @@
 //! A plant that is a program. Once a tick it gets a line `time_s command_bar` on its standard input
 //! and answers `pressure_bar contraction_mm [load_n temperature_c]` on its standard output.
 //!
+//! A joint gets `time_s command_a_bar command_b_bar` and answers `pressure_a_bar pressure_b_bar
+//! angle_deg`.
+//!
 //! The first line finds the plant at rest; every further one says: this command, from the time
 //! before to this one. Its time-out, or an answer that cannot be read, is an error that quotes it.
 
@@ -17,6 +20,7 @@ use thiserror::Error;
 use super::PilError;
 use super::lock_step::{Measurement, Plant};
 use crate::child::{ChildGroup, WAIT_SLICE};
+use crate::joint::{JointMeasured, JointPlant};
 use crate::stop::Stop;
 
 /// The longest answer: many times four numbers. Unit: byte.
@@ -41,8 +45,8 @@ enum Problem {
     Ended(String),
     #[error("cannot be talked to: {0}")]
     Io(#[from] io::Error),
-    #[error("the answer `{0}` is not `pressure_bar contraction_mm [load_n temperature_c]`, finite numbers")]
-    Answer(String),
+    #[error("the answer `{0}` is not `{1}`, finite numbers")]
+    Answer(String, &'static str),
     #[error("more than one line is answered; the second begins with `{0}`")]
     Unasked(String),
     #[error("the answer is longer than {LONGEST_ANSWER} bytes")]
@@ -124,7 +128,13 @@ impl PlantProcess {
         self.group.messages()
     }
 
-    fn ask(&mut self, question: &str) -> Result<Measurement, Problem> {
+    /// Asks, and takes the answer, which is of the form `wanted`.
+    fn ask<R>(
+        &mut self,
+        question: &str,
+        read: impl FnOnce(&[u8]) -> Option<R>,
+        wanted: &'static str,
+    ) -> Result<R, Problem> {
         if !self.received.is_empty() {
             return Err(Problem::Unasked(String::from_utf8_lossy(&self.received).trim_end().to_owned()));
         }
@@ -136,8 +146,8 @@ impl PlantProcess {
         loop {
             if let Some(end) = self.received.iter().position(|&byte| byte == b'\n') {
                 let line: Vec<u8> = self.received.drain(..=end).collect();
-                let said = || Problem::Answer(String::from_utf8_lossy(&line).trim_end().to_owned());
-                return measurement(&line).ok_or_else(said);
+                let said = || String::from_utf8_lossy(&line).trim_end().to_owned();
+                return read(&line).ok_or_else(|| Problem::Answer(said(), wanted));
             }
             if self.received.len() > LONGEST_ANSWER {
                 return Err(Problem::TooLong);
@@ -154,7 +164,16 @@ impl PlantProcess {
 
 impl Plant for PlantProcess {
     fn advance(&mut self, time_s: f64, command_bar: f32) -> Result<Measurement, PilError> {
-        let answer = self.ask(&format!("{time_s} {command_bar}\n"));
+        let wanted = "pressure_bar contraction_mm [load_n temperature_c]";
+        let answer = self.ask(&format!("{time_s} {command_bar}\n"), measurement, wanted);
+        Ok(answer.map_err(|problem| PlantError { plant: self.name.clone(), time_s, problem })?)
+    }
+}
+
+impl JointPlant for PlantProcess {
+    fn advance(&mut self, time_s: f64, [a, b]: [f32; 2]) -> Result<JointMeasured, PilError> {
+        let wanted = "pressure_a_bar pressure_b_bar angle_deg";
+        let answer = self.ask(&format!("{time_s} {a} {b}\n"), of_joint, wanted);
         Ok(answer.map_err(|problem| PlantError { plant: self.name.clone(), time_s, problem })?)
     }
 }
@@ -179,12 +198,7 @@ fn wait(pipe: &impl AsFd, use_as: PollFlags, deadline: Instant, plant: &PlantPro
 
 /// What an answer says; `None` if it is not two or four finite numbers.
 pub fn measurement(line: &[u8]) -> Option<Measurement> {
-    let numbers: Option<Vec<f64>> = std::str::from_utf8(line)
-        .ok()?
-        .split_whitespace()
-        .map(|field| field.parse().ok().filter(|number: &f64| number.is_finite()))
-        .collect();
-    match *numbers? {
+    match *numbers(line)? {
         [pressure_bar, contraction_mm] => {
             Some(Measurement { pressure_bar, contraction_mm, surroundings: Surroundings::default() })
         }
@@ -194,6 +208,23 @@ pub fn measurement(line: &[u8]) -> Option<Measurement> {
         }
         _ => None,
     }
+}
+
+/// What a joint's answer says; `None` if it is not three finite numbers.
+fn of_joint(line: &[u8]) -> Option<JointMeasured> {
+    match *numbers(line)? {
+        [a, b, angle_deg] => Some(JointMeasured { pressures_bar: [a, b], angle_deg }),
+        _ => None,
+    }
+}
+
+/// The numbers of an answer, all finite.
+fn numbers(line: &[u8]) -> Option<Vec<f64>> {
+    std::str::from_utf8(line)
+        .ok()?
+        .split_whitespace()
+        .map(|field| field.parse().ok().filter(|number: &f64| number.is_finite()))
+        .collect()
 }
 
 #[cfg(test)]

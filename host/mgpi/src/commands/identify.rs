@@ -6,9 +6,10 @@ use std::slice;
 use clap::{Args, ValueEnum};
 use model_core::Kind;
 
+use super::number::positive;
 use super::reading::say_left_out;
 use super::search::{Columns, Effort, HeldOutArguments, unidentified, warn_of_poor_fit, with_bar};
-use super::{instructions, recorded};
+use super::{instructions, joint_identify, recorded};
 use crate::Error;
 use crate::output::Outputs;
 use diagnosis::diagnosed::Examined;
@@ -66,6 +67,16 @@ pub struct Arguments {
     held_out: HeldOutArguments,
     #[command(flatten)]
     effort: Effort,
+    /// The recording is one of two muscles at a joint: commands, pressures, angle, torque
+    #[arg(
+        long,
+        conflicts_with_all = ["model", "plays", "weights", "dead_zones", "envelope", "knots", "report", "loss",
+            "validate", "no_holdout", "starts", "seed", "threads", "input", "output", "input_range", "rest_length"]
+    )]
+    joint: bool,
+    /// Half the swing that the stiffness of a joint is for, in degrees
+    #[arg(long, default_value_t = 3.0, value_name = "DEG", value_parser = positive, requires = "joint")]
+    swing_deg: f64,
     /// Overwrite existing outputs
     #[arg(long)]
     force: bool,
@@ -161,6 +172,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let inputs: Vec<&Path> = files.iter().chain(&held_out.validate).map(PathBuf::as_path).collect();
     let written = [model_file].into_iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(written, &inputs, arguments.force)?;
+    if arguments.joint {
+        let [recording] = &files[..] else {
+            return Err(Error::Usage("--joint takes one recording".to_owned()));
+        };
+        let choice = arguments.columns.choice();
+        let (swing_deg, json) = (arguments.swing_deg, json.as_deref());
+        let joint = joint_identify::Arguments { recording, choice, swing_deg, model_file, json };
+        return joint_identify::run(&joint, outputs);
+    }
     let (recordings, other) = arguments.columns.read(files, held_out.validate.as_deref())?;
 
     let options = match arguments.model.kind() {

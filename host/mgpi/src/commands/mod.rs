@@ -25,6 +25,9 @@ pub mod gateway;
 pub mod identify;
 pub mod import;
 mod instructions;
+mod joint_identify;
+#[cfg(unix)]
+mod joint_pil;
 mod learnt;
 pub mod man;
 mod number;

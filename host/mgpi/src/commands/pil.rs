@@ -10,6 +10,7 @@ use model_core::{Hysteresis, Mode};
 
 use super::board_model;
 use super::gains::Gains;
+use super::joint_pil;
 use super::learnt::{self, Learning};
 use super::number::positive;
 use super::plant::PlantArguments;
@@ -45,7 +46,7 @@ pub struct Arguments {
     /// The model, from `mgpi identify`
     #[arg(long, value_name = "MODEL.toml")]
     model: PathBuf,
-    /// What to track: time_s, reference_mm
+    /// What to track: time_s, reference_mm; of a joint time_s, reference_deg, stiffness_nm_per_rad
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
     #[command(flatten)]
@@ -75,6 +76,15 @@ pub struct Arguments {
     /// program]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
+    /// The model is that of two muscles at a joint, from `mgpi identify --joint`: its control code runs
+    /// on the host, without firmware; a plant then answers `time_s command_a_bar command_b_bar` with
+    /// `pressure_a_bar pressure_b_bar angle_deg`
+    #[arg(
+        long,
+        conflicts_with_all = ["feedforward_log", "feedback_log", "report", "firmware", "verbose", "no_monitors",
+            "plant", "Learning", "Gains"]
+    )]
+    joint: bool,
     /// Also show what firmware and plants have to say
     #[arg(long, short)]
     verbose: bool,
@@ -103,6 +113,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         .map(PathBuf::as_path)
         .collect();
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
+    if arguments.joint {
+        return joint_pil::run(
+            &joint_pil::Arguments {
+                model: &arguments.model,
+                reference: &arguments.reference,
+                choice: arguments.reading.choice(),
+                rate_hz: *rate_hz,
+                plant: arguments.plant.joint(),
+                log: main_log.as_deref(),
+                json: json_file.as_deref(),
+            },
+            outputs,
+        );
+    }
     let passes = learning.passes()?;
     let model = board_model::read(&arguments.model)?;
     let mut configuration = configuration(&arguments.model, &model, *rate_hz)?;

@@ -40,13 +40,18 @@ impl Rig {
     fn program(&self, limit: Duration) -> Program {
         let mut arguments = vec!["rig".to_owned(), "plant".to_owned()];
         arguments.extend(self.hidden.iter().flat_map(|hidden| ["--hide".to_owned(), hidden.to_string()]));
-        Program {
-            name: format!("mgpi {}", arguments.join(" ")),
-            // By its name on the search path, where the system does not tell its place.
-            file: std::env::current_exe().unwrap_or_else(|_| "mgpi".into()),
-            arguments,
-            limit,
-        }
+        this_program(arguments, limit)
+    }
+}
+
+/// This program with these arguments.
+fn this_program(arguments: Vec<String>, limit: Duration) -> Program {
+    Program {
+        name: format!("mgpi {}", arguments.join(" ")),
+        // By its name on the search path, where the system does not tell its place.
+        file: std::env::current_exe().unwrap_or_else(|_| "mgpi".into()),
+        arguments,
+        limit,
     }
 }
 
@@ -54,6 +59,13 @@ impl PlantArguments {
     /// By which limits the board protects the plant; its ticks are `period_s` apart.
     pub fn protection(&self, period_s: f32) -> Protection {
         if self.no_monitors { Protection::SIMULATED } else { Protection::STANDARD.for_period(period_s) }
+    }
+
+    /// The program that is a joint.
+    pub fn joint(&self) -> Program {
+        let limit = Duration::from_secs_f64(self.plant_timeout_s);
+        let built_in = || this_program(["rig", "joint", "plant"].map(str::to_owned).to_vec(), limit);
+        self.plant_command.as_ref().map_or_else(built_in, |line| Program::shell(line, limit))
     }
 
     /// The program that is the plant.

@@ -1,0 +1,115 @@
+//! Two muscles at a joint: angle, stiffness and cross-talk over joints that are drawn, and what is
+//! recognised of a joint that is wired wrongly or is another one.
+
+use board_client::joint::start::JointFault;
+use board_client::joint::{BoardControl, Loop, parameters};
+use board_client::pil::PilError;
+use board_client::stop::Stop;
+use host_tests::joint::{Tried, Wired, Wrong, csv, identified, recording, tried};
+use identification::joint::{SWING_RAD, identify_joint};
+use rayon::prelude::*;
+use recording::joint::columns::JointRecording;
+use recording::joint::file::JointFile;
+
+/// Joints that are tried: seeds that nothing was chosen by.
+const SEEDS: std::ops::RangeInclusive<u64> = 101..=108;
+
+#[test]
+fn joints_follow_their_angle_and_are_as_stiff_as_asked_without_the_one_disturbing_the_other() {
+    let all: Vec<(u64, Tried)> = SEEDS
+        .into_par_iter()
+        .map(|seed| (seed, tried(seed, &[0.1, 0.25]).expect("a joint that is controlled")))
+        .collect();
+    for (seed, tried) in all {
+        println!("{seed}: {tried:?}");
+        assert!(tried.rmse_percent.iter().all(|percent| *percent <= 0.3), "{seed}: {tried:?}");
+        assert!(tried.cross_talk_percent <= 0.5, "{seed}: {tried:?}");
+        assert!(tried.stiffness_percent <= 5.0, "{seed}: {tried:?}");
+        assert!(tried.slackest_n > 0.0, "{seed}: a tendon is slack: {tried:?}");
+        let (lowest, highest) = tried.commands_bar;
+        assert!(lowest >= 0.0 && highest <= 6.0, "{seed}: {tried:?}");
+    }
+}
+
+/// The start of a joint by a model.
+fn started(file: &JointFile, seed: u64, wrong: Wrong) -> Result<(), PilError> {
+    let parameters = parameters(&file.parameters, 1e-3).expect("a joint in single precision");
+    let control = BoardControl::try_new(&parameters).expect("a controller");
+    let mut plant = Wired::new(seed, wrong);
+    let (soft, _) = file.joint.stiffness_range(0.0);
+    Loop::new(&parameters, &control, &mut plant, Stop::default())?.start(1.2 * soft)
+}
+
+#[test]
+fn what_is_wired_wrongly_is_recognised_at_the_first_motion() {
+    let file = identified(1).expect("identified");
+    started(&file, 1, Wrong::Nothing).expect("the joint of the model");
+    for wrong in [Wrong::Angle, Wrong::Channels, Wrong::Sensors, Wrong::Frozen] {
+        let fault = match started(&file, 1, wrong) {
+            Err(PilError::Joint(fault)) => fault,
+            other => panic!("{wrong:?}: {other:?}"),
+        };
+        let is_named = match wrong {
+            Wrong::Angle | Wrong::Channels => matches!(fault, JointFault::WrongWay { .. }),
+            Wrong::Sensors => fault == JointFault::Crossed,
+            _ => matches!(fault, JointFault::Still { .. }),
+        };
+        assert!(is_named, "{wrong:?}: {fault}");
+    }
+}
+
+/// Why nothing is identified from a recording that was changed.
+fn refused(change: impl FnOnce(&mut JointRecording)) -> String {
+    let mut changed = recording(&csv(1).expect("recorded")).expect("a recording");
+    change(&mut changed);
+    identify_joint(&changed, SWING_RAD).expect_err("no joint").to_string()
+}
+
+fn negate(values: &mut [f64]) {
+    values.iter_mut().for_each(|value| *value = -*value);
+}
+
+#[test]
+fn a_recording_with_a_wrong_sign_or_swapped_channels_is_refused_with_the_reason() {
+    let backwards = refused(|recording| negate(&mut recording.angle_rad));
+    assert!(backwards.contains("the angle sensor counts backwards"), "{backwards}");
+    let swapped = refused(|recording| {
+        recording.pressures_bar.swap(0, 1);
+        recording.commands_bar.swap(0, 1);
+    });
+    assert!(swapped.contains("the channels are swapped"), "{swapped}");
+    let torque = refused(|recording| negate(&mut recording.torque_nm));
+    assert!(torque.contains("the torque has the other sign"), "{torque}");
+    let crossed = refused(|recording| recording.commands_bar.swap(0, 1));
+    assert!(crossed.contains("does not go towards its command"), "{crossed}");
+}
+
+#[test]
+fn a_recording_that_does_not_tell_enough_is_refused_with_what_is_missing() {
+    let unloaded = refused(|recording| recording.torque_nm.fill(0.0));
+    assert!(unloaded.contains("hang a weight"), "{unloaded}");
+    let still = refused(|recording| recording.angle_rad.fill(0.1));
+    assert!(still.contains("angle_deg moves by 0.000 degrees only"), "{still}");
+    let short = refused(|recording| recording.scored[100..].fill(false));
+    assert!(short.contains("rows count, at least"), "{short}");
+}
+
+#[test]
+fn a_model_file_reads_back_as_the_same_joint_and_a_changed_one_is_refused() {
+    let file = identified(2).expect("identified");
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().join("joint.toml");
+    let text = file.to_toml();
+    std::fs::write(&path, &text).expect("written");
+    assert_eq!(JointFile::read(&path).expect("readable").to_toml(), text);
+    for (from, to, message) in [
+        ("format = 1", "format = 2", "format 2 is of another version"),
+        ("kind = \"joint\"", "kind = \"mgpi\"", "kind: \"mgpi\" is no joint"),
+        ("knee_bar2", "knee", "knee_bar2: missing"),
+        ("valve_lag_s = 0", "valve_lag_s = -0", "valve_lag"),
+    ] {
+        std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
+        let refused = JointFile::read(&path).expect_err(to).to_string();
+        assert!(refused.contains(message) && refused.contains("joint.toml"), "{refused}");
+    }
+}

@@ -1,0 +1,63 @@
+//! `mgpi identify --joint`: two muscles at a joint, from a recording to a model.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use recording::Choice;
+use recording::joint::columns::JointRecording;
+use serde_json::json;
+
+use crate::Error;
+use crate::output::Outputs;
+use identification::joint::identify_joint;
+
+/// What a joint is identified with.
+pub struct Arguments<'a> {
+    pub recording: &'a Path,
+    pub choice: Choice,
+    pub swing_deg: f64,
+    pub model_file: &'a Path,
+    pub json: Option<&'a Path>,
+}
+
+/// Identifies a joint.
+///
+/// # Errors
+/// The recording is not what it should be, no joint can be made of it, or an output cannot be
+/// written.
+pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
+    let Arguments { recording: file, choice, swing_deg, model_file, json } = arguments;
+    let recording = JointRecording::of(&choice.table(file)?, choice)?;
+    for note in &recording.notes {
+        eprintln!("note: {}: {note}", recording::input::name(file));
+    }
+    let found = identify_joint(&recording, swing_deg * PI / 180.0)
+        .map_err(|source| Error::Joint { file: file.to_path_buf(), source })?;
+    outputs.stage(model_file, found.to_toml().as_bytes())?;
+    let (lowest, highest) = found.parameters.angles;
+    let degrees = |angle: f64| angle * 180.0 / PI;
+    let range_deg = degrees(highest - lowest);
+    let (soft, stiff) = found.joint.stiffness_range(0.5 * (lowest + highest));
+    let identification = &found.identification;
+    if let Some(file) = json {
+        let value = json!({
+            "rmse_deg": identification.rmse_deg,
+            "heldout_rmse_deg": identification.heldout_rmse_deg,
+            "range_deg": range_deg,
+            "scored_rows": identification.scored_rows,
+            "softest_nm_per_rad": soft,
+            "stiffest_nm_per_rad": stiff,
+        });
+        outputs.stage(file, format!("{value:#}\n").as_bytes())?;
+    }
+    outputs.commit()?;
+    let share = |deg: f64| format!("{deg:.4} degrees ({:.2} % of range)", 100.0 * deg / range_deg);
+    say!("joint         {} rows that count, from {}", identification.scored_rows, file.display());
+    say!("angles        {:.2} to {:.2} degrees", degrees(lowest), degrees(highest));
+    say!("training      RMSE of the simulated angle {}", share(identification.rmse_deg));
+    say!("held out      RMSE {} (blocks all through the recording)", share(identification.heldout_rmse_deg));
+    say!("stiffness     {soft:.1} to {stiff:.1} N m/rad in the middle, for a swing of {swing_deg} degrees to either side");
+    let [a, b] = &found.parameters.muscles;
+    say!("valves        lag of {:.4} s and {:.4} s", a.valve_lag_s, b.valve_lag_s);
+    Ok(())
+}

@@ -1,0 +1,98 @@
+//! `mgpi pil --joint`: the control code of a joint, on the host, in a loop with a plant.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use recording::Choice;
+use recording::joint::file::JointFile;
+use recording::unit::Unit;
+use serde_json::json;
+
+use crate::Error;
+use crate::output::Outputs;
+use board_client::joint::log::{figures, limited, log};
+use board_client::joint::{BoardControl, JointWanted, Loop, parameters};
+use board_client::pil::PilError;
+use board_client::pil::plant::{PlantProcess, Program};
+use board_client::pil::reference::Reference;
+use board_client::stop::Stop;
+
+/// The columns of a reference.
+const ANGLE: &str = "reference_deg";
+const STIFFNESS: &str = "stiffness_nm_per_rad";
+
+/// What a joint is run with.
+pub struct Arguments<'a> {
+    pub model: &'a Path,
+    pub reference: &'a Path,
+    pub choice: Choice,
+    pub rate_hz: f64,
+    pub plant: Program,
+    pub log: Option<&'a Path>,
+    pub json: Option<&'a Path>,
+}
+
+/// Runs the control code of a joint, on the host, with a plant.
+///
+/// # Errors
+/// A file is not what it should be, the plant does not do its work or is not the model's joint, an
+/// output cannot be written, or the user interrupts.
+pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
+    let Arguments { model, reference, choice, rate_hz, plant, log: log_file, json } = arguments;
+    let file = JointFile::read(model)?;
+    let table = choice.table(reference)?;
+    let of = |column| Reference::of(&table, column, choice.clone(), *rate_hz);
+    let (angle, stiffness) = (of(ANGLE)?, of(STIFFNESS)?);
+    angle.say_notes(reference);
+    let degrees = |angle: f64| angle * 180.0 / PI;
+    let (lowest, highest) = (degrees(file.parameters.angles.0), degrees(file.parameters.angles.1));
+    for asked in [angle.range().0, angle.range().1] {
+        if !(lowest..=highest).contains(&asked) {
+            return Err(Error::Usage(format!(
+                "{}, column {ANGLE}: {asked} degrees is outside the angles of {}, {lowest:.2} to {highest:.2} degrees",
+                reference.display(),
+                model.display()
+            )));
+        }
+    }
+    let parameters = parameters(&file.parameters, rate_hz.recip())?;
+    let control = BoardControl::try_new(&parameters)?;
+    let stop = Stop::on_signals();
+    let mut process = PlantProcess::start(plant, &stop).map_err(PilError::from)?;
+    let mut joint = Loop::new(&parameters, &control, &mut process, stop)?;
+    let wanted: Vec<JointWanted> = (angle.points(0.0).zip(stiffness.points(0.0)))
+        .map(|(angle_deg, stiffness)| JointWanted { angle_deg, stiffness })
+        .collect();
+    joint.start(wanted[0].stiffness)?;
+    joint.approach(&wanted[0])?;
+    let samples = joint.follow(wanted.into_iter(), |_, _| ())?;
+    let range_deg = highest - lowest;
+    let figures = figures(&samples);
+    let [angle_limited, stiffness_limited] = limited(&samples);
+    if let Some(file) = log_file {
+        outputs.stage(file, log(&samples).as_bytes())?;
+    }
+    if let Some(file) = json {
+        let value = json!({
+            "ticks": samples.len(),
+            "rmse_deg": figures.rmse,
+            "mae_deg": figures.mae,
+            "max_error_deg": figures.max_error,
+            "range_deg": range_deg,
+            "ticks_angle_limited": angle_limited,
+            "ticks_stiffness_limited": stiffness_limited,
+        });
+        outputs.stage(file, format!("{value:#}\n").as_bytes())?;
+    }
+    outputs.commit()?;
+    let unit = Unit::of_column(ANGLE).unwrap_or(Unit::MM);
+    say!("tracking      {}", figures.in_words_beside((range_deg, "range"), unit));
+    if angle_limited + stiffness_limited > 0 {
+        say!(
+            "limited       the angle in {angle_limited}, the stiffness in {stiffness_limited} of {} ticks: the \
+             pressures' bounds or the slew rate do not allow it",
+            samples.len()
+        );
+    }
+    Ok(())
+}

@@ -24,7 +24,8 @@ const RATE_HZ: f64 = 100.0;
 const PERIOD_S: f64 = 1e-3;
 /// The reference's amplitude, as a share of the range of angles.
 const AMPLITUDE: f64 = 0.35;
-/// Levels of the stiffness, as shares of what the joint can do in the middle, and how long each lasts.
+/// Levels of the stiffness, as shares of what the joint can do in the middle, and how long each
+/// lasts.
 const LEVELS: [f64; 8] = [0.2, 0.8, 0.4, 0.65, 0.2, 0.5, 0.8, 0.3];
 const LEVEL_S: f64 = 3.0;
 
@@ -143,36 +144,38 @@ pub fn tried(seed: u64, frequencies_hz: &[f64]) -> Result<Tried> {
         commands_bar: (f64::INFINITY, f64::NEG_INFINITY),
         limited: (0, 0),
     };
-    let mut run = |wanted: &dyn Fn(f64) -> JointWanted, duration_s: f64, every: usize| -> Result<(f64, f64)> {
-        let mut plant = Wired::new(seed, Wrong::Nothing);
-        let mut joint = Loop::new(&parameters, &control, &mut plant, Stop::default())?;
-        joint.start(wanted(0.0).stiffness)?;
-        joint.approach(&wanted(0.0))?;
-        let ticks = (duration_s / PERIOD_S).round() as usize;
-        let (mut squares, mut largest, mut tick) = (0.0, 0.0_f64, 0);
-        let look = |sample: &JointSample, plant: &Wired| {
-            // The plant is a tick further than the sample.
-            let now = wanted((tick + 1) as f64 * PERIOD_S);
-            let error = plant.joint.exact_deg() - now.angle_deg;
-            squares += error * error;
-            largest = largest.max(error.abs());
-            let [a, b] = plant.joint.tensions_n();
-            tried.slackest_n = tried.slackest_n.min(a).min(b);
-            let (low, high) = &mut tried.commands_bar;
-            for command in sample.command.commands.map(f64::from) {
-                (*low, *high) = (low.min(command), high.max(command));
-            }
-            tried.limited.0 += usize::from(sample.command.limited);
-            tried.limited.1 += usize::from(!sample.command.is_as_stiff);
-            if (tick + 1) % every == 0 && sample.command.is_as_stiff {
-                let ratio = plant.joint.stiffness_nm_per_rad(SWING_RAD) / f64::from(sample.command.stiffness);
-                tried.stiffness_percent = tried.stiffness_percent.max(100.0 * (ratio - 1.0).abs());
-            }
-            tick += 1;
+    let mut run =
+        |wanted: &dyn Fn(f64) -> JointWanted, duration_s: f64, every: usize| -> Result<(f64, f64)> {
+            let mut plant = Wired::new(seed, Wrong::Nothing);
+            let mut joint = Loop::new(&parameters, &control, &mut plant, Stop::default())?;
+            joint.start(wanted(0.0).stiffness)?;
+            joint.approach(&wanted(0.0))?;
+            let ticks = (duration_s / PERIOD_S).round() as usize;
+            let (mut squares, mut largest, mut tick) = (0.0, 0.0_f64, 0);
+            let look = |sample: &JointSample, plant: &Wired| {
+                // The plant is a tick further than the sample.
+                let now = wanted((tick + 1) as f64 * PERIOD_S);
+                let error = plant.joint.exact_deg() - now.angle_deg;
+                squares += error * error;
+                largest = largest.max(error.abs());
+                let [a, b] = plant.joint.tensions_n();
+                tried.slackest_n = tried.slackest_n.min(a).min(b);
+                let (low, high) = &mut tried.commands_bar;
+                for command in sample.command.commands.map(f64::from) {
+                    (*low, *high) = (low.min(command), high.max(command));
+                }
+                tried.limited.0 += usize::from(sample.command.limited);
+                tried.limited.1 += usize::from(!sample.command.is_as_stiff);
+                if (tick + 1) % every == 0 && sample.command.is_as_stiff {
+                    let ratio =
+                        plant.joint.stiffness_nm_per_rad(SWING_RAD) / f64::from(sample.command.stiffness);
+                    tried.stiffness_percent = tried.stiffness_percent.max(100.0 * (ratio - 1.0).abs());
+                }
+                tick += 1;
+            };
+            joint.follow((0..ticks).map(|tick| wanted(tick as f64 * PERIOD_S)), look)?;
+            Ok(((squares / ticks as f64).sqrt(), largest))
         };
-        joint.follow((0..ticks).map(|tick| wanted(tick as f64 * PERIOD_S)), look)?;
-        Ok(((squares / ticks as f64).sqrt(), largest))
-    };
     let percent = |deg: f64| 100.0 * deg / degrees(range);
     let mut rmse_percent = Vec::new();
     for frequency_hz in frequencies_hz {

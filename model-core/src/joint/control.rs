@@ -7,9 +7,9 @@
 //!                └─▶ PID (◀─ measured angle) ─▶ torque ─▶ two equations ── less those ─┘
 //! ```
 //!
-//! The PID acts in torque: its gains are shares of the stiffness that is asked for, so that they are
-//! the same for a soft and a stiff joint. What feedback adds is not led, which would make noise of
-//! it.
+//! The PID acts in torque: its gains are shares of the stiffness that is asked for, so that they
+//! are the same for a soft and a stiff joint. What feedback adds is not led, which would make noise
+//! of it.
 //!
 //! # Rates
 //! A jump of angle or stiffness is followed at the rate of the parameters: what both pressures can
@@ -167,18 +167,19 @@ impl<T: Real, const N: usize> JointControl<T, N> {
         let last = state.stops.angle();
         let due = last + (asked_angle - last).limit(-self.largest_turn, self.largest_turn);
         let soft = state.stiffness.unwrap_or(asked_stiffness);
-        let stiff =
-            soft + (asked_stiffness - soft).limit(-self.largest_stiffening, self.largest_stiffening);
+        let stiff = soft + (asked_stiffness - soft).limit(-self.largest_stiffening, self.largest_stiffening);
         state.stiffness = Some(stiff);
         self.joint.stops().turn(&mut state.stops, due);
 
         let torque = self.joint.torque_form(due, (due - last) / self.period_s, &state.stops);
         let stiffness = self.joint.stiffness_form(due);
-        let shared =
-            |wanted| share(self.joint.muscles(), due, (&torque, wanted), (&stiffness, stiff));
+        let shared = |wanted| share(self.joint.muscles(), due, (&torque, wanted), (&stiffness, stiff));
         let error = due - angle;
-        let feedback = stiff * self.pid.output(&mut state.pid, error, angle);
-        let (forward, both) = (shared(-load), shared(feedback - load));
+        let forward = shared(-load);
+        // What the pressures bring about, which is above 0 whatever is asked for.
+        let gain = self.joint.stiffness(due, forward.pressures);
+        let feedback = gain * self.pid.output(&mut state.pid, error, angle);
+        let both = shared(feedback - load);
 
         let mut has_arrived = true;
         let JointState { led, commands, .. } = state;
@@ -193,7 +194,7 @@ impl<T: Real, const N: usize> JointControl<T, N> {
             has_arrived = has_arrived && *command == asked;
         }
         if has_arrived {
-            self.pid.settle(&mut state.pid, error, both.excess / stiff);
+            self.pid.settle(&mut state.pid, error, both.excess / gain);
         }
         Ok(JointCommand {
             commands: state.commands,

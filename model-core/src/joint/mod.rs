@@ -1,14 +1,14 @@
 //! A joint: two muscles that pull against each other at one axis, each on a regulator of its own.
 //!
 //! ```text
-//! torque    τ = u_a α_a(φ) - u_b α_b(φ) - passive(φ) - viscosity φ' - Σₖ (wₖ + v_a,ₖ u_a + v_b,ₖ u_b) σₖ
-//! drive     u = p + knee/p
-//! stop k    σₖ: the angle since the last reversal, at most ± rₖ
+//! torque    τ = u_a α_a(φ) - u_b α_b(φ) - passive(φ) - viscosity φ' - Σₖ (wₖ + v_a,ₖ u_a + v_b,ₖ
+//! u_b) σₖ drive     u = p + knee/p stop k    σₖ: the angle since the last reversal, at most ± rₖ
 //! ```
 //!
-//! with φ the angle, p a muscle's pressure, α its torque for each bar of drive, w and v the friction
-//! that does not, and that does grow with the pressure. The torque is linear in both drives, and so
-//! is the stiffness: which pressures bring about a torque and a stiffness is two linear equations.
+//! with φ the angle, p a muscle's pressure, α its torque for each bar of drive, w and v the
+//! friction that does not, and that does grow with the pressure. The torque is linear in both
+//! drives, and so is the stiffness: which pressures bring about a torque and a stiffness is two
+//! linear equations.
 //!
 //! # Why not two models of contraction over pressure
 //! Such a model has its hysteresis at one load. At a joint a muscle's load goes from nothing to
@@ -161,7 +161,8 @@ impl<T: Real, const N: usize> Joint<T, N> {
             for drive_a in ends_a {
                 for drive_b in ends_b {
                     let (by_a, by_b) = (*of_a * drive_a, *of_b * drive_b);
-                    let rounding = T::from_f64(ROUNDINGS) * T::EPSILON * (dry.abs() + by_a.abs() + by_b.abs());
+                    let rounding =
+                        T::from_f64(ROUNDINGS) * T::EPSILON * (dry.abs() + by_a.abs() + by_b.abs());
                     Check::at("friction", i, "N m/rad").at_least(*dry + by_a + by_b, -rounding)?;
                 }
             }
@@ -169,13 +170,22 @@ impl<T: Real, const N: usize> Joint<T, N> {
         Ok(())
     }
 
-    /// That more pressure in both muscles makes the joint stiffer, at all angles.
+    /// That the joint is stiff within the bounds of the pressures, and that more pressure in both
+    /// muscles makes it stiffer, at all angles.
     fn check_stiffening(&self) -> Result<(), ParameterError> {
         let still = Stops::relaxed(T::ZERO);
         for i in 0..CHECKED_ANGLES {
             let angle = checked_angle(&self.angles, i);
             let gain = self.stiffness_form(angle).along(&self.torque_form(angle, T::ZERO, &still));
             Check::at("stiffening", i, "N m/(rad bar)").above(gain, T::ZERO)?;
+            let [a, b] = &self.muscles;
+            let (ends_a, ends_b) = (a.bounds(angle), b.bounds(angle));
+            for pressure_a in [ends_a.0, ends_a.1] {
+                for pressure_b in [ends_b.0, ends_b.1] {
+                    let stiffness = self.stiffness(angle, [pressure_a, pressure_b]);
+                    Check::at("stiffness", i, "N m/rad").above(stiffness, T::ZERO)?;
+                }
+            }
         }
         Ok(())
     }
@@ -206,8 +216,8 @@ impl<T: Real, const N: usize> Joint<T, N> {
         self.stiffness_form(angle).at(self.drives(pressures))
     }
 
-    /// The least and the largest stiffness at an angle (rad), nothing else acting, the stops without
-    /// tension. Unit: N m/rad.
+    /// The least and the largest stiffness at an angle (rad), nothing else acting, the stops
+    /// without tension. Unit: N m/rad.
     pub fn stiffness_range(&self, angle: T) -> (T, T) {
         let still = Stops::relaxed(angle);
         let (torque, stiffness) = (self.torque_form(angle, T::ZERO, &still), self.stiffness_form(angle));
@@ -245,7 +255,8 @@ impl<T: Real, const N: usize> Joint<T, N> {
         let mut constant = slope(&self.passive, angle);
         let mut by = [-slope(&a.arm, angle), slope(&b.arm, angle)];
         let [by_a, by_b] = &mut by;
-        for (((chord, dry), of_a), of_b) in self.chords.iter().zip(&self.dry).zip(&a.friction).zip(&b.friction)
+        for (((chord, dry), of_a), of_b) in
+            self.chords.iter().zip(&self.dry).zip(&a.friction).zip(&b.friction)
         {
             constant += *dry * *chord;
             *by_a += *of_a * *chord;

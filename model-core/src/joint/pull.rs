@@ -1,8 +1,8 @@
 //! One muscle at a joint: what torque its pressure makes, and between which pressures it may be.
 //!
 //! drive u = p + knee/p: a tube has to be pressed against its braid before it pulls, part by part,
-//! so that the first bar does less than the last. The knee (bar²) says over which pressures; what of
-//! the threshold does not depend on the pressure is in the joint's passive torque.
+//! so that the first bar does less than the last. The knee (bar²) says over which pressures; what
+//! of the threshold does not depend on the pressure is in the joint's passive torque.
 
 use super::{ARM, CHECKED_ANGLES, check_length, checked_angle};
 use crate::convert;

@@ -1,7 +1,8 @@
 //! The bank of stops: friction over the angle.
 //!
-//! A stop is a spring that slips: σ follows the angle, but no farther than its reach to either side.
-//! It is what a play leaves of its input, σ = φ - play(φ), and its memory is of the same kind.
+//! A stop is a spring that slips: σ follows the angle, but no farther than its reach to either
+//! side. It is what a play leaves of its input, σ = φ - play(φ), and its memory is of the same
+//! kind.
 
 use crate::error::{Check, ParameterError};
 use crate::list::List;

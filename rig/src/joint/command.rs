@@ -67,13 +67,18 @@ impl JointCommand {
                 };
                 let quiet = if joint.no_noise { " --no-noise" } else { "" };
                 let made_by = [
-                    format!("two muscles at a joint, seed {seed}, rig {}, simulated; {noise}", env!("CARGO_PKG_VERSION")),
+                    format!(
+                        "two muscles at a joint, seed {seed}, rig {}, simulated; {noise}",
+                        env!("CARGO_PKG_VERSION")
+                    ),
                     format!("rig joint record --seed {seed}{quiet}"),
                 ];
                 let (protocol, mut plant) = (JointProtocol::new(seed), joint.plant());
                 write_whole(output, *force, |out| record(out, &made_by, &protocol, &mut plant, RATE_HZ))
             }
-            Self::Plant(joint) => serve(std::io::stdin().lock(), std::io::stdout().lock(), &mut joint.plant()),
+            Self::Plant(joint) => {
+                serve(std::io::stdin().lock(), std::io::stdout().lock(), &mut joint.plant())
+            }
         }
     }
 }
@@ -97,7 +102,8 @@ fn serve(input: impl BufRead, mut output: impl Write, joint: &mut JointPlant) ->
         );
         let measured = joint.step([a, b], time_s - start_s);
         let [pressure_a, pressure_b] = measured.pressures_bar;
-        match writeln!(output, "{pressure_a} {pressure_b} {}", measured.angle_deg).and_then(|()| output.flush())
+        match writeln!(output, "{pressure_a} {pressure_b} {}", measured.angle_deg)
+            .and_then(|()| output.flush())
         {
             // A controller that has gone is the end, as the end of its commands is.
             Err(error) if error.kind() == ErrorKind::BrokenPipe => break,

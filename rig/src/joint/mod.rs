@@ -39,8 +39,8 @@ pub const BEARING_NM: f64 = 0.1;
 /// Angle that the bearing gives by before it slips, rad. Assumed.
 const BEARING_RAD: f64 = 0.004;
 
-/// Standard deviation of the angle measurement, degrees. Assumed: the noise of a magnetic encoder of
-/// 14 bits.
+/// Standard deviation of the angle measurement, degrees. Assumed: the noise of a magnetic encoder
+/// of 14 bits.
 pub const ANGLE_NOISE_DEG: f64 = 0.02;
 
 /// Widest that constants of a joint are drawn: a factor.

@@ -43,7 +43,9 @@ impl JointProtocol {
         let counts_from_s = legs.common.duration_s();
         for level in LEVELS_BAR {
             legs.to(level, 0.0, 0.0, 2.0);
-            for share in [1.0, 0.5, 0.75, -1.0, -0.4, -0.65, 0.7, 0.4, 0.55, -0.5, -0.2, -0.35, 0.2, -0.1, 0.0] {
+            for share in
+                [1.0, 0.5, 0.75, -1.0, -0.4, -0.65, 0.7, 0.4, 0.55, -0.5, -0.2, -0.35, 0.2, -0.1, 0.0]
+            {
                 legs.to(level, share * SWING, 0.0, 2.0);
             }
             for middle in [0.6, 0.0, -0.6] {

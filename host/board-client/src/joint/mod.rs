@@ -23,8 +23,9 @@ use recording::joint::{HostJointParameters, STOPS};
 use crate::pil::PilError;
 use crate::stop::Stop;
 
-/// Integral gain times the slower regulator's lag: at a joint that is two and a half times as soft as asked
-/// for, as one that slips is, the phase margin of the loop is still above 50 degrees. Unit: 1.
+/// Integral gain times the slower regulator's lag: at a joint that is two and a half times as soft
+/// as asked for, as one that slips is, the phase margin of the loop is still above 50 degrees.
+/// Unit: 1.
 const INTEGRAL: f64 = 0.4;
 /// Proportional gain, as a share of the stiffness. Small, for the sake of the sensor's noise.
 const PROPORTIONAL: f64 = 0.1;
@@ -156,16 +157,12 @@ impl<'a, P: JointPlant> Loop<'a, P> {
             return Err(PilError::Stopped);
         }
         let measured = self.measured;
-        let target = JointTarget {
-            angle: radians(wanted.angle_deg),
-            stiffness: wanted.stiffness as f32,
-            load: 0.0,
-        };
+        let target =
+            JointTarget { angle: radians(wanted.angle_deg), stiffness: wanted.stiffness as f32, load: 0.0 };
         let control = if has_feedback { self.control } else { &self.open };
         let angle = radians(measured.angle_deg);
         // What is wanted is finite, and so is what a plant answers.
-        let command =
-            control.step(&mut self.state, &target, angle).map_err(|_| PilError::OutOfTurn)?;
+        let command = control.step(&mut self.state, &target, angle).map_err(|_| PilError::OutOfTurn)?;
         self.ticks += 1;
         self.measured = self.plant.advance(self.ticks as f64 * self.period_s, command.commands)?;
         Ok(JointSample { time_s: 0.0, wanted: *wanted, measured, command })

@@ -1,9 +1,9 @@
 //! The start of a joint: filled, tried with a small motion, swung through its range.
 //!
-//! All of it is without feedback: with the wrong sign that would drive a joint to its end. The small
-//! motion tells whether the joint turns as it should, the pressures whether they follow their own
-//! commands; the swing whether the joint is the model's, and leaves its friction in a state that no
-//! longer depends on what was before.
+//! All of it is without feedback: with the wrong sign that would drive a joint to its end. The
+//! small motion tells whether the joint turns as it should, the pressures whether they follow their
+//! own commands; the swing whether the joint is the model's, and leaves its friction in a state
+//! that no longer depends on what was before.
 
 use std::f64::consts::{PI, TAU};
 

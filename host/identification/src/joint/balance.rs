@@ -1,9 +1,9 @@
 //! The balance of torques as least squares: at every row the torque of the joint is that from
 //! outside, with the other sign.
 //!
-//! An error counts by what angle it is, the torque over the stiffness there: a first solution counts
-//! torques, and says how stiff the joint is for the second. For each pair of knees the problem is
-//! linear; the knees are searched by golden sections, one after the other.
+//! An error counts by what angle it is, the torque over the stiffness there: a first solution
+//! counts torques, and says how stiff the joint is for the second. For each pair of knees the
+//! problem is linear; the knees are searched by golden sections, one after the other.
 
 use model_core::List;
 use model_core::joint::PullParameters;

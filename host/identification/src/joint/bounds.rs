@@ -31,8 +31,8 @@ pub(super) fn lag_s(recording: &JointRecording, muscle: usize) -> Result<f64, Jo
     }
 }
 
-/// A line over the angle that no recorded pressure is below: of those the one that is highest in the
-/// middle of the angles. Its values at both ends of them.
+/// A line over the angle that no recorded pressure is below: of those the one that is highest in
+/// the middle of the angles. Its values at both ends of them.
 pub(super) fn lowest(mut points: Vec<(f64, f64)>, (first, last): (f64, f64)) -> [f64; 2] {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut hull: Vec<(f64, f64)> = Vec::new();

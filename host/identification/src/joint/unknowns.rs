@@ -6,9 +6,9 @@ use recording::joint::HostJointParameters;
 
 use super::STOPS;
 
-/// Places in the list: both arms, the passive torque, viscosity, the friction of either muscle at its
-/// lowest and at its highest drive, and the knees behind all that is linear. In this form friction is
-/// not negative anywhere between if these are not.
+/// Places in the list: both arms, the passive torque, viscosity, the friction of either muscle at
+/// its lowest and at its highest drive, and the knees behind all that is linear. In this form
+/// friction is not negative anywhere between if these are not.
 const ARMS: [usize; 2] = [0, ARM];
 const REST: usize = 2 * ARM;
 const VISCOSITY: usize = REST + PASSIVE;

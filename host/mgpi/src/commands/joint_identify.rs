@@ -56,7 +56,9 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
     say!("angles        {:.2} to {:.2} degrees", degrees(lowest), degrees(highest));
     say!("training      RMSE of the simulated angle {}", share(identification.rmse_deg));
     say!("held out      RMSE {} (blocks all through the recording)", share(identification.heldout_rmse_deg));
-    say!("stiffness     {soft:.1} to {stiff:.1} N m/rad in the middle, for a swing of {swing_deg} degrees to either side");
+    say!(
+        "stiffness     {soft:.1} to {stiff:.1} N m/rad in the middle, for a swing of {swing_deg} degrees to either side"
+    );
     let [a, b] = &found.parameters.muscles;
     say!("valves        lag of {:.4} s and {:.4} s", a.valve_lag_s, b.valve_lag_s);
     Ok(())

@@ -76,9 +76,9 @@ pub struct Arguments {
     /// program]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
-    /// The model is that of two muscles at a joint, from `mgpi identify --joint`: its control code runs
-    /// on the host, without firmware; a plant then answers `time_s command_a_bar command_b_bar` with
-    /// `pressure_a_bar pressure_b_bar angle_deg`
+    /// The model is that of two muscles at a joint, from `mgpi identify --joint`: its control code
+    /// runs on the host, without firmware; a plant then answers
+    /// `time_s command_a_bar command_b_bar` with `pressure_a_bar pressure_b_bar angle_deg`
     #[arg(
         long,
         conflicts_with_all = ["feedforward_log", "feedback_log", "report", "firmware", "verbose", "no_monitors",

@@ -164,7 +164,8 @@ fn written(muscle: &PullParameters<f64, STOPS>) -> Table {
 }
 
 fn parse(text: &str) -> Result<JointFile, Problem> {
-    let table = text.parse::<Table>().map_err(|error| Problem::Syntax(error.message().replace('\n', ", ")))?;
+    let table =
+        text.parse::<Table>().map_err(|error| Problem::Syntax(error.message().replace('\n', ", ")))?;
     let mut top = Section::top(table);
     let format = top.count("format")?;
     if format != FORMAT {
@@ -186,8 +187,15 @@ fn parse(text: &str) -> Result<JointFile, Problem> {
     rest.finish()?;
     let [a, b] = MUSCLES;
     let muscles = [muscle(&mut top, a)?, muscle(&mut top, b)?];
-    let parameters =
-        HostJointParameters { muscles, passive, viscosity, reaches: radians, dry, swing, angles: (low, high) };
+    let parameters = HostJointParameters {
+        muscles,
+        passive,
+        viscosity,
+        reaches: radians,
+        dry,
+        swing,
+        angles: (low, high),
+    };
     let mut section = top.section("identification")?;
     let identification = JointIdentification {
         recording: Source { file: section.text("recording")?, sha256: section.text("sha256")? },

@@ -72,7 +72,8 @@ fn pressures_of_the_controller_bring_about_the_torque_and_the_stiffness_that_are
         let mut command = None;
         for _ in 0..1000 {
             // An exact sensor of a joint that follows at once: there is nothing for feedback.
-            command = control.step(&mut state, &target, state.due()).ok();
+            let angle = state.due();
+            command = control.step(&mut state, &target, angle).ok();
             valid.stops().turn(&mut stops, state.due());
         }
         let command = command.expect("finite");

@@ -7,8 +7,8 @@
 //!                └─▶ PID (◀─ measured angle) ─▶ torque ─▶ two equations ── less those ─┘
 //! ```
 //!
-//! The PID acts in torque: its gains are shares of the stiffness that is asked for, so that they
-//! are the same for a soft and a stiff joint. What feedback adds is not led, which would make noise
+//! The PID acts in torque: its gains are shares of the stiffness that the pressures bring about, so
+//! that they are the same for a soft and a stiff joint. What feedback adds is not led, which would make noise
 //! of it.
 //!
 //! # Rates

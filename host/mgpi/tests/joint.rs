@@ -57,7 +57,7 @@ fn what_does_not_fit_a_joint_is_refused_and_leaves_nothing() {
         ("pil --joint --model joint.csv --reference reference.csv", "not a TOML file"),
         ("pil --joint --model joint.toml --reference reference.csv --kp 3", "cannot be used with"),
         (
-            "pil --joint --model joint.toml --reference reference.csv --plant-command cat",
+            "pil --joint --model joint.toml --reference reference.csv --plant-command yes",
             "is not `pressure_a_bar",
         ),
         ("pil --model joint.toml --reference reference.csv", "kind"),

@@ -19,7 +19,7 @@ pub(super) fn simulate(rows: &Rows, counts: &[bool], joint: &HostJoint) -> Vec<f
     let mut stops = rows.stops_at(begin);
     let mut angle = stops.angle();
     let mut slope = -joint.stiffness(angle, rows.pressures[begin]);
-    for row in begin + 1..angles.len() {
+    for (row, simulated) in angles.iter_mut().enumerate().skip(begin + 1) {
         let step_s = rows.time_s[row] - rows.time_s[row - 1];
         let last = angle;
         let surplus = |angle: f64| {
@@ -51,7 +51,7 @@ pub(super) fn simulate(rows: &Rows, counts: &[bool], joint: &HostJoint) -> Vec<f
             (angle, f) = (next, f_next);
         }
         joint.stops().turn(&mut stops, angle);
-        angles[row] = angle;
+        *simulated = angle;
     }
     angles
 }

@@ -251,7 +251,9 @@ mod tests {
             joint.put_on(load_nm);
             joint.step([3.0, 3.0], 2.0).angle_deg
         };
-        (at_deg(load_nm), at_deg(-load_nm));
+        for first in [load_nm, -load_nm] {
+            at_deg(first);
+        }
         let swing_deg = at_deg(load_nm) - at_deg(-load_nm);
         assert!((swing_deg - 4.0).abs() < 0.6, "{swing_deg} degrees");
     }

@@ -3,6 +3,7 @@
 //! The baseline of the search is linear in its weights and errs by more than an operator model does; what adds less than that is
 //! hardly seen there, such as the ringing of a small mass after a few jumps. So where nothing is named and nothing unexplained is
 //! seen, the fast causes that the search has looked at are tried once more, each in the operator model that runs free, of all rows.
+//! Where that model errs by more than the search does, it is not believed: a cause may make up for what its form lacks.
 //!
 //! Only fast ones, since next to nothing else looks like them: without any a warm-up takes away up to a sixth of the model's error,
 //! a mass, a delay, a lag or a width up to a twentieth.
@@ -12,6 +13,7 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::extend::{Extender, Extension};
+use super::rivals::TRUSTED;
 use super::search::Search;
 use recording::numbers::legible;
 
@@ -45,6 +47,9 @@ pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extende
     let without = models[first].as_ref().map_or(extender.without, |model| extender.without_from(model));
     let without = extender.with(&search.baseline).map_or(without, |error| error.min(without));
     let (best, others) = clear(without, &errors)?;
+    if errors[best] > TRUSTED * fast[best].score.mean() {
+        return None;
+    }
     Some(Overlooked {
         set: fast[best].clone(),
         alternatives: others.into_iter().map(|other| fast[other].causes.clone()).collect(),

@@ -32,7 +32,7 @@ const FAR: f64 = 0.1;
 /// The operator model has at most this share of its error with it.
 const LEAVES: f64 = 0.7;
 /// The most that the operator model errs by where it is to decide, over what the search errs by on blocks that it has not seen.
-const TRUSTED: f64 = 1.1;
+pub(super) const TRUSTED: f64 = 1.1;
 /// Sets whose costs differ by less than this cannot be told apart.
 const APART: f64 = 0.04;
 /// A rival has at least this share of the evidence of the best set.

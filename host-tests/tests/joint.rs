@@ -14,8 +14,8 @@ use recording::joint::file::JointFile;
 /// Joints that are tried: seeds that nothing was chosen by.
 const SEEDS: std::ops::RangeInclusive<u64> = 101..=108;
 
-/// The most that the stiffness of any joint is off by, in percent. The goal is 5, which most joints keep: friction is taken as linear
-/// in the pressure, and the rig's is not.
+/// The most that the stiffness of any joint is off by, in percent. The goal is 5, which most joints
+/// keep: friction is taken as linear in the pressure, and the rig's is not.
 const STIFFNESS_PERCENT: f64 = 8.0;
 
 #[test]

@@ -1,5 +1,5 @@
-//! Two muscles at a joint: torque and stiffness by the two equations, bounds, and the controller in a
-//! loop with the joint that it is a model of.
+//! Two muscles at a joint: torque and stiffness by the two equations, bounds, and the controller
+//! in a loop with the joint that it is a model of.
 
 use model_core::joint::stops::Stops;
 use model_core::joint::{

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! The PID acts in torque: its gains are shares of the stiffness that the pressures bring about, so
-//! that they are the same for a soft and a stiff joint. What feedback adds is not led, which would make noise
-//! of it.
+//! that they are the same for a soft and a stiff joint. What feedback adds is not led, which would
+//! make noise of it.
 //!
 //! # Rates
 //! A jump of angle or stiffness is followed at the rate of the parameters: what both pressures can

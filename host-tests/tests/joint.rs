@@ -1,7 +1,7 @@
 //! Two muscles at a joint: angle, stiffness and cross-talk over joints that are drawn, and what is
 //! recognised of a joint that is wired wrongly or is another one.
 
-use board_client::joint::start::JointFault;
+use board_client::joint::fault::JointFault;
 use board_client::joint::{BoardControl, Loop, parameters};
 use board_client::pil::PilError;
 use board_client::stop::Stop;

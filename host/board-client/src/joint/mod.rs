@@ -5,11 +5,13 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`start`] | fills the muscles, finds out whether the joint is the model's, and brings its friction to a known state |
+//! | [`fault`] | why a joint is not started |
 //! | [`log`] | the log of a run and its figures |
 //!
 //! # Limits
 //! There is no firmware for two channels yet: this is the same control code without a board.
 
+pub mod fault;
 pub mod log;
 pub mod start;
 

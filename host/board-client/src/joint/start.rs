@@ -7,8 +7,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use thiserror::Error;
-
+use super::fault::JointFault;
 use super::{JointPlant, JointSample, JointWanted, Loop};
 use crate::pil::PilError;
 
@@ -25,32 +24,6 @@ const LEAST: f64 = 0.3;
 const SHARES: (f64, f64) = (0.7, 1.4);
 /// And is no farther from what is asked for in the mean, as a share of the range.
 const FARTHEST: f64 = 0.15;
-
-/// Why a joint is not started.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
-pub enum JointFault {
-    #[error(
-        "the test motion of {asked_deg:.1} degrees turned the joint by {turned_deg:.1} degrees: it turns the wrong \
-         way; the angle sensor counts backwards, or both channels are swapped"
-    )]
-    WrongWay { asked_deg: f64, turned_deg: f64 },
-    #[error(
-        "the test motion of {asked_deg:.1} degrees turned the joint by {turned_deg:.1} degrees only: is it blocked, \
-         the angle sensor unplugged, or a muscle without air?"
-    )]
-    Still { asked_deg: f64, turned_deg: f64 },
-    #[error(
-        "pressure_a_bar follows command_b_bar, and pressure_b_bar command_a_bar: the two pressure sensors, or the \
-         two regulators, are swapped"
-    )]
-    Crossed,
-    #[error(
-        "the joint turns by {turned_deg:.1} degrees where its model turns by {asked_deg:.1} degrees, and stands \
-         {offset_deg:.1} degrees from it in the mean: the model is that of another joint, or of other muscles"
-    )]
-    Another { asked_deg: f64, turned_deg: f64, offset_deg: f64 },
-}
 
 impl<P: JointPlant> Loop<'_, P> {
     /// Starts the joint at a stiffness (N m/rad).

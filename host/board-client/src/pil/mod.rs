@@ -39,7 +39,7 @@ use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Refusal, VERSION};
 use crate::bus::error::{in_full, row};
 #[cfg(unix)]
 use crate::emulator::EmulatorError;
-use crate::joint::start::JointFault;
+use crate::joint::fault::JointFault;
 #[cfg(unix)]
 use plant::PlantError;
 use recording::model_file::ModelFile;

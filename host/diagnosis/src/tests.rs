@@ -5,7 +5,6 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::anatomy::axis::Axis;
-use super::candidate::Candidate;
 use super::cause::Cause;
 use super::effect::{Effect, Form, Parameter};
 use super::equivalent::Arrived;

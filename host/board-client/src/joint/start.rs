@@ -57,7 +57,7 @@ impl<P: JointPlant> Loop<'_, P> {
         Ok(())
     }
 
-    /// Goes from where it is to what is wanted first, with feedback, within [`SWING_S`].
+    /// Goes from where it is to what is wanted first, with feedback, within `SWING_S`.
     ///
     /// # Errors
     /// The plant does not answer.

@@ -18,14 +18,15 @@ use rig::joint::JointPlant as RigJoint;
 use rig::joint::protocol::JointProtocol;
 use rig::joint::recording::record;
 
-/// Rows a second of recordings. Unit: Hz.
+/// Rows a second of recordings, as `rig joint record` writes them. Unit: Hz.
 const RATE_HZ: f64 = 100.0;
-/// The controller's tick. Unit: s.
+/// The controller's tick, as on a board: 1 kHz. Unit: s.
 const PERIOD_S: f64 = 1e-3;
-/// The reference's amplitude, as a share of the range of angles.
+/// The reference's amplitude, as a share of the range of angles: 70 % of it are crossed, with room
+/// for overshoot at both ends.
 const AMPLITUDE: f64 = 0.35;
 /// Levels of the stiffness, as shares of what the joint can do in the middle, and how long each
-/// lasts.
+/// lasts (Unit: s): the fastest change of the stiffness through its range, 1.5 s, and as long at rest.
 const LEVELS: [f64; 8] = [0.2, 0.8, 0.4, 0.65, 0.2, 0.5, 0.8, 0.3];
 const LEVEL_S: f64 = 3.0;
 
@@ -80,7 +81,7 @@ impl JointPlant for Wired {
 /// The recording of a joint as CSV.
 ///
 /// # Errors
-/// None.
+/// It cannot be written to memory.
 pub fn csv(seed: u64) -> Result<Vec<u8>> {
     let mut csv = Vec::new();
     record(&mut csv, &[], &JointProtocol::new(seed), &mut RigJoint::new(seed, true), RATE_HZ)?;
@@ -90,7 +91,7 @@ pub fn csv(seed: u64) -> Result<Vec<u8>> {
 /// A recording from CSV.
 ///
 /// # Errors
-/// It is none of a joint.
+/// It is not a recording of a joint.
 pub fn recording(csv: &[u8]) -> Result<JointRecording> {
     Ok(JointRecording::of(&Table::parse(Path::new("joint.csv"), csv)?, &Choice::default())?)
 }

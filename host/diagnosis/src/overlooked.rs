@@ -3,7 +3,7 @@
 //! The baseline of the search is linear in its weights and errs by more than an operator model does; what adds less than that is
 //! hardly seen there, such as the ringing of a small mass after a few jumps. So where nothing is named and nothing unexplained is
 //! seen, the fast causes that the search has looked at are tried once more, each in the operator model that runs free, of all rows.
-//! Where that model errs by more than the search does, it is not believed: a cause may make up for what its form lacks.
+//! That model does not decide where its error is larger than the search's: a cause may then only correct the form of its hysteresis.
 //!
 //! Only fast ones, since next to nothing else looks like them: without any a warm-up takes away up to a sixth of the model's error,
 //! a mass, a delay, a lag or a width up to a twentieth.

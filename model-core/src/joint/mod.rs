@@ -122,8 +122,8 @@ pub struct Joint<T, const N: usize> {
 impl<T: Real, const N: usize> Joint<T, N> {
     /// # Errors
     /// The first parameter that no joint can be made of: muscles that do not pull against each
-    /// other everywhere in the range, a lowest pressure that is none, or a joint that does not get
-    /// stiffer with the pressure.
+    /// other everywhere in the range, a lowest pressure that is not valid, or a joint that does
+    /// not get stiffer with the pressure.
     pub fn try_new(parameters: &JointParameters<T, N>) -> Result<Self, ParameterError> {
         let JointParameters { muscles, passive, viscosity, reaches, dry, swing, angles } = parameters;
         let stops = Thresholds::try_new(reaches)?;

@@ -55,7 +55,7 @@ impl JointCommand {
     /// Does what it says.
     ///
     /// # Errors
-    /// A file that exists or cannot be written; a dialogue that is none.
+    /// A file that exists or cannot be written; a line that is not a command.
     pub fn run(&self) -> Result<()> {
         match self {
             Self::Record(RecordArgs { joint, output, force }) => {

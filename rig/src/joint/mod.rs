@@ -49,7 +49,7 @@ const SPREAD: f64 = 1.15;
 /// Farthest from 0 that the joint turns before it is at its stop, rad.
 const STOP_RAD: f64 = 1.2;
 
-/// Smallest step of the angle worth taking, rad.
+/// The angle has been found where it moves by less than this, rad.
 const TOLERANCE_RAD: f64 = 1e-12;
 
 /// Bisection alone takes 41 steps from the widest bracket to the tolerance.

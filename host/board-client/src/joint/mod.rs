@@ -31,8 +31,8 @@ use crate::stop::Stop;
 const INTEGRAL: f64 = 0.4;
 /// Proportional gain, as a share of the stiffness. Small, for the sake of the sensor's noise.
 const PROPORTIONAL: f64 = 0.1;
-/// Time constant of the anti-windup: some times the rig's regulators' lag of 0.05 s, so that a short
-/// limit does not empty the integral. Unit: s.
+/// Time constant of the anti-windup: several times the lag of a regulator, so that a short limit
+/// does not empty the integral. Unit: s.
 const TRACKING_S: f64 = 0.2;
 /// Times from one end of the angles, and of the stiffness, to the other. Unit: s.
 const TURN_S: f64 = 0.5;

@@ -247,8 +247,8 @@ mod tests {
         assert!(joint.torque_nm(joint.motion.ratio).0.abs() < 1e-3);
         let at_rest = joint.clone();
         assert!(at_rest.stiffness_nm_per_rad(0.035) > at_rest.stiffness_nm_per_rad(0.1));
-        // A load to and fro, as large as turns it by about two degrees. It goes slowly: a joint that
-        // overshoots stays where it has been, since friction holds it there.
+        // A load to and fro, as large as turns it by about two degrees. It goes slowly: where a
+        // joint overshoots friction holds it.
         let largest_nm = at_rest.stiffness_nm_per_rad(0.035) * 0.035;
         let mut load_nm = 0.0;
         let mut at_deg = |end_nm: f64| {

@@ -4,9 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use board_client::joint::{
-    BoardControl, JointMeasured, JointPlant, JointSample, JointWanted, Loop, parameters,
-};
+use board_client::joint::{JointMeasured, JointPlant, JointSample, JointWanted, Loop, parameters};
 use board_client::pil::PilError;
 use board_client::stop::Stop;
 use identification::joint::{SWING_RAD, identify_joint};
@@ -16,10 +14,8 @@ use recording::joint::file::JointFile;
 use recording::table::Table;
 use rig::joint::JointPlant as RigJoint;
 use rig::joint::protocol::JointProtocol;
-use rig::joint::recording::record;
+use rig::joint::recording::{RATE_HZ, record};
 
-/// Rows a second of recordings, as `rig joint record` writes them. Unit: Hz.
-const RATE_HZ: f64 = 100.0;
 /// The controller's tick, as on a board: 1 kHz. Unit: s.
 const PERIOD_S: f64 = 1e-3;
 /// The reference's amplitude, as a share of the range of angles: 70 % of it are crossed, with room
@@ -131,7 +127,6 @@ pub struct Tried {
 pub fn tried(seed: u64, frequencies_hz: &[f64]) -> Result<Tried> {
     let file = identified(seed)?;
     let parameters = parameters(&file.parameters, PERIOD_S)?;
-    let control = BoardControl::try_new(&parameters)?;
     let (lowest, highest) = file.parameters.angles;
     let (middle, range) = (0.5 * (lowest + highest), highest - lowest);
     let (soft, stiff) = file.joint.stiffness_range(middle);
@@ -148,7 +143,7 @@ pub fn tried(seed: u64, frequencies_hz: &[f64]) -> Result<Tried> {
     let mut run =
         |wanted: &dyn Fn(f64) -> JointWanted, duration_s: f64, every: usize| -> Result<(f64, f64)> {
             let mut plant = Wired::new(seed, Wrong::Nothing);
-            let mut joint = Loop::new(&parameters, &control, &mut plant, Stop::default())?;
+            let mut joint = Loop::new(&parameters, &mut plant, Stop::default())?;
             joint.start(wanted(0.0).stiffness)?;
             joint.approach(&wanted(0.0))?;
             let ticks = (duration_s / PERIOD_S).round() as usize;

@@ -2,7 +2,7 @@
 //! recognised of a joint that is wired wrongly or is another one.
 
 use board_client::joint::fault::JointFault;
-use board_client::joint::{BoardControl, Loop, parameters};
+use board_client::joint::{Loop, parameters};
 use board_client::pil::PilError;
 use board_client::stop::Stop;
 use host_tests::joint::{Tried, Wired, Wrong, csv, identified, recording, tried};
@@ -42,10 +42,9 @@ fn joints_follow_their_angle_and_are_as_stiff_as_asked_without_the_one_disturbin
 /// The start of a joint by a model.
 fn started(file: &JointFile, seed: u64, wrong: Wrong) -> Result<(), PilError> {
     let parameters = parameters(&file.parameters, 1e-3).expect("a joint in single precision");
-    let control = BoardControl::try_new(&parameters).expect("a controller");
     let mut plant = Wired::new(seed, wrong);
     let (soft, _) = file.joint.stiffness_range(0.0);
-    Loop::new(&parameters, &control, &mut plant, Stop::default())?.start(1.2 * soft)
+    Loop::new(&parameters, &mut plant, Stop::default())?.start(1.2 * soft)
 }
 
 #[test]
@@ -100,6 +99,16 @@ fn a_recording_that_does_not_tell_enough_is_refused_with_what_is_missing() {
     assert!(still.contains("angle_deg moves by 0.000 degrees only"), "{still}");
     let short = refused(|recording| recording.scored[100..].fill(false));
     assert!(short.contains("rows count, at least"), "{short}");
+}
+
+#[test]
+fn a_short_recording_is_held_out_in_blocks_too() {
+    let mut short = recording(&csv(1).expect("recorded")).expect("a recording");
+    // As if all had gone faster, in less than the five blocks of a long recording.
+    let faster = 30.0 / short.time_s[short.time_s.len() - 1];
+    short.time_s.iter_mut().for_each(|time_s| *time_s *= faster);
+    let found = identify_joint(&short, SWING_RAD).expect("a joint");
+    assert!(found.identification.heldout_rmse_deg < 5.0, "{:?}", found.identification);
 }
 
 #[test]

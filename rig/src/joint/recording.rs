@@ -5,6 +5,9 @@ use std::io::{self, Write};
 use super::JointPlant;
 use super::protocol::JointProtocol;
 
+/// Rows a second, Hz: five in the lag of a regulator.
+pub const RATE_HZ: f64 = 100.0;
+
 /// The columns.
 const HEADER: &str = "time_s,command_a_bar,command_b_bar,pressure_a_bar,pressure_b_bar,angle_deg,\
                       torque_newton_metre,valid";

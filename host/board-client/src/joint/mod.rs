@@ -22,7 +22,7 @@ use model_core::joint::{Joint, JointCommand, JointControl, JointControlParameter
 use model_core::pid::PidParameters;
 use recording::joint::{HostJointParameters, STOPS};
 
-use crate::pil::PilError;
+use crate::pil::{PilError, SLEW_BAR_PER_S};
 use crate::stop::Stop;
 
 /// Integral gain times the slower regulator's lag: at a joint that is two and a half times as soft
@@ -37,11 +37,9 @@ const TRACKING_S: f64 = 0.2;
 /// Times from one end of the angles, and of the stiffness, to the other. Unit: s.
 const TURN_S: f64 = 0.5;
 const STIFFEN_S: f64 = 1.5;
-/// Fastest change of a command. Unit: bar/s.
-const SLEW_BAR_PER_S: f64 = 50.0;
 
 /// The controller of a joint, as on a board.
-pub type BoardControl = JointControl<f32, STOPS>;
+type BoardControl = JointControl<f32, STOPS>;
 
 /// What the sensors of a joint say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +83,7 @@ pub struct JointSample {
 
 /// A joint in a loop with its controller.
 pub struct Loop<'a, P> {
-    control: &'a BoardControl,
+    control: BoardControl,
     /// The same without feedback.
     open: BoardControl,
     state: JointState<f32, STOPS>,
@@ -121,7 +119,7 @@ pub fn parameters(
         pid,
         turn_rad_per_s: ((highest - lowest) / TURN_S) as f32,
         stiffen_per_s: ((stiff - soft) / STIFFEN_S) as f32,
-        slew_bar_per_s: SLEW_BAR_PER_S as f32,
+        slew_bar_per_s: SLEW_BAR_PER_S,
         period_s: period_s as f32,
     })
 }
@@ -130,22 +128,21 @@ impl<'a, P: JointPlant> Loop<'a, P> {
     /// A vented joint.
     ///
     /// # Errors
-    /// The plant does not answer.
+    /// There is no controller of the parameters, or the plant does not answer.
     pub fn new(
         parameters: &JointControlParameters<f32, STOPS>,
-        control: &'a BoardControl,
         plant: &'a mut P,
         stop: Stop,
     ) -> Result<Self, PilError> {
         let none = PidParameters { kp: 0.0, ki: 0.0, kd: 0.0, ..parameters.pid };
-        let open = JointControl::try_new(&JointControlParameters { pid: none, ..parameters.clone() });
+        let open = JointControl::try_new(&JointControlParameters { pid: none, ..parameters.clone() })?;
+        let control = JointControl::try_new(parameters)?;
         let (lowest, highest) = parameters.joint.angles;
         let measured = plant.advance(0.0, [0.0; 2])?;
         Ok(Self {
-            control,
-            // Smaller gains are gains.
-            open: open.unwrap_or_else(|_| control.clone()),
             state: control.rest_state(0.5 * (lowest + highest)),
+            control,
+            open,
             plant,
             period_s: f64::from(parameters.period_s),
             ticks: 0,
@@ -162,7 +159,7 @@ impl<'a, P: JointPlant> Loop<'a, P> {
         let measured = self.measured;
         let target =
             JointTarget { angle: radians(wanted.angle_deg), stiffness: wanted.stiffness as f32, load: 0.0 };
-        let control = if has_feedback { self.control } else { &self.open };
+        let control = if has_feedback { &self.control } else { &self.open };
         let angle = radians(measured.angle_deg);
         // What is wanted is finite, and so is what a plant answers.
         let command = control.step(&mut self.state, &target, angle).map_err(|_| PilError::OutOfTurn)?;

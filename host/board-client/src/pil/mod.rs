@@ -50,7 +50,7 @@ use reference::MOST_TICKS;
 
 /// Fastest change of the command: an eighth of a second through the whole range, faster than
 /// proportional regulators of this size are. Unit: bar/s.
-const SLEW_BAR_PER_S: f32 = 50.0;
+pub(crate) const SLEW_BAR_PER_S: f32 = 50.0;
 
 /// Why a run of the firmware does not come to its end.
 #[derive(Debug, Error)]
@@ -87,6 +87,8 @@ pub enum PilError {
     Run { mode: Mode, problem: Box<PilError> },
     #[error(transparent)]
     Joint(#[from] JointFault),
+    #[error(transparent)]
+    Parameters(#[from] ParameterError),
     #[error("interrupted")]
     Stopped,
 }

@@ -41,10 +41,12 @@ const STOPS: usize = 8;
 const SHORTEST: f64 = 0.01;
 /// Half the swing that a stiffness is for, unless the user has it otherwise. Unit: rad.
 pub const SWING_RAD: f64 = 3.0 * PI / 180.0;
-/// Rows are held out in blocks so long, one of [`BLOCKS`]. Unit: s.
+/// Rows are held out in blocks so long, shorter in a short recording, one of [`BLOCKS`]. Unit: s.
 const BLOCK_S: f64 = 8.0;
 /// See [`BLOCK_S`].
 const BLOCKS: usize = 5;
+/// A recording has at least so many blocks, so that none that is held out is all of a weight.
+const LEAST_BLOCKS: usize = 4 * BLOCKS;
 
 /// Why no joint can be identified.
 #[derive(Debug)]
@@ -101,10 +103,13 @@ impl From<ParameterError> for JointError {
 pub fn identify_joint(recording: &JointRecording, swing_rad: f64) -> Result<JointFile, JointError> {
     check::check(recording)?;
     let rows = balance::Rows::of(recording, swing_rad)?;
-    let held_out: Vec<bool> = (recording.time_s.iter())
-        .map(|time_s| ((time_s - recording.time_s[0]) / BLOCK_S) as usize % BLOCKS == BLOCKS - 1)
-        .collect();
-    let scored = &recording.scored;
+    let (time_s, scored) = (&recording.time_s, &recording.scored);
+    let counted = || time_s.iter().zip(scored).filter(|(_, scored)| **scored).map(|(time_s, _)| *time_s);
+    let first_s = counted().fold(f64::INFINITY, f64::min);
+    let last_s = counted().fold(f64::NEG_INFINITY, f64::max);
+    let block_s = BLOCK_S.min((last_s - first_s) / LEAST_BLOCKS as f64);
+    let is_held_out = |time_s: &f64| ((time_s - first_s).max(0.0) / block_s) as usize % BLOCKS == BLOCKS - 1;
+    let held_out: Vec<bool> = time_s.iter().map(is_held_out).collect();
     let seen: Vec<bool> = scored.iter().zip(&held_out).map(|(scored, held)| *scored && !held).collect();
     let unseen: Vec<bool> = scored.iter().zip(&held_out).map(|(scored, held)| *scored && *held).collect();
 

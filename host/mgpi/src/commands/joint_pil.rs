@@ -11,7 +11,7 @@ use serde_json::json;
 use crate::Error;
 use crate::output::Outputs;
 use board_client::joint::log::{figures, limited, log};
-use board_client::joint::{BoardControl, JointWanted, Loop, parameters};
+use board_client::joint::{JointWanted, Loop, parameters};
 use board_client::pil::PilError;
 use board_client::pil::plant::{PlantProcess, Program};
 use board_client::pil::reference::Reference;
@@ -56,10 +56,9 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
         }
     }
     let parameters = parameters(&file.parameters, rate_hz.recip())?;
-    let control = BoardControl::try_new(&parameters)?;
     let stop = Stop::on_signals();
     let mut process = PlantProcess::start(plant, &stop).map_err(PilError::from)?;
-    let mut joint = Loop::new(&parameters, &control, &mut process, stop)?;
+    let mut joint = Loop::new(&parameters, &mut process, stop)?;
     let wanted: Vec<JointWanted> = (angle.points(0.0).zip(stiffness.points(0.0)))
         .map(|(angle_deg, stiffness)| JointWanted { angle_deg, stiffness })
         .collect();

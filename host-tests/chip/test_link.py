@@ -153,11 +153,13 @@ class LinkAndBus(ChipCase):
         before = [master.get(name) for name in ("overruns", "late_ticks")]
         chance = random.Random(7)
         for _ in range(60):
-            frame = chance.randbytes(chance.randrange(2, 60))
+            frame, gap_s = chance.randbytes(chance.randrange(2, 60)), 2e-3
             if chance.random() < 0.5:
-                frame = with_crc(bytes([UNIT]) + frame[1:])
+                # The board answers that its function is none: a tick and five bytes behind the silence.
+                # What came before that would collide with it, as on any line.
+                frame, gap_s = with_crc(bytes([UNIT]) + frame[1:]), 4e-3
             end = chip.board.send(chip.usart1, frame)
-            chip.run(end - chip.now + 2e-3)
+            chip.run(end - chip.now + gap_s)
         chip.run(5e-3)
         self.assertEqual([master.get(name) for name in ("overruns", "late_ticks")], before)
         self.assertEqual(chip.board.lost_bytes, 0)

@@ -158,6 +158,17 @@ class Update(ChipCase):
         update.order(master, update.TAKE)
         self.assertEqual(update.reached(master), (B, WAITS))
 
+    def test_what_is_on_trial_in_place_a_stores_nothing_either(self):
+        chip, _ = self.kept()
+        update.put(chip, update.image("b"))
+        for code in (update.FOR_GOOD_B, update.TRY_A):
+            update.append(chip, code)
+        master = self.start(chip)
+        self.assert_runs(master, A, ON_TRIAL)
+        programmed = chip.flash.programmed_words
+        self.assert_refused(DEVICE_FAILURE, lambda: master.set("bus_silent_ticks", 700))
+        self.assertEqual((master.get("bus_silent_ticks"), chip.flash.programmed_words), (700, programmed))
+
     def test_an_image_that_hangs_or_faults_is_tried_three_times_and_the_former_runs_again(self):
         for name in ("hangs", "faults"):
             with self.subTest(name):

@@ -170,9 +170,11 @@ class LongRuns(LinkAndBus):
         before, tried = (update.A, update.FOR_GOOD), (update.B, update.ON_TRIAL)
         blocks = update.blocks(update.image("b"))
         count = int(UPDATE_CUTS * SHARE)
-        # Of a hundred random moments six are in each of the four erasures, and sixteen behind the last block.
+        begins = [sector_begin(k) - update.PLACE_B for k in PLACES[1]]
+        erasing = [n for n, (offset, block) in enumerate(blocks) if any(offset <= at < offset + len(block) for at in begins)]
+        # Of a hundred random moments six are in each erasure that the image needs, and sixteen behind the last block.
         in_erasures, behind = count * 6 // 100, count * 16 // 100
-        chosen = chance.choices(range(len(blocks)), k=count - 4 * in_erasures - behind)
+        chosen = chance.choices(range(len(blocks)), k=count - len(erasing) * in_erasures - behind // 2 * 2)
         update.order(master, update.BEGIN)
         for number, (offset, block) in enumerate(blocks):
             if chance.random() < SHARE:
@@ -182,8 +184,7 @@ class LongRuns(LinkAndBus):
             chip.board.send(chip.usart1, write_frame(0xB08, struct.pack(">I", offset) + block))
             for _ in range(chosen.count(number)):
                 cut("at a random moment", chance.random() * 5e-3, [before])
-            erases = any(offset <= sector_begin(k) - update.PLACE_B < offset + len(block) for k in PLACES[1])
-            for _ in range(in_erasures if erases else 0):
+            for _ in range(in_erasures if number in erasing else 0):
                 cut("at a random moment", 3e-3 + chance.random(), [before])
             assert chip.run(until=lambda: len(chip.board.bus.sent) == 8, most_s=3.0)
             chip.run(2e-5)

@@ -70,11 +70,14 @@ impl Browser {
         browser
     }
 
-    /// Goes to an address, in a window of this width.
+    /// Goes to an address, in a window of this width, and waits until the page before is left: it is
+    /// shown for a while, and would be asked in the place of the new one.
     pub fn open(&mut self, address: &str, width: u32) {
         let size = json!({"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": false});
         self.call("Emulation.setDeviceMetricsOverride", size);
+        self.value("window.isLeft = true");
         self.call("Page.navigate", json!({"url": address}));
+        self.wait("!window.isLeft");
     }
 
     /// What an expression is in the page.

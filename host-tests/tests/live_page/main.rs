@@ -137,12 +137,13 @@ fn the_page_shows_the_loop_stops_the_board_and_releases_a_fault() {
         let letters = browser.value(smallest).as_f64().expect("a number");
         assert!(letters >= 9.0, "letters of {letters} pixels at {width} pixels");
         let overlaps = "[...document.querySelectorAll('figure > svg')].flatMap(plot => {
-            const boxes = [...plot.querySelectorAll('text')].map(text => text.getBoundingClientRect());
-            return boxes.filter((a, i) => boxes.slice(i + 1).some(b =>
+            const texts = [...plot.querySelectorAll('text')], boxes = texts.map(text => text.getBoundingClientRect());
+            return boxes.flatMap((a, i) => boxes.slice(i + 1).flatMap((b, k) =>
                 Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
-                && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1));
-        }).length";
-        assert_eq!(browser.value(overlaps), 0, "letters over others at {width} pixels");
+                && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1
+                    ? [`${texts[i].textContent} over ${texts[i + 1 + k].textContent}`] : []));
+        }).join(', ')";
+        assert_eq!(browser.value(overlaps), "", "letters over others at {width} pixels");
         let is_wider = "document.documentElement.scrollWidth > document.documentElement.clientWidth";
         assert_eq!(browser.value(is_wider), false, "at {width} pixels the page is wider");
         browser.picture(&format!("watch-fault-{width}"));

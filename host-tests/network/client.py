@@ -482,6 +482,11 @@ def secure(arguments):
                 with on.declare_subscriber(f"{ROOT}/{arguments.name}/*/*/telemetry", lambda sample: seen.add(str(sample.key_expr))):
                     time.sleep(2.0)
                     done, refused = order(on, f"{ROOT}/{arguments.name}/*/*/order", "start")
+                    # A query that nobody is known to answer yet ends at once; who may not ask is told nothing for ever.
+                    end = time.time() + 5.0
+                    while not done and not refused and time.time() < end:
+                        time.sleep(0.2)
+                        done, refused = order(on, f"{ROOT}/{arguments.name}/*/*/order", "start")
                     told[str(who)] = {"seen": len(seen), "started": len(done), "refused": len(refused)}
                     order(on, f"{ROOT}/{arguments.name}/*/*/order", "stop")
         except zenoh.ZError as error:

@@ -70,8 +70,8 @@ impl Browser {
         browser
     }
 
-    /// Goes to an address, in a window of this width, and waits until the page before is left: it is
-    /// shown for a while, and would be asked in the place of the new one.
+    /// Goes to an address, in a window of this width, and waits until the page before is left: it
+    /// is shown for a while, and would be asked in the place of the new one.
     pub fn open(&mut self, address: &str, width: u32) {
         let size = json!({"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": false});
         self.call("Emulation.setDeviceMetricsOverride", size);

@@ -481,14 +481,13 @@ def secure(arguments):
             with session(arguments.end_point, of(who)) as on:
                 with on.declare_subscriber(f"{ROOT}/{arguments.name}/*/*/telemetry", lambda sample: seen.add(str(sample.key_expr))):
                     time.sleep(2.0)
-                    done, refused = order(on, f"{ROOT}/{arguments.name}/*/*/order", "start")
-                    # A query that nobody is known to answer yet ends at once; who may not ask is told nothing for ever.
-                    end = time.time() + 5.0
-                    while not done and not refused and time.time() < end:
+                    key, end = f"{ROOT}/{arguments.name}/*/*/order", time.time() + 5.0
+                    # A query that nobody is known to answer yet ends at once; who may not ask is never answered.
+                    while not any(answers := order(on, key, "start")) and time.time() < end:
                         time.sleep(0.2)
-                        done, refused = order(on, f"{ROOT}/{arguments.name}/*/*/order", "start")
+                    done, refused = answers
                     told[str(who)] = {"seen": len(seen), "started": len(done), "refused": len(refused)}
-                    order(on, f"{ROOT}/{arguments.name}/*/*/order", "stop")
+                    order(on, key, "stop")
         except zenoh.ZError as error:
             told[str(who)] = {"kept_out": "certificate" in str(error).lower() or "unable to connect" in str(error).lower()}
     print(json.dumps(told))

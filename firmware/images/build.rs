@@ -2,9 +2,10 @@
 //! place of each image in the flash, a `place.x` each in `places`.
 
 /// Images, and the folder of their place.
-const PLACES: [(&str, &str); 6] = [
+const PLACES: [(&str, &str); 7] = [
     ("bring_up", "bring_up"),
     ("emulated", "whole"),
+    ("emulated_joint", "whole"),
     ("law_and_tick", "whole"),
     ("starter", "starter"),
     ("stm32f405", "a"),

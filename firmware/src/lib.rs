@@ -28,6 +28,7 @@ pub mod ceilings;
 pub mod control;
 pub mod faults;
 pub mod identity;
+pub mod joint;
 pub mod law;
 pub mod led;
 pub mod lock_step;

@@ -4,9 +4,12 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use board_client::joint::{JointMeasured, JointPlant, JointSample, JointWanted, Loop, parameters};
+use board_client::joint::{
+    JointBoard, JointMeasured, JointPlant, JointSample, JointWanted, Loop, parameters,
+};
 use board_client::pil::PilError;
 use board_client::stop::Stop;
+use firmware::joint::lock_step::LockStepJoint;
 use identification::joint::{SWING_RAD, identify_joint};
 use recording::Choice;
 use recording::joint::columns::JointRecording;
@@ -15,6 +18,8 @@ use recording::table::Table;
 use rig::joint::JointPlant as RigJoint;
 use rig::joint::protocol::JointProtocol;
 use rig::joint::recording::{RATE_HZ, record};
+use wire::Protection;
+use wire::joint::{JointRequest, JointResponse};
 
 /// The controller's tick, as on a board: 1 kHz. Unit: s.
 const PERIOD_S: f64 = 1e-3;
@@ -25,6 +30,22 @@ const AMPLITUDE: f64 = 0.35;
 /// lasts (Unit: s): the fastest change of the stiffness through its range, 1.5 s, and as long at rest.
 const LEVELS: [f64; 8] = [0.2, 0.8, 0.4, 0.65, 0.2, 0.5, 0.8, 0.3];
 const LEVEL_S: f64 = 3.0;
+
+/// The control code of two channels on the host, as the image has it.
+pub struct HostJoint(LockStepJoint);
+
+impl HostJoint {
+    /// A board without a joint.
+    pub fn new(protection: Protection) -> Self {
+        Self(LockStepJoint::new(protection))
+    }
+}
+
+impl JointBoard for HostJoint {
+    fn request(&mut self, request: &JointRequest) -> Result<JointResponse, PilError> {
+        Ok(self.0.answer(request))
+    }
+}
 
 /// A joint of the rig as the control code sees it.
 pub struct Wired {
@@ -143,7 +164,9 @@ pub fn tried(seed: u64, frequencies_hz: &[f64]) -> Result<Tried> {
     let mut run =
         |wanted: &dyn Fn(f64) -> JointWanted, duration_s: f64, every: usize| -> Result<(f64, f64)> {
             let mut plant = Wired::new(seed, Wrong::Nothing);
-            let mut joint = Loop::new(&parameters, &mut plant, Stop::default())?;
+            // As on a board with muscles: what protects them must not disturb sound control.
+            let mut board = HostJoint::new(Protection::STANDARD);
+            let mut joint = Loop::new(&parameters, &mut board, &mut plant, Stop::default())?;
             joint.start(wanted(0.0).stiffness)?;
             joint.approach(&wanted(0.0))?;
             let ticks = (duration_s / PERIOD_S).round() as usize;
@@ -157,14 +180,14 @@ pub fn tried(seed: u64, frequencies_hz: &[f64]) -> Result<Tried> {
                 let [a, b] = plant.joint.tensions_n();
                 tried.slackest_n = tried.slackest_n.min(a).min(b);
                 let (low, high) = &mut tried.commands_bar;
-                for command in sample.command.commands.map(f64::from) {
+                for command in sample.commands_bar.map(f64::from) {
                     (*low, *high) = (low.min(command), high.max(command));
                 }
-                tried.limited.0 += usize::from(sample.command.limited);
-                tried.limited.1 += usize::from(!sample.command.is_as_stiff);
-                if (tick + 1) % every == 0 && sample.command.is_as_stiff {
+                tried.limited.0 += usize::from(sample.reply.is_limited);
+                tried.limited.1 += usize::from(!sample.reply.is_as_stiff);
+                if (tick + 1) % every == 0 && sample.reply.is_as_stiff {
                     let ratio =
-                        plant.joint.stiffness_nm_per_rad(SWING_RAD) / f64::from(sample.command.stiffness);
+                        plant.joint.stiffness_nm_per_rad(SWING_RAD) / f64::from(sample.reply.stiffness);
                     tried.stiffness_percent = tried.stiffness_percent.max(100.0 * (ratio - 1.0).abs());
                 }
                 tick += 1;

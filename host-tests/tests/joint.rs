@@ -1,15 +1,16 @@
 //! Two muscles at a joint: angle, stiffness and cross-talk over joints that are drawn, and what is
 //! recognised of a joint that is wired wrongly or is another one.
 
-use board_client::joint::fault::JointFault;
 use board_client::joint::{Loop, parameters};
 use board_client::pil::PilError;
 use board_client::stop::Stop;
-use host_tests::joint::{Tried, Wired, Wrong, csv, identified, recording, tried};
+use host_tests::joint::{HostJoint, Tried, Wired, Wrong, csv, identified, recording, tried};
 use identification::joint::{SWING_RAD, identify_joint};
 use rayon::prelude::*;
 use recording::joint::columns::JointRecording;
 use recording::joint::file::JointFile;
+use wire::Protection;
+use wire::joint::JointFault;
 
 /// Joints that are tried: seeds that nothing was chosen by.
 const SEEDS: std::ops::RangeInclusive<u64> = 101..=108;
@@ -44,7 +45,8 @@ fn started(file: &JointFile, seed: u64, wrong: Wrong) -> Result<(), PilError> {
     let parameters = parameters(&file.parameters, 1e-3).expect("a joint in single precision");
     let mut plant = Wired::new(seed, wrong);
     let (soft, _) = file.joint.stiffness_range(0.0);
-    Loop::new(&parameters, &mut plant, Stop::default())?.start(1.2 * soft)
+    let mut board = HostJoint::new(Protection::STANDARD);
+    Loop::new(&parameters, &mut board, &mut plant, Stop::default())?.start(1.2 * soft)
 }
 
 #[test]
@@ -53,13 +55,13 @@ fn what_is_wired_wrongly_is_recognised_at_the_first_motion() {
     started(&file, 1, Wrong::Nothing).expect("the joint of the model");
     for wrong in [Wrong::Angle, Wrong::Channels, Wrong::Sensors, Wrong::Frozen] {
         let fault = match started(&file, 1, wrong) {
-            Err(PilError::Joint(fault)) => fault,
+            Err(PilError::Joint { fault, .. }) => fault,
             other => panic!("{wrong:?}: {other:?}"),
         };
         let is_named = match wrong {
-            Wrong::Angle | Wrong::Channels => matches!(fault, JointFault::WrongWay { .. }),
+            Wrong::Angle | Wrong::Channels => matches!(fault, JointFault::WrongWay(_)),
             Wrong::Sensors => fault == JointFault::Crossed,
-            _ => matches!(fault, JointFault::Still { .. }),
+            _ => matches!(fault, JointFault::Still(_)),
         };
         assert!(is_named, "{wrong:?}: {fault}");
     }

@@ -30,6 +30,7 @@ pub mod fault;
 mod frame;
 pub mod image;
 mod input;
+pub mod joint;
 mod message;
 mod protection;
 pub mod registers;

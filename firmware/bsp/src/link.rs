@@ -2,6 +2,7 @@
 //! every image.
 
 use firmware::node::{Node, carry_out};
+use serde::{Serialize, de::DeserializeOwned};
 use wire::{FRAME_BYTES, FrameError, Receiver, Refusal, Request, Response, State};
 
 use stm32f4::stm32f405::Interrupt;
@@ -28,10 +29,10 @@ impl Line for LinkLine {
 pub type LinkBuffers = Buffers<u8, { FRAME_BYTES + 1 }, { FRAME_BYTES + 1 }>;
 
 /// The next complete frame: the request in it, or why it holds none.
-pub fn next<L: Line<Received = u8>>(
+pub fn next<L: Line<Received = u8>, M: DeserializeOwned>(
     port: &mut Port<L>,
     receiver: &mut Receiver,
-) -> Option<Result<Request, FrameError>> {
+) -> Option<Result<M, FrameError>> {
     while let Some(byte) = port.read() {
         if let Some(received) = receiver.push(byte) {
             return Some(received);
@@ -49,7 +50,7 @@ pub fn answer(received: Result<Request, FrameError>, node: &mut impl Node) -> Re
 }
 
 /// Sends a response, framed in `buffer`. One too long for the buffer is not sent; none of ours is.
-pub fn send<L: Line>(port: &mut Port<L>, buffer: &mut [u8], response: &Response) {
+pub fn send<L: Line>(port: &mut Port<L>, buffer: &mut [u8], response: &impl Serialize) {
     if let Ok(frame) = wire::encode(response, buffer) {
         port.send(frame);
     }

@@ -9,7 +9,7 @@
 //! | [`bring_up`] | a new board, tested part by part |
 //! | `emulator` | the firmware in QEMU |
 //! | [`pil`] | that firmware in a loop with a plant, tick by tick |
-//! | [`joint`] | two muscles at a joint, controlled on the host |
+//! | [`joint`] | the same with two muscles at a joint |
 //! | `child` | programs that are started, and end with us |
 //! | [`stop`] | the request to stop |
 //! | [`update`] | a new image to a board |

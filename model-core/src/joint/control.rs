@@ -30,6 +30,11 @@ use crate::real::Real;
 
 /// Raw parameters of the controller.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub struct JointControlParameters<T, const N: usize> {
     /// The joint.
     pub joint: JointParameters<T, N>,
@@ -47,6 +52,7 @@ pub struct JointControlParameters<T, const N: usize> {
 
 /// What the joint is to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointTarget<T> {
     /// Unit: rad.
     pub angle: T,

@@ -68,6 +68,11 @@ const ROUNDINGS: f64 = 64.0;
 
 /// Raw parameters of a joint with at most `N` stops.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub struct JointParameters<T, const N: usize> {
     /// The muscle that turns the joint to larger angles, and the other one.
     pub muscles: [PullParameters<T, N>; 2],

@@ -13,6 +13,11 @@ use crate::real::Real;
 
 /// Raw parameters of a muscle at a joint with at most `N` stops.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "T: Real + serde::Serialize + serde::de::DeserializeOwned")
+)]
 pub struct PullParameters<T, const N: usize> {
     /// Torque for each bar of drive, in the direction of the muscle: a polynomial of the angle,
     /// constant first. Unit: N m/bar, N m/(bar rad), …

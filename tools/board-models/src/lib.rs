@@ -1,7 +1,9 @@
 //! What boards are measured and tested with: the paper's model with its gains, the same with a
-//! piecewise-linear envelope and with every extension, and one model of each kind ([`family`]).
+//! piecewise-linear envelope and with every extension, and one model of each kind ([`family`]); and a
+//! joint of two muscles ([`joint`]).
 
 pub mod family;
+pub mod joint;
 
 use model_core::cascade::CascadeParameters;
 use model_core::envelope::{AnyEnvelope, Envelope, EnvelopeParameters, KNOTS, PiecewiseLinearParameters};

@@ -35,11 +35,13 @@ pub fn build(compiler: &BoardCompiler) -> Result<()> {
 /// # Errors
 /// When cargo fails, or there is no such key.
 pub fn build_for(compiler: &BoardCompiler, key: Option<&Path>) -> Result<()> {
-    let had_image = emulated_elf().exists();
+    let had_images = ["emulated", "emulated_joint"].iter().all(|image| elf(image).exists());
     let public = key.map(read_key).transpose()?.map(|(_, public)| public);
-    run::step("firmware", || build_with(compiler, "emulated,stm32f405,bring_up", public.as_deref()))?;
-    if !had_image {
-        // `mgpi` takes the image in, and cannot watch a file that is not there.
+    run::step("firmware", || {
+        build_with(compiler, "emulated,emulated_joint,stm32f405,bring_up", public.as_deref())
+    })?;
+    if !had_images {
+        // `mgpi` takes the images in, and cannot watch files that are not there.
         let script = run::root().join("host/board-client/build.rs");
         File::options().append(true).open(script)?.set_modified(SystemTime::now())?;
     }

@@ -11,11 +11,30 @@ use thiserror::Error;
 
 /// The environment variable that names it.
 pub const VARIABLE: &str = "MGPI_FIRMWARE";
-/// Where `cargo xtask firmware` puts it, in the target directory that this program was built in.
-const BUILT: &str = "firmware/thumbv7em-none-eabihf/firmware/emulated";
+/// Where `cargo xtask firmware` puts them, in the target directory that this program was built in.
+const BUILT: &str = "firmware/thumbv7em-none-eabihf/firmware";
 
-/// The image that was built when this program was.
-const BUILT_IN: Option<&[u8]> = include!(concat!(env!("OUT_DIR"), "/built_in.rs"));
+/// The images that were built when this program was.
+const BUILT_IN: Option<&[u8]> = include!(concat!(env!("OUT_DIR"), "/emulated.rs"));
+const BUILT_IN_FOR_JOINT: Option<&[u8]> = include!(concat!(env!("OUT_DIR"), "/emulated_joint.rs"));
+
+/// Which firmware.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// Of one muscle.
+    Muscle,
+    /// Of two at a joint.
+    Joint,
+}
+
+impl Which {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Muscle => "emulated",
+            Self::Joint => "emulated_joint",
+        }
+    }
+}
 
 /// No firmware.
 #[derive(Debug, Error)]
@@ -54,13 +73,26 @@ impl Deref for Image {
 /// # Errors
 /// There is none.
 pub fn find(named: Option<&Path>) -> Result<Image, ImageError> {
-    let of_environment = || std::env::var_os(VARIABLE).map(PathBuf::from);
+    find_which(Which::Muscle, named)
+}
+
+/// The same of a kind of firmware. The environment names that of one muscle; that of a joint is
+/// looked for beside it.
+///
+/// # Errors
+/// There is none.
+pub fn find_which(which: Which, named: Option<&Path>) -> Result<Image, ImageError> {
+    let of_environment = || {
+        let path = std::env::var_os(VARIABLE).map(PathBuf::from)?;
+        Some(if which == Which::Muscle { path } else { path.with_file_name(which.name()) })
+    };
+    let built_in = if which == Which::Muscle { BUILT_IN } else { BUILT_IN_FOR_JOINT };
     let file = match named.map(Path::to_owned).or_else(of_environment) {
         Some(path) if !path.is_file() => return Err(ImageError::NotThere(path)),
         Some(path) => Some(path),
-        None => beside(),
+        None => beside(which),
     };
-    match (file, BUILT_IN) {
+    match (file, built_in) {
         (Some(path), _) => Ok(Image { path, _unpacked: None }),
         (None, Some(bytes)) => Ok(unpacked(bytes)?),
         (None, None) => Err(ImageError::NotFound),
@@ -68,9 +100,10 @@ pub fn find(named: Option<&Path>) -> Result<Image, ImageError> {
 }
 
 /// In the target directory that this program was built in.
-fn beside() -> Option<PathBuf> {
+fn beside(which: Which) -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
-    program.ancestors().map(|directory| directory.join(BUILT)).find(|path| path.is_file())
+    let image = |directory: &Path| directory.join(BUILT).join(which.name());
+    program.ancestors().map(image).find(|path| path.is_file())
 }
 
 /// The image in a file that other programs can read.

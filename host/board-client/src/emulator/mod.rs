@@ -32,7 +32,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use serde::{Serialize, de::DeserializeOwned};
 use thiserror::Error;
+use wire::joint::{JointRequest, JointResponse};
 use wire::{FRAME_BYTES, FrameError, Receiver, Request, Response};
 
 use crate::child::{ChildGroup, WAIT_SLICE, contents};
@@ -106,7 +108,15 @@ impl Emulator {
     /// # Errors
     /// The firmware's file is not valid, or the emulator cannot be started, dies or is silent.
     pub fn start(elf: &Path, stop: &Stop) -> Result<Self, EmulatorError> {
-        Self::launch(elf, qemu(elf, "null"), stop)
+        Self::launch::<Response>(elf, qemu(elf, "null"), stop)
+    }
+
+    /// The same for the firmware of a joint.
+    ///
+    /// # Errors
+    /// As above.
+    pub fn start_joint(elf: &Path, stop: &Stop) -> Result<Self, EmulatorError> {
+        Self::launch::<JointResponse>(elf, qemu(elf, "null"), stop)
     }
 
     /// The same with the users' bus, whose other end is answered too.
@@ -119,18 +129,19 @@ impl Emulator {
         let bus = UnixListener::bind(&name).map_err(EmulatorError::NotStarted)?;
         let mut command = qemu(elf, "chardev:bus");
         command.arg("-chardev").arg(format!("socket,id=bus,path={}", name.display()));
-        let emulator = Self::launch(elf, command, stop)?;
+        let emulator = Self::launch::<Response>(elf, command, stop)?;
         // The firmware has greeted: whatever the emulator connects to is connected.
         bus.set_nonblocking(true).map_err(EmulatorError::NotStarted)?;
         let (bus, _) = bus.accept().map_err(EmulatorError::NotStarted)?;
         Ok((emulator, bus))
     }
 
-    fn launch(elf: &Path, command: Command, stop: &Stop) -> Result<Self, EmulatorError> {
+    /// Starts the firmware, whose greeting is a message of this type.
+    fn launch<M: DeserializeOwned>(elf: &Path, command: Command, stop: &Stop) -> Result<Self, EmulatorError> {
         let decoder = LogDecoder::of(elf)?;
         let (link, group, log) = launch(command).map_err(EmulatorError::NotStarted)?;
         let mut emulator = Self { group, link, receiver: Receiver::new(), log, decoder, stop: stop.clone() };
-        emulator.receive()?;
+        emulator.receive::<M>()?;
         Ok(emulator)
     }
 
@@ -139,6 +150,18 @@ impl Emulator {
     /// # Errors
     /// The emulator dies, is silent, or answers what is no response; a stop is requested.
     pub fn request(&mut self, request: &Request) -> Result<Response, EmulatorError> {
+        self.exchange(request)
+    }
+
+    /// The same with the firmware of a joint.
+    ///
+    /// # Errors
+    /// As above.
+    pub fn request_joint(&mut self, request: &JointRequest) -> Result<JointResponse, EmulatorError> {
+        self.exchange(request)
+    }
+
+    fn exchange<M: DeserializeOwned>(&mut self, request: &impl Serialize) -> Result<M, EmulatorError> {
         let mut buffer = [0; FRAME_BYTES];
         let frame = wire::encode(request, &mut buffer)?;
         match self.link.write_all(frame) {
@@ -158,7 +181,7 @@ impl Emulator {
         }
     }
 
-    fn receive(&mut self) -> Result<Response, EmulatorError> {
+    fn receive<M: DeserializeOwned>(&mut self) -> Result<M, EmulatorError> {
         let begin = Instant::now();
         let mut bytes = [0; FRAME_BYTES];
         loop {

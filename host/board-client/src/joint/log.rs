@@ -11,10 +11,10 @@ pub const COLUMNS: &str = "time_s,reference_deg,angle_deg,stiffness_nm_per_rad,c
 /// A run as CSV, a row a tick. The stiffness is the one that was due.
 pub fn log(samples: &[JointSample]) -> String {
     let row = |sample: &JointSample| {
-        let JointSample { time_s, wanted, measured, command } = sample;
-        let ([command_a, command_b], [a, b]) = (command.commands, measured.pressures_bar);
-        let (angle, feedback, stiffness) = (measured.angle_deg, command.feedback, command.stiffness);
-        let limited = u8::from(command.limited || !command.is_as_stiff);
+        let JointSample { time_s, wanted, measured, commands_bar, reply } = sample;
+        let ([command_a, command_b], [a, b]) = (commands_bar, measured.pressures_bar);
+        let (angle, feedback, stiffness) = (measured.angle_deg, reply.feedback_nm, reply.stiffness);
+        let limited = u8::from(reply.is_limited || !reply.is_as_stiff);
         format!(
             "{time_s:.6},{},{angle},{stiffness},{command_a},{command_b},{a},{b},{feedback},{limited}\n",
             wanted.angle_deg
@@ -34,5 +34,5 @@ pub fn figures(samples: &[JointSample]) -> Figures {
 /// wanted.
 pub fn limited(samples: &[JointSample]) -> [usize; 2] {
     let count = |is: fn(&&JointSample) -> bool| samples.iter().filter(is).count();
-    [count(|sample| sample.command.limited), count(|sample| !sample.command.is_as_stiff)]
+    [count(|sample| sample.reply.is_limited), count(|sample| !sample.reply.is_as_stiff)]
 }

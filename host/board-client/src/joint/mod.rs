@@ -1,26 +1,30 @@
-//! A joint of two muscles, controlled on the host by the control code of [`model_core::joint`], in
-//! single precision, in lock-step with a plant.
+//! A joint of two muscles: the firmware of two channels, in lock-step with a plant.
 //!
 //! # Design
 //! | file | what it does |
 //! |---|---|
-//! | [`start`] | fills the muscles, finds out whether the joint is the model's, and brings its friction to a known state |
-//! | [`fault`] | why a joint is not started |
+//! | [`start`] | starts a joint, which its board tries before it controls it, and goes to where it shall begin |
 //! | [`log`] | the log of a run and its figures |
 //!
-//! # Limits
-//! There is no firmware for two channels yet: this is the same control code without a board.
+//! # Timing
+//! At the time of a tick the plant, which has held the commands of the tick before until then, is
+//! measured; the measurement goes to the board as ADC codes, with what is wanted in this tick, and
+//! its DAC codes are the next commands.
 
-pub mod fault;
 pub mod log;
 pub mod start;
 
 use std::f64::consts::PI;
 
 use model_core::ParameterError;
-use model_core::joint::{Joint, JointCommand, JointControl, JointControlParameters, JointState, JointTarget};
+use model_core::joint::{Joint, JointTarget};
 use model_core::pid::PidParameters;
-use recording::joint::{HostJointParameters, STOPS};
+use recording::joint::HostJointParameters;
+use wire::Scaling;
+use wire::joint::{
+    BoardJointParameters, JOINT_VERSION, JointConfiguration, JointHello, JointRequest, JointResponse,
+    JointTickReply, JointTickRequest,
+};
 
 use crate::pil::{PilError, SLEW_BAR_PER_S};
 use crate::stop::Stop;
@@ -38,8 +42,24 @@ const TRACKING_S: f64 = 0.2;
 const TURN_S: f64 = 0.5;
 const STIFFEN_S: f64 = 1.5;
 
-/// The controller of a joint, as on a board.
-type BoardControl = JointControl<f32, STOPS>;
+/// A board that answers requests: the emulated one, or the control code on the host.
+pub trait JointBoard {
+    /// Sends a request and waits for the response.
+    ///
+    /// # Errors
+    /// There is none.
+    fn request(&mut self, request: &JointRequest) -> Result<JointResponse, PilError>;
+}
+
+#[cfg(unix)]
+impl JointBoard for crate::emulator::Emulator {
+    fn request(&mut self, request: &JointRequest) -> Result<JointResponse, PilError> {
+        Ok(self.request_joint(request)?)
+    }
+}
+
+/// Degrees in a radian.
+const DEGREES: f64 = 180.0 / PI;
 
 /// What the sensors of a joint say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,20 +97,22 @@ pub struct JointSample {
     pub wanted: JointWanted,
     /// What was measured before the tick.
     pub measured: JointMeasured,
-    /// What the controller made of it.
-    pub command: JointCommand<f32>,
+    /// What the board's DACs have put out. Unit: bar.
+    pub commands_bar: [f32; 2],
+    /// What the board made of it.
+    pub reply: JointTickReply,
 }
 
-/// A joint in a loop with its controller.
-pub struct Loop<'a, P> {
-    control: BoardControl,
-    /// The same without feedback.
-    open: BoardControl,
-    state: JointState<f32, STOPS>,
+/// A joint in a loop with its board.
+pub struct Loop<'a, B, P> {
+    board: &'a mut B,
     plant: &'a mut P,
+    hello: JointHello,
     period_s: f64,
     ticks: u64,
     measured: JointMeasured,
+    /// The angle that was due at the last tick. Unit: degrees.
+    due_deg: f64,
     stop: Stop,
 }
 
@@ -101,7 +123,7 @@ pub struct Loop<'a, P> {
 pub fn parameters(
     joint: &HostJointParameters,
     period_s: f64,
-) -> Result<JointControlParameters<f32, STOPS>, ParameterError> {
+) -> Result<BoardJointParameters, ParameterError> {
     let valid = Joint::try_new(joint)?;
     let (lowest, highest) = joint.angles;
     let (soft, stiff) = valid.stiffness_range(0.5 * (lowest + highest));
@@ -114,7 +136,7 @@ pub fn parameters(
         derivative_filter_s: 0.02,
         tracking_time_s: TRACKING_S as f32,
     };
-    Ok(JointControlParameters {
+    Ok(BoardJointParameters {
         joint: joint.convert()?,
         pid,
         turn_rad_per_s: ((highest - lowest) / TURN_S) as f32,
@@ -124,55 +146,80 @@ pub fn parameters(
     })
 }
 
-impl<'a, P: JointPlant> Loop<'a, P> {
-    /// A vented joint.
+impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
+    /// A vented joint, its board configured.
     ///
     /// # Errors
-    /// There is no controller of the parameters, or the plant does not answer.
+    /// The board does not take the parameters, or the plant does not answer.
     pub fn new(
-        parameters: &JointControlParameters<f32, STOPS>,
+        parameters: &BoardJointParameters,
+        board: &'a mut B,
         plant: &'a mut P,
         stop: Stop,
     ) -> Result<Self, PilError> {
-        let none = PidParameters { kp: 0.0, ki: 0.0, kd: 0.0, ..parameters.pid };
-        let open = JointControl::try_new(&JointControlParameters { pid: none, ..parameters.clone() })?;
-        let control = JointControl::try_new(parameters)?;
-        let (lowest, highest) = parameters.joint.angles;
+        let hello = match board.request(&JointRequest::Identify)? {
+            JointResponse::Hello(hello) if hello.version == JOINT_VERSION => hello,
+            JointResponse::Hello(hello) => {
+                return Err(PilError::Version { board: hello.version, program: JOINT_VERSION });
+            }
+            _ => return Err(PilError::OutOfTurn),
+        };
+        let configuration = JointConfiguration { version: JOINT_VERSION, control: parameters.clone() };
+        demand(board, &JointRequest::Configure(configuration))?;
         let measured = plant.advance(0.0, [0.0; 2])?;
-        Ok(Self {
-            state: control.rest_state(0.5 * (lowest + highest)),
-            control,
-            open,
-            plant,
-            period_s: f64::from(parameters.period_s),
-            ticks: 0,
-            measured,
-            stop,
-        })
+        let period_s = f64::from(parameters.period_s);
+        Ok(Self { board, plant, hello, period_s, ticks: 0, measured, due_deg: 0.0, stop })
     }
 
-    /// A tick: what is measured now, and what the controller makes of it, held until the next.
-    fn tick(&mut self, wanted: &JointWanted, has_feedback: bool) -> Result<JointSample, PilError> {
+    /// A tick: what is measured now, and what the board makes of it, held until the next.
+    fn tick(&mut self, wanted: &JointWanted) -> Result<JointSample, PilError> {
         if self.stop.is_requested() {
             return Err(PilError::Stopped);
         }
         let measured = self.measured;
-        let target =
-            JointTarget { angle: radians(wanted.angle_deg), stiffness: wanted.stiffness as f32, load: 0.0 };
-        let control = if has_feedback { &self.control } else { &self.open };
-        let angle = radians(measured.angle_deg);
-        // What is wanted is finite, and so is what a plant answers.
-        let command = control.step(&mut self.state, &target, angle).map_err(|_| PilError::OutOfTurn)?;
+        let time_s = self.ticks as f64 * self.period_s;
+        let code = |scaling: &Scaling, quantity, value: f64, (per_unit, unit): (f64, _)| {
+            let [min, max] = [scaling.code_min, scaling.code_max]
+                .map(|code| (f64::from(scaling.value(code)) * per_unit) as f32);
+            if (f64::from(min)..=f64::from(max)).contains(&value) {
+                Ok(scaling.code((value / per_unit) as f32))
+            } else {
+                Err(PilError::OutsideSensor { time_s, quantity, value, min, max, unit })
+            }
+        };
+        let JointHello { pressure, angle, command, .. } = &self.hello;
+        let [a, b] = measured.pressures_bar;
+        let request = JointTickRequest {
+            target: Some(JointTarget {
+                angle: (wanted.angle_deg / DEGREES) as f32,
+                stiffness: wanted.stiffness as f32,
+                load: 0.0,
+            }),
+            pressure_codes: [
+                code(pressure, "pressure a", a, (1.0, "bar"))?,
+                code(pressure, "pressure b", b, (1.0, "bar"))?,
+            ],
+            angle_code: code(angle, "the angle", measured.angle_deg, (DEGREES, "degrees"))?,
+        };
+        let reply = match self.board.request(&JointRequest::Tick(request))? {
+            JointResponse::Tick(reply) => reply,
+            _ => return Err(PilError::OutOfTurn),
+        };
+        if let Some(fault) = reply.fault {
+            return Err(PilError::Joint { time_s, fault });
+        }
+        let commands_bar = reply.dac_codes.map(|code| command.value(code));
+        self.due_deg = f64::from(reply.due_rad) * DEGREES;
         self.ticks += 1;
-        self.measured = self.plant.advance(self.ticks as f64 * self.period_s, command.commands)?;
-        Ok(JointSample { time_s: 0.0, wanted: *wanted, measured, command })
+        self.measured = self.plant.advance(self.ticks as f64 * self.period_s, commands_bar)?;
+        Ok(JointSample { time_s: 0.0, wanted: *wanted, measured, commands_bar, reply })
     }
 
-    /// Follows what is wanted, a tick each, behind the start ([`start`]). `look` sees the plant
-    /// before each tick.
+    /// Follows what is wanted, a tick each, behind the start ([`start`]), and vents. `look` sees the
+    /// plant before each tick.
     ///
     /// # Errors
-    /// The plant does not answer, or is stopped.
+    /// Board or plant do not answer as they should, or a stop is requested.
     pub fn follow(
         &mut self,
         wanted: impl Iterator<Item = JointWanted>,
@@ -180,16 +227,20 @@ impl<'a, P: JointPlant> Loop<'a, P> {
     ) -> Result<Vec<JointSample>, PilError> {
         let mut samples = Vec::new();
         for (tick, wanted) in wanted.enumerate() {
-            let before = self.tick(&wanted, true)?;
+            let before = self.tick(&wanted)?;
             let sample = JointSample { time_s: tick as f64 * self.period_s, ..before };
             look(&sample, self.plant);
             samples.push(sample);
         }
+        demand(self.board, &JointRequest::Stop)?;
         Ok(samples)
     }
 }
 
-/// Degrees in radians, in single precision.
-fn radians(degrees: f64) -> f32 {
-    (degrees * PI / 180.0) as f32
+fn demand(board: &mut impl JointBoard, request: &JointRequest) -> Result<(), PilError> {
+    match board.request(request)? {
+        JointResponse::Accepted => Ok(()),
+        JointResponse::Refused(refusal) => Err(PilError::Refused(refusal)),
+        _ => Err(PilError::OutOfTurn),
+    }
 }

@@ -200,7 +200,7 @@ fn tick_request(
 fn identify(board: &mut impl Board) -> Result<Hello, PilError> {
     match board.request(&Request::Identify)? {
         Response::Hello(hello) if hello.version == VERSION => Ok(hello),
-        Response::Hello(hello) => Err(PilError::Version(hello.version)),
+        Response::Hello(hello) => Err(PilError::Version { board: hello.version, program: VERSION }),
         _ => Err(PilError::OutOfTurn),
     }
 }

@@ -33,13 +33,13 @@ use std::path::{Path, PathBuf};
 use model_core::pid::PidParameters;
 use model_core::{Mode, ParameterError, TrackingParameters};
 use thiserror::Error;
+use wire::joint::JointFault;
 use wire::registers::{Access, Id};
 use wire::{Configuration, DEAD_ZONES, Fault, PLAYS, Refusal, VERSION};
 
 use crate::bus::error::{in_full, row};
 #[cfg(unix)]
 use crate::emulator::EmulatorError;
-use crate::joint::fault::JointFault;
 #[cfg(unix)]
 use plant::PlantError;
 use recording::model_file::ModelFile;
@@ -72,8 +72,8 @@ pub enum PilError {
     Capacity { model: PathBuf, problem: ParameterError },
     #[error("the board refuses: {}", in_words(.0))]
     Refused(Refusal),
-    #[error("the board speaks version {0} of the messages, this program version {VERSION}")]
-    Version(u16),
+    #[error("the board speaks version {board} of the messages, this program version {program}")]
+    Version { board: u16, program: u16 },
     #[error("the board answers what was not asked")]
     OutOfTurn,
     #[error(
@@ -85,8 +85,8 @@ pub enum PilError {
     Vented { time_s: f64, fault: Option<Fault> },
     #[error("the run {}: {problem}", with(*.mode))]
     Run { mode: Mode, problem: Box<PilError> },
-    #[error(transparent)]
-    Joint(#[from] JointFault),
+    #[error("{time_s:.3} s after the begin the board has vented the joint: {fault}")]
+    Joint { time_s: f64, fault: JointFault },
     #[error(transparent)]
     Parameters(#[from] ParameterError),
     #[error("interrupted")]

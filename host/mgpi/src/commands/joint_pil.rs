@@ -1,4 +1,4 @@
-//! `mgpi pil --joint`: the control code of a joint, on the host, in a loop with a plant.
+//! `mgpi pil --joint`: the firmware of two channels, in the emulator, in a loop with a plant.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -10,6 +10,8 @@ use serde_json::json;
 
 use crate::Error;
 use crate::output::Outputs;
+use board_client::emulator::Emulator;
+use board_client::emulator::image::{self, Which};
 use board_client::joint::log::{figures, limited, log};
 use board_client::joint::{JointWanted, Loop, parameters};
 use board_client::pil::PilError;
@@ -28,17 +30,20 @@ pub struct Arguments<'a> {
     pub choice: Choice,
     pub rate_hz: f64,
     pub plant: Program,
+    pub firmware: Option<&'a Path>,
+    pub verbose: bool,
     pub log: Option<&'a Path>,
     pub json: Option<&'a Path>,
 }
 
-/// Runs the control code of a joint, on the host, with a plant.
+/// Runs the firmware of a joint, in the emulator, with a plant.
 ///
 /// # Errors
-/// A file is not what it should be, the plant does not do its work or is not the model's joint, an
-/// output cannot be written, or the user interrupts.
+/// A file is not what it should be, firmware or plant do not do their work, the joint is not the
+/// model's, an output cannot be written, or the user interrupts.
 pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
-    let Arguments { model, reference, choice, rate_hz, plant, log: log_file, json } = arguments;
+    let Arguments { model, reference, choice, rate_hz, plant, firmware, verbose, log: log_file, json } =
+        arguments;
     let file = JointFile::read(model)?;
     let table = choice.table(reference)?;
     let of = |column| Reference::of(&table, column, choice.clone(), *rate_hz);
@@ -58,13 +63,18 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
     let parameters = parameters(&file.parameters, rate_hz.recip())?;
     let stop = Stop::on_signals();
     let mut process = PlantProcess::start(plant, &stop).map_err(PilError::from)?;
-    let mut joint = Loop::new(&parameters, &mut process, stop)?;
+    let image = image::find_which(Which::Joint, *firmware)?;
+    let mut board = Emulator::start_joint(&image, &stop).map_err(PilError::from)?;
+    let mut joint = Loop::new(&parameters, &mut board, &mut process, stop)?;
     let wanted: Vec<JointWanted> = (angle.points(0.0).zip(stiffness.points(0.0)))
         .map(|(angle_deg, stiffness)| JointWanted { angle_deg, stiffness })
         .collect();
     joint.start(wanted[0].stiffness)?;
     joint.approach(&wanted[0])?;
     let samples = joint.follow(wanted.into_iter(), |_, _| ())?;
+    if *verbose {
+        eprintln!("the firmware's log:\n{}\nthe plant's messages:\n{}", board.log(), process.messages());
+    }
     let range_deg = highest - lowest;
     let figures = figures(&samples);
     let [angle_limited, stiffness_limited] = limited(&samples);

@@ -76,13 +76,12 @@ pub struct Arguments {
     /// program]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
-    /// The model is that of two muscles at a joint, from `mgpi identify --joint`: its control code
-    /// runs on the host, without firmware; a plant then answers
+    /// The model is that of two muscles at a joint, from `mgpi identify --joint`: the firmware of two
+    /// channels runs; a plant then answers
     /// `time_s command_a_bar command_b_bar` with `pressure_a_bar pressure_b_bar angle_deg`
     #[arg(
         long,
-        conflicts_with_all = ["feedforward_log", "feedback_log", "report", "firmware", "verbose", "no_monitors",
-            "plant", "Learning", "Gains"]
+        conflicts_with_all = ["feedforward_log", "feedback_log", "report", "no_monitors", "plant", "Learning", "Gains"]
     )]
     joint: bool,
     /// Also show what firmware and plants have to say
@@ -121,6 +120,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
                 choice: arguments.reading.choice(),
                 rate_hz: *rate_hz,
                 plant: arguments.plant.joint(),
+                firmware: arguments.firmware.as_deref(),
+                verbose: arguments.verbose,
                 log: main_log.as_deref(),
                 json: json_file.as_deref(),
             },

@@ -13,6 +13,7 @@
 //! | [`inputs`] | the samples that the controller is driven with |
 //! | [`costs`] | what each kind of model costs, for `mgpi compare`; no gate |
 //! | [`counted`], [`drive`] | an image in the emulator under the instruction counter, checked against the same code on the host |
+//! | [`joint`] | the tick of two channels, in the emulator |
 //! | [`bounds`] | what the figures have to be |
 //!
 //! # Limits
@@ -26,6 +27,7 @@ mod deepest;
 mod drive;
 mod elf;
 mod inputs;
+mod joint;
 mod longest;
 mod production;
 mod thumb;
@@ -69,6 +71,8 @@ pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     let samples = inputs::samples(Mgpi::try_new(&paper::mgpi()?)?.output_range());
     let mut figures =
         run::step("production image", || production::figures(&stm32f405, &emulated, &plugin, &samples))?;
+    let emulated_joint = Image::read(&images::elf("emulated_joint"))?;
+    figures.extend(run::step("two channels", || joint::figures(&emulated_joint, &plugin))?);
     figures.extend(sizes("stm32f405", &stm32f405));
     figures.extend(run::step("longest ways", || longest_ways(&linked))?);
     if bless {

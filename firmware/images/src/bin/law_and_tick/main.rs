@@ -13,12 +13,14 @@ mod sized;
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
+use firmware::joint::{JointBoard, JointSamples, JointTask};
 use firmware::timing::TickEnd;
 use firmware::{AcquisitionError, Board, Control, DacCode, Samples};
 use model_core::Mode;
 // The table of interrupts that the linker asks for.
 #[allow(unused_imports, reason = "linked for its statics")]
 use stm32f4::stm32f405 as _;
+use wire::joint::{BoardJointControl, BoardJointParameters};
 use wire::{BoardParameters, BoardTracking};
 
 /// A board of which the compiler knows nothing.
@@ -34,6 +36,16 @@ impl Board for Unknown {
     }
 }
 
+impl JointBoard for Unknown {
+    fn read(&mut self) -> Result<JointSamples, AcquisitionError> {
+        black_box(Err(AcquisitionError))
+    }
+
+    fn drive(&mut self, codes: [DacCode; 2]) {
+        black_box(codes);
+    }
+}
+
 /// A value of which the compiler knows nothing.
 fn unknown<T>() -> &'static mut T {
     // SAFETY: none, but nobody runs it. An address that the compiler does not know stands for any
@@ -46,6 +58,8 @@ fn main() -> ! {
     loop {
         tick(unknown());
         validate(unknown());
+        unknown::<JointTask>().tick(&mut Unknown);
+        validate_joint(unknown());
         black_box(sized::tanh_step(unknown(), unknown(), black_box(0.0)).is_ok());
         black_box(sized::piecewise_step(unknown(), unknown(), black_box(0.0)).is_ok());
         black_box(sized::law_step(unknown(), unknown(), black_box(0.0), black_box(0.0)).is_ok());
@@ -63,6 +77,13 @@ fn tick(control: &mut Control) {
 fn validate(parameters: &BoardParameters) {
     if let Ok(tracking) = BoardTracking::try_new(parameters) {
         black_box(black_box(tracking).rest_state(black_box(Mode::Both)));
+    }
+}
+
+/// The same of a joint.
+fn validate_joint(parameters: &BoardJointParameters) {
+    if let Ok(control) = BoardJointControl::try_new(parameters) {
+        black_box(black_box(control).rest_state(black_box(0.0)));
     }
 }
 

@@ -1,0 +1,184 @@
+//! What vents a joint: each fault of a channel, of the angle, of the board, and orders that have no
+//! place. The plant is one that does what it is told; what is wrong is put into its samples.
+
+use board_models::joint::joint_parameters;
+use firmware::joint::ANGLE;
+use firmware::joint::lock_step::LockStepJoint;
+use firmware::scaling::{COMMAND, PRESSURE};
+use model_core::joint::JointTarget;
+use wire::joint::{
+    Channel, JOINT_VERSION, JointBoardState, JointConfiguration, JointFault, JointRequest, JointResponse,
+    JointTickReply, JointTickRequest,
+};
+use wire::{Fault, Protection, Refusal};
+
+/// A stiffness that the joint can do. Unit: N m/rad.
+const STIFFNESS: f32 = 40.0;
+const WANTED: JointTarget<f32> = JointTarget { angle: 0.2, stiffness: STIFFNESS, load: 0.0 };
+
+/// A board on a plant that is where it is wanted.
+struct Obedient {
+    board: LockStepJoint,
+    last: JointTickReply,
+}
+
+impl Obedient {
+    fn ready() -> Self {
+        let mut board = LockStepJoint::new(Protection::STANDARD);
+        let configuration = JointConfiguration { version: JOINT_VERSION, control: joint_parameters() };
+        assert_eq!(board.answer(&JointRequest::Configure(configuration)), JointResponse::Accepted);
+        let last = board.tick();
+        Self { board, last }
+    }
+
+    fn starting() -> Self {
+        let mut joint = Self::ready();
+        assert_eq!(joint.board.answer(&JointRequest::Arm), JointResponse::Accepted);
+        assert_eq!(joint.board.answer(&JointRequest::Start(STIFFNESS)), JointResponse::Accepted);
+        joint
+    }
+
+    fn tracking() -> Self {
+        let mut joint = Self::starting();
+        for _ in 0..20_000 {
+            if joint.tick(|_| ()).state == JointBoardState::Tracking {
+                break;
+            }
+        }
+        assert_eq!(joint.last.state, JointBoardState::Tracking, "{:?}", joint.last);
+        (0..500).for_each(|_| drop(joint.tick(|_| ())));
+        assert!(joint.last.fault.is_none() && joint.last.dac_codes.iter().all(|code| *code > 0));
+        joint
+    }
+
+    /// A tick with samples that may be changed.
+    fn tick(&mut self, change: impl FnOnce(&mut JointTickRequest)) -> JointTickReply {
+        let mut request = JointTickRequest {
+            target: Some(WANTED),
+            pressure_codes: self.last.dac_codes.map(|code| PRESSURE.code(COMMAND.value(code))),
+            angle_code: ANGLE.code(self.last.due_rad),
+        };
+        change(&mut request);
+        match self.board.answer(&JointRequest::Tick(request)) {
+            JointResponse::Tick(reply) => self.last = reply,
+            other => panic!("{other:?}"),
+        }
+        self.last
+    }
+
+    /// In which tick with these samples the joint is vented, and by what.
+    fn vented_by(&mut self, change: impl Fn(u32, &mut JointTickRequest)) -> (u32, JointFault) {
+        for tick in 1..=10_000 {
+            let reply = self.tick(|request| change(tick, request));
+            if let Some(fault) = reply.fault {
+                assert_eq!((reply.dac_codes, reply.state), ([0; 2], JointBoardState::Fault), "{fault}");
+                return (tick, fault);
+            }
+        }
+        panic!("nothing has vented the joint: {:?}", self.last);
+    }
+}
+
+#[test]
+fn a_fault_of_one_channel_vents_both_muscles_in_the_tick_that_sees_it() {
+    for (place, channel) in Channel::BOTH.into_iter().enumerate() {
+        let of = |fault| JointFault::OfChannel(channel, fault);
+        let open = Obedient::tracking().vented_by(|_, samples| samples.pressure_codes[place] = 0);
+        assert_eq!(open, (3, of(Fault::PressureSensor)));
+        let burst = PRESSURE.code(Protection::STANDARD.overpressure_hard_bar + 0.1);
+        let burst = Obedient::tracking().vented_by(|_, samples| samples.pressure_codes[place] = burst);
+        assert_eq!(burst, (1, of(Fault::OverpressureHard)));
+        let spikes = Obedient::tracking().vented_by(|tick, samples| {
+            samples.pressure_codes[place] = PRESSURE.code(if tick % 2 == 0 { 0.2 } else { 5.8 });
+        });
+        assert_eq!(spikes.1, of(Fault::PressureSpiking));
+        // The valve lets no air in, from the begin of a start on.
+        let (tick, stuck) =
+            Obedient::starting().vented_by(|_, samples| samples.pressure_codes[place] = PRESSURE.code(0.0));
+        assert_eq!(stuck, of(Fault::ValveStuck), "after {tick} ticks");
+    }
+}
+
+#[test]
+fn an_angle_that_cannot_be_vents_both_muscles() {
+    for code in [0, 4095] {
+        let open = Obedient::tracking().vented_by(|_, samples| samples.angle_code = code);
+        assert_eq!(open, (3, JointFault::AngleSensor));
+    }
+    let spikes = Obedient::tracking()
+        .vented_by(|tick, samples| samples.angle_code = ANGLE.code(if tick % 2 == 0 { -0.4 } else { 0.4 }));
+    assert_eq!(spikes.1, JointFault::AngleSpiking);
+}
+
+#[test]
+fn what_the_start_shows_of_the_pair_vents_both_muscles_before_anything_is_controlled() {
+    let mut joint = Obedient::starting();
+    let backwards = joint.vented_by(|_, samples| samples.angle_code = 4095 - samples.angle_code);
+    assert!(matches!(backwards.1, JointFault::WrongWay(_)), "{}", backwards.1);
+    // Filled in 2 s, tried in 4 s.
+    assert_eq!(backwards.0, 6_000);
+    let still = Obedient::starting().vented_by(|_, samples| samples.angle_code = ANGLE.code(0.0));
+    assert!(matches!(still.1, JointFault::Still(_)), "{}", still.1);
+    let crossed = Obedient::starting().vented_by(|_, samples| samples.pressure_codes.swap(0, 1));
+    assert_eq!(crossed.1, JointFault::Crossed);
+    let another = Obedient::starting()
+        .vented_by(|_, samples| samples.angle_code = ANGLE.code(1.6 * ANGLE.value(samples.angle_code)));
+    assert!(matches!(another.1, JointFault::Another(_)), "{}", another.1);
+    let joint = another.1.to_string();
+    assert!(joint.starts_with("fault 306: the joint turns by "), "{joint}");
+}
+
+#[test]
+fn a_silent_host_and_a_target_that_is_no_number_vent_both_muscles() {
+    let silent = Obedient::tracking().vented_by(|_, samples| samples.target = None);
+    assert_eq!(silent, (Protection::STANDARD.bus_silent_ticks, JointFault::OfBoard(Fault::BusSilent)));
+    let nonsense = JointTarget { stiffness: f32::NAN, ..WANTED };
+    let nonsense = Obedient::tracking().vented_by(|_, samples| samples.target = Some(nonsense));
+    assert_eq!(nonsense, (1, JointFault::OfBoard(Fault::Reference)));
+}
+
+#[test]
+fn a_fault_stays_until_it_is_acknowledged_and_no_order_opens_a_valve_meanwhile() {
+    let mut joint = Obedient::tracking();
+    joint.vented_by(|_, samples| samples.angle_code = 0);
+    let fault = JointResponse::WrongState(JointBoardState::Fault);
+    let configuration = JointConfiguration { version: JOINT_VERSION, control: joint_parameters() };
+    for order in [JointRequest::Arm, JointRequest::Start(STIFFNESS), JointRequest::Configure(configuration)] {
+        assert_eq!(joint.board.answer(&order), fault, "{order:?}");
+        assert_eq!(joint.tick(|_| ()).dac_codes, [0; 2]);
+    }
+    assert_eq!(joint.board.answer(&JointRequest::Stop), JointResponse::Accepted);
+    assert_eq!(joint.last.fault, Some(JointFault::AngleSensor));
+    assert_eq!(joint.board.answer(&JointRequest::Acknowledge), JointResponse::Accepted);
+    let reply = joint.tick(|_| ());
+    assert_eq!((reply.state, reply.fault, reply.dac_codes), (JointBoardState::Ready, None, [0; 2]));
+}
+
+#[test]
+fn a_start_needs_a_joint_an_arming_and_a_stiffness_and_a_stop_vents_at_once() {
+    let mut off = LockStepJoint::new(Protection::STANDARD);
+    for order in [JointRequest::Arm, JointRequest::Start(STIFFNESS)] {
+        assert_eq!(off.answer(&order), JointResponse::WrongState(JointBoardState::Off));
+    }
+    let other = JointConfiguration { version: JOINT_VERSION + 1, control: joint_parameters() };
+    let refused = JointResponse::Refused(Refusal::Version(JOINT_VERSION));
+    assert_eq!(off.answer(&JointRequest::Configure(other)), refused);
+    let mut slack = joint_parameters();
+    slack.joint.muscles[0].lowest = [0.0; 2];
+    let configuration = JointConfiguration { version: JOINT_VERSION, control: slack };
+    let refused = off.answer(&JointRequest::Configure(configuration));
+    assert!(matches!(refused, JointResponse::Refused(Refusal::Parameter(_))), "{refused:?}");
+
+    let mut joint = Obedient::ready();
+    let unarmed = JointResponse::Refused(Refusal::NotArmed);
+    assert_eq!(joint.board.answer(&JointRequest::Start(STIFFNESS)), unarmed);
+    assert_eq!(joint.board.answer(&JointRequest::Arm), JointResponse::Accepted);
+    let limp = joint.board.answer(&JointRequest::Start(0.0));
+    assert!(matches!(limp, JointResponse::Refused(Refusal::Parameter(_))), "{limp:?}");
+    assert_eq!(joint.tick(|_| ()).dac_codes, [0; 2]);
+
+    let mut joint = Obedient::tracking();
+    assert_eq!(joint.board.answer(&JointRequest::Stop), JointResponse::Accepted);
+    let reply = joint.tick(|_| ());
+    assert_eq!((reply.state, reply.dac_codes), (JointBoardState::Ready, [0; 2]));
+}

@@ -32,6 +32,8 @@ const STEP: &str = "firmware::joint::joint_step";
 /// Ticks of tracking, and how many of them go to one end.
 const TRACKED: u32 = 2_000;
 const ONE_WAY: u32 = 100;
+/// Fastest turn in a tick. Unit: rad.
+const FASTEST_RAD: f32 = 0.05;
 /// A start is over long before.
 const LONGEST_START: u32 = 20_000;
 
@@ -92,9 +94,12 @@ fn drive(link: &UnixStream) -> Result<()> {
         last = tick(still, last.due_rad, last.dac_codes)?;
     }
     ensure!(last.state == JointBoardState::Tracking, "the joint does not start: {last:?}");
+    let mut angle = last.due_rad;
     for number in 0..TRACKED {
         let is_up = number / ONE_WAY % 2 == 0;
-        let (asked, angle) = if is_up { (angles.1, angles.0) } else { (angles.0, angles.1) };
+        let (asked, other) = if is_up { (angles.1, angles.0) } else { (angles.0, angles.1) };
+        // As fast as an angle may be without being taken for a spike.
+        angle += (other - angle).clamp(-FASTEST_RAD, FASTEST_RAD);
         let stiffness = at(if is_up { 0.9 } else { 0.1 });
         last = tick(JointTarget { angle: asked, stiffness, load: 1.0 }, angle, last.dac_codes)?;
     }

@@ -39,7 +39,9 @@ pub struct Telemetry {
     pub worst_tick_cycles: u32,
     /// When a tick has to have ended; 0 where ticks have no clock. Unit: core clock cycle.
     pub deadline_cycles: u32,
-    /// What the board says of what it was told in the exchange in slots.
+    /// It came in the exchange in slots.
+    pub in_slots: bool,
+    /// What the board says there of what it was told.
     pub outcome: Option<Outcome>,
 }
 
@@ -72,6 +74,7 @@ impl Telemetry {
             temperature_c: number(Id::TemperatureC),
             worst_tick_cycles: number(Id::WorstTick) as u32,
             deadline_cycles: number(Id::Deadline) as u32,
+            in_slots: false,
             outcome: None,
         }
     }
@@ -95,6 +98,7 @@ impl Telemetry {
             temperature_c: answer.temperature_c.into(),
             worst_tick_cycles: answer.worst_tick_cycles,
             deadline_cycles,
+            in_slots: true,
             outcome: Some(answer.outcome).filter(|outcome| *outcome != Outcome::Asked),
         }
     }

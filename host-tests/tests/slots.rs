@@ -204,7 +204,7 @@ fn a_board_that_is_no_member_or_needs_more_than_the_gap_is_silent_and_has_taken_
 fn frames_of_a_wrong_length_or_with_more_members_than_fit_are_met_with_silence_and_the_next_is_heard() {
     let whole = framed(1, &[asked(9), asked(UNIT)]);
     let content = &whole[1..whole.len() - 2];
-    let more: Vec<u8> = [&content[..], &[7; 10]].concat();
+    let more: Vec<u8> = [content, &[7; 10]].concat();
     let less = &content[..content.len() - 1];
     let mut crowded = vec![FUNCTION, MOST_MEMBERS as u8 + 1, 0, 1, 1, 244];
     (0..=MOST_MEMBERS).for_each(|_| crowded.extend([UNIT, 0, 0, 0, 0, 0, 0, 0, 0, 0]));

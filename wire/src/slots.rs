@@ -166,7 +166,8 @@ impl Slots {
         (bits * 1_000_000).div_ceil(self.baud as u64) as u32
     }
 
-    /// From the end of the request to the begin of the slot of this place, counted from 0. Unit: µs.
+    /// From the end of the request to the begin of the slot of this place, counted from 0. Unit:
+    /// µs.
     pub const fn begin_us(&self, place: usize) -> u32 {
         self.gap_us + place as u32 * (self.bytes_us(ANSWER_BYTES) + self.gap_us)
     }

@@ -124,8 +124,8 @@ impl Bus {
         }
     }
 
-    /// Whether a slot of this board is about to begin: then [`Bus::take`] is to be called as often as
-    /// can be, since a tick is too coarse for it.
+    /// Whether a slot of this board is about to begin: then [`Bus::take`] is to be called as often
+    /// as can be, since a tick is too coarse for it.
     pub fn is_slot_near(&self, moment: u32) -> bool {
         self.waiting.as_ref().is_some_and(|waiting| {
             let left = waiting.patience.saturating_sub(moment.wrapping_sub(waiting.asked));

@@ -24,8 +24,8 @@ pub fn is_answer(frame: &[u8]) -> bool {
     matches!(frame, [unit, FUNCTION, ..] if *unit != BROADCAST)
 }
 
-/// Carries out what a request tells this board, and fills in its answer; nothing for a board that is
-/// no member, or has been told to wait longer than the gap.
+/// Carries out what a request tells this board, and fills in its answer; nothing for a board that
+/// is no member, or has been told to wait longer than the gap.
 // Not inlined: what it needs of the stack is not needed by other requests.
 #[inline(never)]
 pub fn answer(

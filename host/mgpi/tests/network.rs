@@ -267,8 +267,16 @@ fn secured() {
         let gateway = lab.gateway_at(end_point, &format!("--zenoh-config {folder}/gateway.json5"));
         let told = gateway.told(&["secure", &folder]);
         assert_eq!(told["None"], serde_json::json!({"kept_out": true}), "{link}: {told}");
-        assert_eq!(told["viewer"], serde_json::json!({"seen": 4, "started": 0, "refused": 0}), "{link}: {told}");
-        assert_eq!(told["driver"], serde_json::json!({"seen": 4, "started": 4, "refused": 0}), "{link}: {told}");
+        assert_eq!(
+            told["viewer"],
+            serde_json::json!({"seen": 4, "started": 0, "refused": 0}),
+            "{link}: {told}"
+        );
+        assert_eq!(
+            told["driver"],
+            serde_json::json!({"seen": 4, "started": 4, "refused": 0}),
+            "{link}: {told}"
+        );
     }
 }
 

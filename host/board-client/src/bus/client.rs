@@ -40,7 +40,8 @@ const TRIES: usize = 16;
 const LATE: Duration = Duration::from_millis(30);
 /// So long what comes late is waited for: somebody who goes on sends no answers.
 const LATEST: Duration = Duration::from_millis(300);
-/// Behind the answer of the last slot the others are over, too: what came together may be read apart.
+/// Behind the answer of the last slot the others are over, too: what came together may be read
+/// apart.
 const OVER: Duration = Duration::from_millis(2);
 /// The most registers of a reading.
 pub const MOST_READ: u16 = 125;
@@ -354,9 +355,9 @@ impl Client {
         Ok(())
     }
 
-    /// Tells all members of an exchange in slots at once, and takes their answers, until the last slot
-    /// is over and the limit behind it, or there are no more to come. Answers each with the time since
-    /// the request was sent.
+    /// Tells all members of an exchange in slots at once, and takes their answers, until the last
+    /// slot is over and the limit behind it, or there are no more to come. Answers each with the
+    /// time since the request was sent.
     ///
     /// # Errors
     /// The port cannot be used.

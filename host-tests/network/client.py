@@ -15,10 +15,13 @@ import zenoh
 ROOT = "mgpi/1"
 
 
-def session(end_point, tls=None):
+def session(end_point, tls=None, password=None):
     config = zenoh.Config()
     if tls:
         config.insert_json5("transport/link/tls", json.dumps(tls))
+    if password:
+        for key, value in zip(("user", "password"), password):
+            config.insert_json5(f"transport/auth/usrpwd/{key}", json.dumps(value))
     config.insert_json5("mode", '"client"')
     config.insert_json5("connect/endpoints", json.dumps([end_point]))
     config.insert_json5("scouting/multicast/enabled", "false")
@@ -493,6 +496,38 @@ def secure(arguments):
     print(json.dumps(told))
 
 
+def passwords(arguments):
+    """A gateway that lets in who has a password."""
+    import os
+
+    os.makedirs(arguments.folder, exist_ok=True)
+    users = os.path.abspath(os.path.join(arguments.folder, "users.txt"))
+    with open(users, "w") as file:
+        file.write("driver:a long secret\n")
+    config = {
+        "listen": {"endpoints": [arguments.end_point]},
+        "scouting": {"multicast": {"enabled": False}},
+        "transport": {"auth": {"usrpwd": {"user": "gateway", "password": "its own", "dictionary_file": users}}},
+    }
+    with open(os.path.join(arguments.folder, "gateway.json5"), "w") as file:
+        json.dump(config, file, indent=2)
+
+
+def login(arguments):
+    """Who has no password, or another, is not let in."""
+    told = {}
+    for who, password in (("nobody", None), ("wrong", ("driver", "a guess")), ("driver", ("driver", "a long secret"))):
+        seen = set()
+        try:
+            with session(arguments.end_point, password=password) as on:
+                with on.declare_subscriber(f"{ROOT}/{arguments.name}/*/*/telemetry", lambda sample: seen.add(str(sample.key_expr))):
+                    time.sleep(2.0)
+            told[who] = len(seen)
+        except zenoh.ZError:
+            told[who] = "kept out"
+    print(json.dumps(told))
+
+
 def attachment(sample):
     """What rmw_zenoh sends with each message: number, time, and who."""
     content = sample.attachment.to_bytes()
@@ -640,12 +675,13 @@ def main():
     several[1].add_argument("--members", default="")
     several[2].add_argument("--lines", default="lines.toml")
     several[2].add_argument("--new", default="new.toml")
-    for name in ("certificates", "secure"):
+    for name in ("certificates", "secure", "passwords"):
         commands.add_parser(name).add_argument("folder")
+    commands.add_parser("login")
     commands.add_parser("ros")
     commands.add_parser("bag").add_argument("file")
     arguments = parser.parse_args()
-    for command in (watch, drive, play, group, reload, certificates, secure, ros, bag):
+    for command in (watch, drive, play, group, reload, certificates, secure, passwords, login, ros, bag):
         if command.__name__ == arguments.command:
             command(arguments)
 

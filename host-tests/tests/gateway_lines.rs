@@ -142,3 +142,19 @@ fn a_board_that_babbles_is_told_on_its_line_alone() {
     let boards = beside_a_sound_line(&bad, &[7], has_problems);
     assert!(said(&boards[0]).contains("damaged answers only"), "{}", said(&boards[0]));
 }
+
+#[test]
+fn boards_that_know_slots_answer_in_them_and_one_of_an_older_firmware_is_asked_by_itself() {
+    // Its firmware has no function 65: it does not hear such a frame.
+    let old = Desk::line(1.0, &[7], |way, bytes| match (way, &bytes[..]) {
+        (Way::ToBoard, [0, 65, ..]) => Vec::new(),
+        _ => bytes,
+    });
+    let new = Desk::line(1.0, &[7, 8], undisturbed);
+    let is_seen = |boards: &[Board]| boards.iter().all(|board| board.answered > 50);
+    let boards = beside_a_sound_line(&old, &[7], is_seen);
+    assert!(!boards[0].in_slots && boards[0].problem.is_none(), "{boards:#?}");
+    let boards =
+        beside_a_sound_line(&new, &[7, 8, 9], |boards| is_seen(&boards[..2]) && has_problems(&boards[2..]));
+    assert!(boards[..2].iter().all(|board| board.in_slots && board.problem.is_none()), "{boards:#?}");
+}

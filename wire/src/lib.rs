@@ -10,7 +10,8 @@
 //! [`Configuration`]; a board refuses a configuration of another version.
 //!
 //! # Registers
-//! [`registers`] is the other language that the board speaks, Modbus, for everybody else.
+//! [`registers`] is the other language that the board speaks, Modbus, for everybody else; [`slots`]
+//! the frame by which a host tells many boards of a line at once.
 //!
 //! # Limits
 //! A frame takes at most [`FRAME_BYTES`] bytes, stuffing and the zero included: the largest
@@ -34,6 +35,7 @@ pub mod joint;
 mod message;
 mod protection;
 pub mod registers;
+pub mod slots;
 mod status;
 
 pub use bus_parameters::{BusParameters, Parity};

@@ -12,6 +12,7 @@
 
 use heapless::Vec;
 use wire::registers::FRAME_BYTES;
+use wire::slots;
 
 use super::functions::{
     DEVICE_IDENTIFICATION, DIAGNOSTICS, ENCAPSULATED, MASK_WRITE, READ_WRITE, REPORT_SERVER_ID,
@@ -152,6 +153,12 @@ fn ends_with_crc(bytes: &[u8]) -> bool {
 /// a silence. `None` while that is not known.
 fn lengths(bytes: &[u8], unit: u8) -> Option<[usize; 2]> {
     let at = |place: usize| bytes.get(place).map(|&byte| usize::from(byte));
+    if *bytes.get(1)? == slots::FUNCTION {
+        // Asked is by all members at once alone; whoever has a number answers.
+        let is_request = bytes.first() == Some(&BROADCAST);
+        let length = if is_request { slots::request_bytes(bytes)? } else { slots::ANSWER_BYTES };
+        return Some([length; 2]);
+    }
     let [request, answer] = match *bytes.get(1)? {
         1..=4 => [8, 5 + at(2)?],
         5 | 6 | DIAGNOSTICS => [8, 8],

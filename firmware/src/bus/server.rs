@@ -5,16 +5,34 @@ use rmodbus::consts::ModbusFunction;
 use rmodbus::server::{ModbusFrame, Read, Write};
 use rmodbus::{ErrorKind, ModbusProto};
 use wire::registers::{Exception, FRAME_BYTES};
+use wire::slots;
 
 use super::functions;
 use super::read::read;
 use super::receiver::{BROADCAST, CRC};
 use super::session::Session;
+use super::slot::{self, Slot};
 use super::write::{Audience, Words, write};
 use crate::node::Node;
 
-/// Carries out a frame whose CRC fits, and fills in the response; an empty one is not sent.
+/// Carries out a frame whose CRC fits, and fills in the response; an empty one is not sent. Answers
+/// the slot in which it is to be sent, if it is.
 pub fn answer(
+    session: &mut Session,
+    bytes: &[u8],
+    node: &mut impl Node,
+    response: &mut Vec<u8, FRAME_BYTES>,
+) -> Option<Slot> {
+    match bytes {
+        [_, slots::FUNCTION, ..] => slot::answer(session, bytes, node, response),
+        _ => {
+            answer_at_once(session, bytes, node, response);
+            None
+        }
+    }
+}
+
+fn answer_at_once(
     session: &mut Session,
     bytes: &[u8],
     node: &mut impl Node,

@@ -53,9 +53,19 @@ impl Timing {
 
     /// Least time from the end of a request to its answer.
     pub const fn turnaround(self, bus: &BusParameters) -> u32 {
+        self.of_us(bus.turnaround_us)
+    }
+
+    /// So many microseconds, at the least.
+    pub const fn of_us(self, us: u32) -> u32 {
         match self {
-            Self::Microseconds => bus.turnaround_us,
-            Self::Ticks(_) => bus.turnaround_us.div_ceil(TICK_US),
+            Self::Microseconds => us,
+            Self::Ticks(_) => us.div_ceil(TICK_US),
         }
+    }
+
+    /// Whether moments are finer than ticks.
+    pub const fn has_microseconds(self) -> bool {
+        matches!(self, Self::Microseconds)
     }
 }

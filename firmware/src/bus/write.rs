@@ -113,6 +113,22 @@ pub fn write(
     }
 }
 
+/// Writes these registers of the group Control, each a run of its own.
+///
+/// # Errors
+/// A value is out of its limits, or the state does not take it; nothing has changed.
+pub fn say(
+    session: &mut Session,
+    said: impl Iterator<Item = (Id, Value)> + Clone,
+    node: &mut impl Node,
+) -> Result<(), Exception> {
+    if !said.clone().all(|(id, value)| id.register().takes(value)) {
+        return Err(Exception::IllegalValue);
+    }
+    let values = said.map(|(id, value)| Assignment { id, index: 0, value });
+    control(session, values, Audience::This, node)
+}
+
 fn control(
     session: &mut Session,
     values: impl Iterator<Item = Assignment>,

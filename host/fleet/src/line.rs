@@ -45,6 +45,11 @@ pub struct Pace {
 impl Pace {
     /// As on a real line.
     pub const REAL: Self = Self { factor: 1.0, has_bit_times: true };
+
+    /// How long so many bytes take.
+    fn takes(self, boards: &[Driven], bytes: usize) -> Duration {
+        if self.has_bit_times { bit_times(boards, BITS * bytes as u32) } else { Duration::ZERO }
+    }
 }
 
 /// How late the ticks of a line have been, for another thread.
@@ -102,6 +107,8 @@ pub fn run(
     let mut next = Instant::now();
     // What the boards have sent, and when the last of its bits is on the line.
     let mut on_its_way: VecDeque<(Instant, Vec<u8>)> = VecDeque::new();
+    // By how much the last request is heard too early: its bytes come at once.
+    let mut early = Duration::ZERO;
     while !stop.is_requested() {
         let now = Instant::now();
         let delay = now.saturating_duration_since(next);
@@ -112,27 +119,23 @@ pub fn run(
             boards.iter_mut().for_each(|board| sent.extend(board.tick()));
             next += period;
         }
-        let mut heard = 0;
+        push(&mut on_its_way, sent, early, boards, pace);
         let slice = match poll(&mut [PollFd::from_borrowed_fd(line.as_fd(), PollFlags::IN)], Some(&SLICE)) {
             Ok(0) | Err(Errno::INTR) => None,
             Ok(_) => Some([0; 512]),
             Err(error) => return Err(error.into()),
         };
         if let Some(mut buffer) = slice {
-            heard = match line.read(&mut buffer) {
+            let heard = match line.read(&mut buffer) {
                 Ok(0) => return Ok(()),
                 Ok(count) => count,
                 Err(error) if error.kind() == ErrorKind::Interrupted => 0,
                 Err(error) => return Err(error),
             };
             let bytes = disturb(Way::ToBoard, buffer[..heard].to_vec());
-            boards.iter_mut().for_each(|board| sent.extend(board.board.send(&bytes)));
-        }
-        if !sent.is_empty() {
-            let bits = BITS * (heard + sent.len()) as u32;
-            let takes = if pace.has_bit_times { bit_times(boards, bits) } else { Duration::ZERO };
-            let begins = on_its_way.back().map_or_else(Instant::now, |(until, _)| Instant::now().max(*until));
-            on_its_way.push_back((begins + takes, sent));
+            early = pace.takes(boards, heard);
+            let sent = boards.iter_mut().flat_map(|board| board.board.send(&bytes)).collect();
+            push(&mut on_its_way, sent, early, boards, pace);
         }
         while let Some((until, _)) = on_its_way.front()
             && *until <= Instant::now()
@@ -142,6 +145,23 @@ pub fn run(
         }
     }
     Ok(())
+}
+
+/// Puts an answer on its way, behind what is there: as late as the bytes of its request, and its own,
+/// take.
+fn push(
+    on_its_way: &mut VecDeque<(Instant, Vec<u8>)>,
+    sent: Vec<u8>,
+    early: Duration,
+    boards: &[Driven],
+    pace: Pace,
+) {
+    if sent.is_empty() {
+        return;
+    }
+    let begins =
+        on_its_way.back().map_or(Instant::now() + early, |(until, _)| (Instant::now() + early).max(*until));
+    on_its_way.push_back((begins + pace.takes(boards, sent.len()), sent));
 }
 
 /// How long bits take at the rate of the line's first board.

@@ -76,6 +76,8 @@ pub struct Board {
     pub trajectory: Option<Progress>,
     /// It was taken out of the file; its place among all stays, for when it comes again.
     pub is_gone: bool,
+    /// Its last answer came in a slot.
+    pub in_slots: bool,
     /// Questions that it has answered.
     pub answered: u64,
     /// Questions without an answer.
@@ -161,6 +163,7 @@ impl Boards {
     pub fn telemetry(&self, index: usize, telemetry: Telemetry) {
         self.tell(&News::Telemetry(index, telemetry.clone()));
         self.change(index, |board| {
+            board.in_slots = telemetry.in_slots;
             board.telemetry = Some(telemetry);
             board.problem = None;
             board.answered += 1;
@@ -237,6 +240,7 @@ impl Board {
             problem: None,
             trajectory: None,
             is_gone: false,
+            in_slots: false,
             answered: 0,
             lost: 0,
             round: Duration::ZERO,
@@ -248,7 +252,7 @@ impl Board {
     pub fn to_json(&self) -> Value {
         json!({
             "name": self.name, "line": self.line, "number": self.number, "answered": self.answered,
-            "lost": self.lost, "round_s": self.round.as_secs_f64(),
+            "lost": self.lost, "in_slots": self.in_slots, "round_s": self.round.as_secs_f64(),
             "problem": self.problem.as_ref().map(Problem::in_words),
             "trajectory": self.trajectory.as_ref().map(Progress::in_words),
             "telemetry": self.telemetry.as_ref().map(Telemetry::to_json),

@@ -259,8 +259,14 @@ impl Driving {
 
     /// What a board's client has said last, once, if that is fresh.
     pub fn take(&self, index: usize) -> Option<Said> {
+        self.take_fresh(index).map(|(said, _)| said)
+    }
+
+    /// The same, and how long it is still fresh.
+    pub fn take_fresh(&self, index: usize) -> Option<(Said, Duration)> {
         let waiting = self.lock().get_mut(index)?.driver.as_mut()?.waiting.take()?;
-        (Instant::now() <= waiting.until).then(|| waiting.mm.map_or(Said::Lives, Said::SetPoint))
+        let left = waiting.until.checked_duration_since(Instant::now())?;
+        Some((waiting.mm.map_or(Said::Lives, Said::SetPoint), left))
     }
 
     /// What the clients of all of these boards have said alike, if each has, and it is fresh; then it

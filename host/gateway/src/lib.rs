@@ -144,8 +144,9 @@ impl Gateway {
 
     fn run(&self, line: Line, indices: Vec<usize>, members: Vec<(usize, Member)>) -> RunningLine {
         let (orders, receiver) = channel();
-        let (address, all, driving) = (line.address.clone(), self.boards.clone(), self.driving.clone());
-        let thread = thread::spawn(move || line::run(&address, members, &all, &driving, &receiver));
+        let (address, exchange) = (line.address.clone(), line.exchange);
+        let (all, driving) = (self.boards.clone(), self.driving.clone());
+        let thread = thread::spawn(move || line::run(&address, exchange, members, &all, &driving, &receiver));
         RunningLine { line, indices, orders, thread, start: None }
     }
 

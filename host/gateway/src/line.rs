@@ -1,9 +1,10 @@
 //! A line and its thread: each board in turn is given its next set point and asked for what it
-//! measures, in one exchange; orders go between the questions. What all boards of the line are told
-//! alike goes out once, to all.
+//! measures, in one exchange; orders go between the questions. Boards that know the exchange in
+//! slots are all told and asked by one frame, each with the last tick of its own clock at which what
+//! it is told counts. Of a line without such boards what all are told alike goes out once, to all.
 //!
 //! # Timing contract
-//! A round takes an exchange a board: the frames' bytes, the silence between frames, up to a tick
+//! A round takes an exchange a board, or one of all in slots: the frames' bytes, the silence between frames, up to a tick
 //! of the board. A board that has not answered `LOST` times in a row is asked once in
 //! `PATIENCE` from then on, so that one that is switched off costs the others an answer's time a
 //! second. Orders go before the next question; a stop goes to all boards of the line at once.
@@ -17,11 +18,12 @@ use board_client::bus::port::PortError;
 use model_core::Mode;
 use wire::State;
 use wire::registers::{Access, Command, Id, VERSION, Value, mode_number, state_number};
+use wire::slots::{self, LEAST_GAP_US, MOST_MEMBERS, Outcome};
 
 use crate::boards::Boards;
 use crate::clock::Clock;
 use crate::driving::{Driving, Said};
-use crate::lines::Member;
+use crate::lines::{Exchange, Member};
 use crate::seen::{Problem, Progress, Telemetry};
 use crate::start::{Phase, Start};
 use crate::stream::{self, Stream, Time};
@@ -48,6 +50,10 @@ const LEAST_S: f64 = 0.02;
 const LATEST_S: f64 = 1.0;
 /// How often a countdown is sent where this machine has been too slow in between.
 const COUNTS: usize = 5;
+/// What answers that have come late are behind the newest at the most. Unit: tick.
+const OLD_TICKS: u32 = 2_000;
+/// What is said of a board that leaves its slots empty.
+const NO_ANSWER: &str = "no answer in its slot: is the board powered, are A and B swapped?";
 /// How long this machine may take to send a countdown: a tick of the board. Unit: s.
 const SENT_S: f64 = 1e-3;
 
@@ -93,11 +99,16 @@ struct Asked {
     stream: Option<Stream>,
     /// It has points of a trajectory that is left off.
     clears: bool,
+    /// Whether it knows the exchange in slots, once that was tried.
+    in_slots: Option<bool>,
+    /// What it has told by itself alone. Unit: core clock cycle.
+    deadline_cycles: u32,
 }
 
 /// What a line's thread works with.
 struct Work<'a> {
     client: &'a mut Client,
+    exchange: Exchange,
     all: &'a Boards,
     driving: &'a Driving,
     /// The last sign of life, of all its boards: none hears the same twice.
@@ -114,6 +125,7 @@ enum Ended {
 /// Asks the boards of a line until the sender of its orders is gone.
 pub fn run(
     address: &Address,
+    exchange: Exchange,
     members: Vec<(usize, Member)>,
     all: &Boards,
     driving: &Driving,
@@ -124,7 +136,7 @@ pub fn run(
     loop {
         let ended = match Client::open(address.clone()) {
             Ok(mut client) => {
-                let work = Work { client: &mut client, all, driving, heartbeat: &mut heartbeat };
+                let work = Work { client: &mut client, exchange, all, driving, heartbeat: &mut heartbeat };
                 work.rounds(&mut boards, orders)
             }
             Err(error) => Ended::Port(error),
@@ -134,7 +146,8 @@ pub fn run(
             driving.end(board.index);
             board.leave_off(all, driving, "the line's port is gone".to_owned());
             all.problem(board.index, Problem::Port(error.to_string()));
-            (board.period_s, board.clock) = (None, None);
+            board.clock = None;
+            board.is_unknown();
         }
         if !is_patient(&mut boards, orders) {
             return;
@@ -181,12 +194,19 @@ impl Work<'_> {
         let begin = Instant::now();
         let mut is_idle = true;
         self.tell_all(boards)?;
+        self.obey(boards, orders)?;
+        self.count_down(boards)?;
+        let asked = self.turn_of_slots(boards)?;
+        is_idle &= asked.is_empty();
         let mut place = 0;
         loop {
             self.obey(boards, orders)?;
             self.count_down(boards)?;
             let Some(board) = boards.get_mut(place) else { break };
             place += 1;
+            if asked.contains(&board.index) {
+                continue;
+            }
             if board.until.is_some_and(|until| Instant::now() < until) {
                 board.tend(self.all, self.driving);
                 continue;
@@ -219,32 +239,103 @@ impl Work<'_> {
         let lives = std::mem::take(&mut board.lives) || said.is_some();
         match board.ask(self.client, said, self.heartbeat) {
             Ok(telemetry) => {
-                board.lost = 0;
-                board.until = None;
-                if !telemetry.state.is_driven() {
-                    self.driving.vented(board.index);
+                if self.exchange == Exchange::Slots && board.in_slots.is_none() {
+                    board.in_slots = Some(self.knows_slots(board.member.number)?);
                 }
-                self.all.telemetry(board.index, telemetry);
-                if lives { self.play_on(board) } else { Ok(()) }
+                self.heard(board, telemetry, lives)
             }
             Err(Unanswered::Port(error)) => Err(Ended::Port(error)),
             Err(Unanswered::Other(problem)) => {
-                board.lost = board.lost.saturating_add(1);
-                self.all.lost(board.index);
-                if board.lost >= LOST || !matches!(problem, Problem::Silent(_)) {
-                    board.until = Some(Instant::now() + PATIENCE);
-                    board.period_s = None;
-                    self.driving.end(board.index);
-                    self.all.problem(board.index, problem);
-                }
+                self.unheard(board, problem);
                 Ok(())
             }
         }
     }
 
+    /// Whether a board answers in a slot.
+    fn knows_slots(&mut self, unit: u8) -> Result<bool, Ended> {
+        let member = slots::Member { unit, said: slots::Said::Nothing, until: 0 };
+        for _ in 0..LOST {
+            let answers = self.client.exchange_in_slots(*self.heartbeat, LEAST_GAP_US, &[member]);
+            if !answers.map_err(Ended::Port)?.is_empty() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// The turn of all boards that know the exchange in slots. Answers which those are, of all.
+    fn turn_of_slots(&mut self, boards: &mut [Asked]) -> Result<Vec<usize>, Ended> {
+        let mut asked = Vec::new();
+        let mut members: Vec<&mut Asked> = boards.iter_mut().filter(|board| board.is_in_slots()).collect();
+        for members in members.chunks_mut(MOST_MEMBERS) {
+            self.client.settle();
+            *self.heartbeat = self.heartbeat.wrapping_add(1);
+            let told: Vec<(slots::Member, bool)> = members
+                .iter_mut()
+                .map(|board| {
+                    board.tend(self.all, self.driving);
+                    let said = self.driving.take_fresh(board.index);
+                    (board.told_in_slot(said), said.is_some())
+                })
+                .collect();
+            let request: Vec<slots::Member> = told.iter().map(|(member, _)| *member).collect();
+            let sent_s = Boards::now_s();
+            let answers = self.client.exchange_in_slots(*self.heartbeat, LEAST_GAP_US, &request);
+            let answers = answers.map_err(Ended::Port)?;
+            // All tell of the moment at which they heard the request: before the first answer.
+            let first_s = answers.iter().map(|(_, since)| sent_s + since.as_secs_f64()).reduce(f64::min);
+            for (board, (member, says)) in members.iter_mut().zip(told) {
+                asked.push(board.index);
+                let answer = answers.iter().find(|(answer, _)| answer.unit == member.unit);
+                let answer = answer.filter(|(answer, _)| !board.is_before(answer.ticks));
+                let (Some((answer, since)), Some(first_s)) = (answer, first_s) else {
+                    self.unheard(board, Problem::Silent(NO_ANSWER.to_owned()));
+                    continue;
+                };
+                let telemetry = Telemetry::of_answer(answer, board.deadline_cycles);
+                let mut telemetry = board.timed(telemetry, [sent_s, first_s]);
+                telemetry.round_trip_s = since.as_secs_f64();
+                if matches!(answer.outcome, Outcome::Ahead | Outcome::Repeated) {
+                    // It has restarted, or heard others: it is told by itself, and then joins again.
+                    board.in_slots = None;
+                }
+                let lives = std::mem::take(&mut board.lives) || says;
+                self.client.turn_to(member.unit);
+                self.heard(board, telemetry, lives)?;
+            }
+        }
+        Ok(asked)
+    }
+
+    /// A board has answered.
+    fn heard(&mut self, board: &mut Asked, telemetry: Telemetry, lives: bool) -> Result<(), Ended> {
+        board.lost = 0;
+        board.until = None;
+        board.deadline_cycles = telemetry.deadline_cycles;
+        if !telemetry.state.is_driven() {
+            self.driving.vented(board.index);
+        }
+        self.all.telemetry(board.index, telemetry);
+        if lives { self.play_on(board) } else { Ok(()) }
+    }
+
+    /// A board has not.
+    fn unheard(&mut self, board: &mut Asked, problem: Problem) {
+        board.lost = board.lost.saturating_add(1);
+        self.all.lost(board.index);
+        if board.lost >= LOST || !matches!(problem, Problem::Silent(_)) {
+            board.until = Some(Instant::now() + PATIENCE);
+            board.is_unknown();
+            self.driving.end(board.index);
+            self.all.problem(board.index, problem);
+        }
+    }
+
     /// Tells all boards of the line at once, where their clients have said the same to each.
     fn tell_all(&mut self, boards: &mut [Asked]) -> Result<(), Ended> {
-        if boards.len() < 2 || boards.iter().any(|board| board.until.is_some()) {
+        let is_apart = |board: &Asked| board.until.is_some() || board.is_in_slots();
+        if boards.len() < 2 || boards.iter().any(is_apart) {
             return Ok(());
         }
         let indices: Vec<usize> = boards.iter().map(|board| board.index).collect();
@@ -433,7 +524,42 @@ impl Asked {
             lives: false,
             stream: None,
             clears: false,
+            in_slots: None,
+            deadline_cycles: 0,
         }
+    }
+
+    /// Who it is has to be asked again.
+    fn is_unknown(&mut self) {
+        (self.period_s, self.in_slots) = (None, None);
+    }
+
+    /// Whether it is asked with others, in slots.
+    fn is_in_slots(&self) -> bool {
+        self.in_slots == Some(true) && !self.clears && self.until.is_none() && self.clock.is_some()
+    }
+
+    /// What it is told in a slot: what its client has said, as long as that is still fresh.
+    fn told_in_slot(&self, said: Option<(Said, Duration)>) -> slots::Member {
+        let (said, left) = match said {
+            None => (slots::Said::Nothing, Duration::ZERO),
+            Some((Said::Lives, left)) => (slots::Said::Lives, left),
+            Some((Said::SetPoint(mm), left)) => (slots::Said::SetPoint(mm as f32), left),
+        };
+        let period_s = self.period_s.unwrap_or(1.0);
+        let (seen_s, bound_s) =
+            self.clock.as_ref().map_or((0.0, 0.0), |clock| clock.at(self.ticks as f64 * period_s));
+        // The last answer was told at the latest then: the board may be further.
+        let since_s = Boards::now_s() - (seen_s + bound_s) + left.as_secs_f64();
+        let until = (self.ticks as u32).wrapping_add((since_s / period_s).max(0.0) as u32);
+        slots::Member { unit: self.member.number, said, until }
+    }
+
+    /// Whether a board's ticks are before the last ones: an answer that has come late. One that has
+    /// restarted is further back.
+    fn is_before(&self, ticks: u32) -> bool {
+        let behind = (self.ticks as u32).wrapping_sub(ticks);
+        (1..OLD_TICKS).contains(&behind)
     }
 
     /// Looks whether its trajectory is still to be played; leaves it off if not.
@@ -508,10 +634,9 @@ impl Asked {
         said: Option<Said>,
         heartbeat: &mut u16,
     ) -> Result<Telemetry, Unanswered> {
-        let period_s = match self.period_s {
-            Some(period_s) => period_s,
-            None => *self.period_s.insert(period_s(client)?),
-        };
+        if self.period_s.is_none() {
+            self.period_s = Some(period_s(client)?);
+        }
         let (first, last) = (Id::State.register(), Telemetry::LAST.register());
         let sent_s = Boards::now_s();
         let (address, count) = (first.address, last.end() - first.address);
@@ -523,7 +648,14 @@ impl Asked {
             None => client.read_in(address, count, 1),
         }?;
         let received_s = Boards::now_s();
-        let mut telemetry = Telemetry::of_words(&words);
+        let mut telemetry = self.timed(Telemetry::of_words(&words), [sent_s, received_s]);
+        telemetry.round_trip_s = received_s - sent_s;
+        Ok(telemetry)
+    }
+
+    /// Telemetry with the time at which it was so: between these, by this machine's clock.
+    fn timed(&mut self, mut telemetry: Telemetry, [sent_s, received_s]: [f64; 2]) -> Telemetry {
+        let period_s = self.period_s.unwrap_or(0.0);
         // What passed since the last tick the board does not tell.
         let interval = [sent_s - period_s, received_s];
         let wrapped = self.ticks + u64::from(telemetry.ticks.wrapping_sub(self.ticks as u32));
@@ -540,8 +672,7 @@ impl Asked {
             (telemetry.time_s, telemetry.time_bound_s) = clock.at(board_s);
             telemetry.drift = clock.drift();
         }
-        telemetry.round_trip_s = received_s - sent_s;
-        Ok(telemetry)
+        telemetry
     }
 }
 

@@ -72,8 +72,22 @@ pub struct Line {
     pub name: String,
     /// The port, its rate, and how long an answer may take; its number is the first board's.
     pub address: Address,
+    /// How the boards are asked.
+    pub exchange: Exchange,
     /// The boards, in the order in which they are asked.
     pub boards: Vec<Member>,
+}
+
+/// How the boards of a line are asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Exchange {
+    /// All at once, each answers in its slot; a board that does not know this, one by one. It is the
+    /// usual one: faster, and each board looks itself at the age of what it is told.
+    #[default]
+    Slots,
+    /// One by one.
+    Plain,
 }
 
 impl Line {
@@ -81,7 +95,7 @@ impl Line {
     pub fn goes_on_from(&self, before: &Self) -> bool {
         let of = |line: &Self| {
             let Address { port, line: PortLine { baud, parity }, limit, .. } = &line.address;
-            (line.name.clone(), port.clone(), *baud, *parity, *limit)
+            (line.name.clone(), port.clone(), *baud, *parity, *limit, line.exchange)
         };
         of(self) == of(before)
     }
@@ -129,6 +143,8 @@ struct FileLine {
     rate_bit_per_s: Option<u32>,
     parity: Option<FileParity>,
     answer_s: Option<f64>,
+    #[serde(default)]
+    exchange: Exchange,
     travel_mm: Option<[f64; 2]>,
     slew_mm_per_s: Option<f64>,
     boards: Vec<FileBoard>,
@@ -309,7 +325,7 @@ fn lines(File { line, group }: File, directory: &Path) -> Result<Lines, String> 
         };
         let parity = line.parity.map_or(Parity::None, Parity::from);
         let address = Address { port, line: PortLine { baud, parity }, unit: first.number, limit };
-        lines.push(Line { name, address, boards });
+        lines.push(Line { name, address, exchange: line.exchange, boards });
     }
     Ok(Lines { groups: groups(group, names)?, lines })
 }

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use wire::registers::{Id, Value as RegisterValue, state};
+use wire::slots::{Answer, Outcome};
 use wire::{Fault, State};
 
 /// What a board tells in one answer.
@@ -38,6 +39,10 @@ pub struct Telemetry {
     pub worst_tick_cycles: u32,
     /// When a tick has to have ended; 0 where ticks have no clock. Unit: core clock cycle.
     pub deadline_cycles: u32,
+    /// It came in the exchange in slots.
+    pub in_slots: bool,
+    /// What the board says there of what it was told.
+    pub outcome: Option<Outcome>,
 }
 
 impl Telemetry {
@@ -69,6 +74,43 @@ impl Telemetry {
             temperature_c: number(Id::TemperatureC),
             worst_tick_cycles: number(Id::WorstTick) as u32,
             deadline_cycles: number(Id::Deadline) as u32,
+            in_slots: false,
+            outcome: None,
+        }
+    }
+
+    /// That of an answer in a slot; what it does not tell is as before, and times are 0.
+    pub fn of_answer(answer: &Answer, deadline_cycles: u32) -> Self {
+        let state = answer.state;
+        Self {
+            time_s: 0.0,
+            time_bound_s: 0.0,
+            drift: (0.0, 0.0),
+            round_trip_s: 0.0,
+            ticks: answer.ticks,
+            state,
+            fault: answer.fault,
+            pressure_bar: answer.pressure_bar.into(),
+            contraction_mm: answer.contraction_mm.into(),
+            reference_mm: (state == State::Tracking).then(|| answer.reference_mm.into()),
+            command_bar: answer.command_bar.into(),
+            supply_bar: answer.supply_bar.into(),
+            temperature_c: answer.temperature_c.into(),
+            worst_tick_cycles: answer.worst_tick_cycles,
+            deadline_cycles,
+            in_slots: true,
+            outcome: Some(answer.outcome).filter(|outcome| *outcome != Outcome::Asked),
+        }
+    }
+
+    /// Why a board has not taken what it was told in a slot, in a word.
+    pub fn not_taken(&self) -> Option<&'static str> {
+        match self.outcome? {
+            Outcome::Asked | Outcome::Taken => None,
+            Outcome::Late => Some("late"),
+            Outcome::Ahead => Some("ahead"),
+            Outcome::Repeated => Some("repeated"),
+            Outcome::Refused => Some("refused"),
         }
     }
 
@@ -86,7 +128,7 @@ impl Telemetry {
             "fault": self.fault, "pressure_bar": self.pressure_bar, "contraction_mm": self.contraction_mm,
             "reference_mm": self.reference_mm, "command_bar": self.command_bar, "supply_bar": self.supply_bar,
             "temperature_c": self.temperature_c, "worst_tick_cycles": self.worst_tick_cycles,
-            "deadline_cycles": self.deadline_cycles,
+            "deadline_cycles": self.deadline_cycles, "not_taken": self.not_taken(),
         })
     }
 }

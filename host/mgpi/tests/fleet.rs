@@ -3,6 +3,9 @@
 
 mod common;
 
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
 use common::Bench;
 use common::processes::signal;
 use serde_json::Value;
@@ -67,4 +70,31 @@ fn numbers_that_no_bus_has_are_refused_before_anything_is_made() {
     let said = bench.refuses("fleet lab --boards 3 --lines 4");
     assert!(said.contains("4 lines are not in 1 to 3"), "{said}");
     assert!(bench.files().is_empty());
+}
+
+#[test]
+fn a_board_in_the_emulator_is_on_a_line_of_its_own_and_the_gateway_asks_it_in_slots_like_the_others() {
+    if board_client::emulator::image::find(None).is_err() {
+        println!("skipped: there is no firmware for the emulator");
+        return;
+    }
+    let bench = Bench::new();
+    let _fleet = Fleet::start(&bench, "--boards 2 --lines 1 --emulated 1");
+    assert_eq!([1, 2].map(|line| numbers(&bench, line)), [vec![1, 2], vec![1]]);
+    let file = bench.path("lines.toml");
+    let text =
+        "[[line]]\nport = \"lab/line-1\"\nboards = [1, 2]\n[[line]]\nport = \"lab/line-2\"\nboards = [1]\n";
+    std::fs::write(&file, text).expect("written");
+    let gateway = gateway::Gateway::start(gateway::lines::read(&file).expect("two lines"));
+    let deadline = Instant::now() + Duration::from_secs(30);
+    while gateway.boards().all().iter().any(|board| board.answered < 100) {
+        let boards = gateway.boards().all();
+        assert!(Instant::now() < deadline, "{boards:#?}");
+        assert!(boards.iter().all(|board| board.problem.is_none()), "{boards:#?}");
+        sleep(Duration::from_millis(50));
+    }
+    let boards = gateway.boards().all();
+    assert!(boards.iter().all(|board| board.in_slots), "{boards:#?}");
+    let states = boards.iter().map(|board| board.telemetry.as_ref().map(|told| told.state));
+    assert!(states.into_iter().all(|state| state == Some(wire::State::Off)), "{boards:#?}");
 }

@@ -36,7 +36,7 @@ fn main() {
             "the tests of the network are skipped: {VARIABLE} names no Python; `cargo xtask test` makes one"
         );
     }
-    let tests: [(&str, fn()); 9] = [
+    let tests: [(&str, fn()); 10] = [
         ("no_message_is_lost_on_its_way_to_another_program", nothing_lost),
         ("set_points_drive_the_boards_and_silence_vents_them", driven),
         ("a_killed_gateway_leaves_every_board_vented_within_its_patience", killed),
@@ -44,6 +44,7 @@ fn main() {
         ("a_group_is_started_driven_and_stopped_as_one", grouped),
         ("boards_that_stay_are_not_disturbed_by_another_file_of_lines", reloaded),
         ("by_certificates_of_ones_own_some_see_some_drive_and_the_rest_are_kept_out", secured),
+        ("by_a_password_some_are_let_in_and_the_rest_kept_out", with_password),
         ("ros_2_sees_topics_services_types_and_hashes_as_its_own", ros),
         ("a_recording_is_read_by_others_and_by_import", recorded),
     ];
@@ -257,16 +258,37 @@ fn reloaded() {
 }
 
 fn secured() {
+    for link in ["tls", "quic"] {
+        let lab = Lab::new();
+        let end_point = format!("{link}/localhost:{}", free_port());
+        let folder = lab.0.path("keys").display().to_string();
+        let made = client(&end_point, &["certificates", &folder]).wait().expect("it ends");
+        assert!(made.success(), "the client says what is wrong above");
+        let gateway = lab.gateway_at(end_point, &format!("--zenoh-config {folder}/gateway.json5"));
+        let told = gateway.told(&["secure", &folder]);
+        assert_eq!(told["None"], serde_json::json!({"kept_out": true}), "{link}: {told}");
+        assert_eq!(
+            told["viewer"],
+            serde_json::json!({"seen": 4, "started": 0, "refused": 0}),
+            "{link}: {told}"
+        );
+        assert_eq!(
+            told["driver"],
+            serde_json::json!({"seen": 4, "started": 4, "refused": 0}),
+            "{link}: {told}"
+        );
+    }
+}
+
+fn with_password() {
     let lab = Lab::new();
-    let end_point = format!("tls/localhost:{}", free_port());
-    let folder = lab.0.path("keys").display().to_string();
-    let made = client(&end_point, &["certificates", &folder]).wait().expect("it ends");
+    let end_point = format!("tcp/127.0.0.1:{}", free_port());
+    let folder = lab.0.path("passwords").display().to_string();
+    let made = client(&end_point, &["passwords", &folder]).wait().expect("it ends");
     assert!(made.success(), "the client says what is wrong above");
     let gateway = lab.gateway_at(end_point, &format!("--zenoh-config {folder}/gateway.json5"));
-    let told = gateway.told(&["secure", &folder]);
-    assert_eq!(told["None"], serde_json::json!({"kept_out": true}), "{told}");
-    assert_eq!(told["viewer"], serde_json::json!({"seen": 4, "started": 0, "refused": 0}), "{told}");
-    assert_eq!(told["driver"], serde_json::json!({"seen": 4, "started": 4, "refused": 0}), "{told}");
+    let told = gateway.told(&["login"]);
+    assert_eq!(told, serde_json::json!({"nobody": "kept out", "wrong": "kept out", "driver": 4}));
 }
 
 fn killed() {

@@ -29,6 +29,7 @@ All registers are holding registers, at the addresses that go over the wire, cou
 | 8 | diagnostics: sub-function 0 sends its data back; 12, 13, 14 count damaged frames, refused requests, requests for this board |
 | 17 | board number, 0xFF while the valve is driven else 0, name and release |
 | 43/14 | device identification: 0 vendor, 1 product code, 2 release, 4 product name, 5 processor |
+| 65 | to all (number 0) alone: the [exchange in slots](network.md#all-boards-of-a-line-at-once) of a gateway, which each board that it names answers |
 
 - 32 bits take two registers, the high word first; half of such a pair is not written.
 - A request is carried out as a whole, or refused as a whole with an exception, and then nothing has changed.

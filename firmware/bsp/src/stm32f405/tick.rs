@@ -66,6 +66,17 @@ impl Tick {
 /// Time since the start, on a clock that wraps after 71 minutes, whatever interrupt or lock is at
 /// work; one that comes behind a tick's last instructions sees it a period late. Unit: µs.
 pub fn moment_us() -> u32 {
+    let ticks = TICKS.load(Ordering::Relaxed);
+    let moment = moment_behind(ticks);
+    match TICKS.load(Ordering::Relaxed) {
+        same if same == ticks => moment,
+        // A tick has interrupted the caller; the next one is far.
+        other => moment_behind(other),
+    }
+}
+
+/// The same, where so many ticks have ended.
+fn moment_behind(ticks: u32) -> u32 {
     // SAFETY: reading the counter has no side effect.
     let left = || unsafe { (*SYST::PTR).cvr.read() };
     // SAFETY: neither has reading which handlers are at work.
@@ -79,5 +90,5 @@ pub fn moment_us() -> u32 {
     };
     let period_us = 1_000_000 / TICKS_PER_SECOND;
     let elapsed_us = period_us.saturating_sub(left / CYCLES_PER_US.load(Ordering::Relaxed).max(1));
-    TICKS.load(Ordering::Relaxed).wrapping_add(begun).wrapping_mul(period_us).wrapping_add(elapsed_us)
+    ticks.wrapping_add(begun).wrapping_mul(period_us).wrapping_add(elapsed_us)
 }

@@ -26,7 +26,9 @@ use crc::{CRC_16_MODBUS, Crc};
 use rmodbus::client::ModbusRequest;
 use rmodbus::{ErrorKind, ModbusProto};
 use thiserror::Error;
+use wire::BusParameters;
 use wire::registers::{Id, Register};
+use wire::slots::{self, ANSWER_BYTES, Answer, Member, Slots};
 
 use super::port::{Line, Port, PortError};
 
@@ -38,6 +40,9 @@ const TRIES: usize = 16;
 const LATE: Duration = Duration::from_millis(30);
 /// So long what comes late is waited for: somebody who goes on sends no answers.
 const LATEST: Duration = Duration::from_millis(300);
+/// Behind the answer of the last slot the others are over, too: what came together may be read
+/// apart.
+const OVER: Duration = Duration::from_millis(2);
 /// The most registers of a reading.
 pub const MOST_READ: u16 = 125;
 /// The most registers of a writing.
@@ -211,6 +216,20 @@ fn as_reading(answer: Vec<u8>) -> Vec<u8> {
     }
 }
 
+/// Takes the whole answers of members out of what has come, and what is before them: noise.
+fn members_answers(come: &mut Vec<u8>, members: &[Member]) -> Vec<Answer> {
+    let mut answers = Vec::new();
+    let mut place = 0;
+    while let Some(frame) = come.get(place..place + ANSWER_BYTES) {
+        let answer =
+            Answer::of_frame(frame).filter(|answer| members.iter().any(|member| member.unit == answer.unit));
+        place += answer.map_or(1, |_| ANSWER_BYTES);
+        answers.extend(answer);
+    }
+    come.drain(..place);
+    answers
+}
+
 impl Client {
     /// Opens the port.
     ///
@@ -334,6 +353,47 @@ impl Client {
             self.exchange(&frame, 0, self.address.limit)?;
         }
         Ok(())
+    }
+
+    /// Tells all members of an exchange in slots at once, and takes their answers, until the last
+    /// slot is over and the limit behind it, or there are no more to come. Answers each with the
+    /// time since the request was sent.
+    ///
+    /// # Errors
+    /// The port cannot be used.
+    pub fn exchange_in_slots(
+        &mut self,
+        sequence: u16,
+        gap_us: u16,
+        members: &[Member],
+    ) -> Result<Vec<(Answer, Duration)>, PortError> {
+        let Some(frame) = slots::request(sequence, gap_us, members) else { return Ok(Vec::new()) };
+        let Line { baud, parity } = self.address.line;
+        let slots =
+            Slots::new(&BusParameters { baud, parity: parity.into(), ..BusParameters::STANDARD }, gap_us);
+        let takes_us = slots.bytes_us(frame.len()) + slots.begin_us(members.len());
+        self.settle();
+        self.port.discard()?;
+        let begin = Instant::now();
+        let mut deadline = begin + Duration::from_micros(takes_us.into()) + self.address.limit;
+        self.port.send(&frame, deadline)?;
+        let (mut answers, mut come, mut buffer) = (Vec::new(), Vec::new(), [0; 256]);
+        while answers.len() < members.len() {
+            let count = self.port.receive(&mut buffer, deadline)?;
+            if count == 0 {
+                break;
+            }
+            come.extend_from_slice(&buffer[..count]);
+            for answer in members_answers(&mut come, members) {
+                if members.last().is_some_and(|last| last.unit == answer.unit) {
+                    // The other slots are over, too.
+                    deadline = deadline.min(Instant::now() + OVER);
+                }
+                answers.push((answer, begin.elapsed()));
+            }
+        }
+        self.ended = Instant::now();
+        Ok(answers)
     }
 
     /// Waits for the silence behind the last frame: what is sent next goes out at once.

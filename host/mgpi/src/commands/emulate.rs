@@ -11,6 +11,7 @@ use super::background;
 use super::plant::PlantArguments;
 use crate::Error;
 use board_client::child::{ChildGroup, WAIT_SLICE};
+use board_client::emulator::image::Image;
 use board_client::emulator::line::Line;
 use board_client::emulator::log::LogDecoder;
 use board_client::emulator::{Emulator, EmulatorError, image, qemu, real_time};
@@ -58,23 +59,36 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
 }
 
 /// Runs the board in real time, on a serial port of this name.
-fn on_bus(
-    port: &Path,
-    Arguments { plant: arguments, firmware, ready_fd, .. }: &Arguments,
-) -> Result<(), Error> {
+fn on_bus(port: &Path, Arguments { plant, firmware, ready_fd, .. }: &Arguments) -> Result<(), Error> {
     let elf = image::find(firmware.as_deref())?;
-    let stop = Stop::on_signals();
-    let mut plant = PlantProcess::start(&arguments.program(), &stop).map_err(PilError::from)?;
-    let (mut board, bus) = Emulator::start_with_bus(&elf, &stop)?;
+    on_line(port, &elf, plant, &Stop::on_signals(), |line| {
+        if line.has_replaced() {
+            say!("{}: was left by an emulator that was killed, and is replaced", port.display());
+        }
+        say!("serial port {} ({}); Ctrl-C ends the emulator", port.display(), line.terminal().display());
+        background::tell_ready(*ready_fd)
+    })
+}
+
+/// Runs a board with this plant on a serial port of this name until a stop is requested; `ready` is
+/// called as soon as the port is there.
+///
+/// # Errors
+/// Emulator, plant or port cannot be started, or end by themselves.
+pub fn on_line(
+    port: &Path,
+    elf: &Image,
+    arguments: &PlantArguments,
+    stop: &Stop,
+    ready: impl FnOnce(&Line) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let mut plant = PlantProcess::start(&arguments.program(), stop).map_err(PilError::from)?;
+    let (mut board, bus) = Emulator::start_with_bus(elf, stop)?;
     lock_step::protect(&mut board, arguments.protection(real_time::PERIOD.as_secs_f32()))?;
     let refused = |problem| EmulatorError::Line { name: port.to_owned(), problem };
     let line = Line::open(port, bus).map_err(refused)?;
-    if line.has_replaced() {
-        say!("{}: was left by an emulator that was killed, and is replaced", port.display());
-    }
-    say!("serial port {} ({}); Ctrl-C ends the emulator", port.display(), line.terminal().display());
-    background::tell_ready(*ready_fd)?;
-    let run = real_time::run(&mut board, &mut plant, &stop, |late| {
+    ready(&line)?;
+    let run = real_time::run(&mut board, &mut plant, stop, |late| {
         say!(
             "this machine is slow: a tick came {:.2} s late. The board's time then passes more slowly than that of the \
              wall; recordings and logs are in the board's time, and stay right",

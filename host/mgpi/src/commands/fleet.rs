@@ -1,19 +1,21 @@
 //! `mgpi fleet`: many boards without hardware.
 
-use std::fs;
 use std::path::{Path, PathBuf};
-use std::thread;
+use std::sync::mpsc::channel;
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
+use std::{fs, io};
 
 use ::fleet::{Fleet, LARGEST_UNIT, Setting, line_name};
 use ::rig::effect::Hide;
 use board_client::child::WAIT_SLICE;
-use board_client::emulator::EmulatorError;
+use board_client::emulator::{EmulatorError, image};
 use board_client::stop::Stop;
 use clap::Args;
 use wire::Protection;
 
-use super::background;
+use super::plant::PlantArguments;
+use super::{background, emulate};
 use crate::Error;
 
 /// A delay of a tick that is worth a word: what is later is not made up for.
@@ -35,6 +37,10 @@ pub struct Arguments {
     /// Number of lines
     #[arg(long, default_value_t = 4, value_name = "N")]
     lines: u8,
+    /// Number of boards more whose firmware runs in the emulator: each is number 1 of a line of its
+    /// own, behind the others
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    emulated: u8,
     /// Seed of the first board's muscle; the others have those that follow
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -95,6 +101,13 @@ fn on_lines(arguments: &Arguments) -> Result<(), Error> {
     let refused = |problem| EmulatorError::Line { name: arguments.directory.clone(), problem };
     fs::create_dir_all(&arguments.directory).map_err(refused)?;
     let mut fleet = Fleet::start(&arguments.directory, &setting)?;
+    let emulated = (1..=arguments.emulated)
+        .map(|number| {
+            let port = line_name(&arguments.directory, lines.saturating_add(number));
+            Emulated::start(port, PlantArguments::built_in(arguments.hide.clone(), no_monitors), &stop)
+        })
+        .filter_map(Result::transpose)
+        .collect::<Result<Vec<_>, _>>()?;
     for (port, units) in fleet.lines() {
         let numbers = match units {
             [one] => format!("board {one}"),
@@ -103,11 +116,17 @@ fn on_lines(arguments: &Arguments) -> Result<(), Error> {
         };
         say!("{}: {numbers}", port.display());
     }
+    for Emulated { port, .. } in &emulated {
+        say!("{}: board 1, in the emulator", port.display());
+    }
     say!("Ctrl-C ends the boards");
     background::tell_ready(arguments.ready_fd)?;
     let mut is_told = false;
     while !stop.is_requested() {
         fleet.check()?;
+        if emulated.iter().any(|board| board.thread.is_finished()) {
+            break;
+        }
         let delay = fleet.longest_delay();
         if delay > LATE && !is_told {
             say!(
@@ -119,6 +138,50 @@ fn on_lines(arguments: &Arguments) -> Result<(), Error> {
         }
         thread::sleep(WAIT_SLICE);
     }
+    // The others go on until these have ended.
+    stop.request();
+    emulated.into_iter().try_for_each(Emulated::end)?;
     say!("the latest tick came {:.1} ms late", 1e3 * fleet.longest_delay().as_secs_f64());
     Ok(())
+}
+
+/// A board in the emulator, on a line of its own.
+struct Emulated {
+    port: PathBuf,
+    thread: JoinHandle<Result<(), Error>>,
+}
+
+impl Emulated {
+    /// Starts one, and waits until its port is there; none where a stop comes before.
+    ///
+    /// # Errors
+    /// There is no firmware, or the emulator cannot be started.
+    fn start(port: PathBuf, plant: PlantArguments, stop: &Stop) -> Result<Option<Self>, Error> {
+        let elf = image::find(None)?;
+        let (told, is_ready) = channel();
+        let (name, stop) = (port.clone(), stop.clone());
+        let thread = thread::spawn(move || {
+            emulate::on_line(&name, &elf, &plant, &stop, |_| {
+                // Who waits for it is there.
+                let _ = told.send(());
+                Ok(())
+            })
+        });
+        let board = Self { port, thread };
+        // Without a word it has ended, and says why.
+        match is_ready.recv() {
+            Ok(()) => Ok(Some(board)),
+            Err(_) => board.end().map(|()| None),
+        }
+    }
+
+    /// Waits until it has ended.
+    ///
+    /// # Errors
+    /// It has ended by itself; why.
+    fn end(self) -> Result<(), Error> {
+        let panicked = |_| io::Error::other("it has panicked");
+        let refused = |problem| EmulatorError::Line { name: self.port, problem };
+        self.thread.join().map_err(panicked).map_err(refused)?
+    }
 }

@@ -9,6 +9,9 @@ use wire::Protection;
 use super::number::positive;
 use board_client::pil::plant::Program;
 
+/// Longest time for an answer of the plant, if nothing else is said. Unit: s.
+const PLANT_TIMEOUT_S: f64 = 5.0;
+
 /// What the board drives.
 #[derive(Args, Clone, Debug)]
 pub struct PlantArguments {
@@ -20,7 +23,7 @@ pub struct PlantArguments {
     #[arg(long, value_name = "COMMAND", conflicts_with = "plant")]
     plant_command: Option<String>,
     /// Longest time for an answer of the plant in s
-    #[arg(long, default_value_t = 5.0, value_name = "S", value_parser = positive)]
+    #[arg(long, default_value_t = PLANT_TIMEOUT_S, value_name = "S", value_parser = positive)]
     plant_timeout_s: f64,
     /// Run the board without the monitors of its plant: pressure, stuck or spiking sensors, a
     /// contraction that does not go with the pressure, a valve that does not follow, too much
@@ -56,6 +59,12 @@ fn this_program(arguments: Vec<String>, limit: Duration) -> Program {
 }
 
 impl PlantArguments {
+    /// The built-in plant, with effects hidden in it or without.
+    pub fn built_in(hidden: Option<Hide>, no_monitors: bool) -> Self {
+        let plant = Some(Rig { hidden });
+        Self { plant, plant_command: None, plant_timeout_s: PLANT_TIMEOUT_S, no_monitors }
+    }
+
     /// By which limits the board protects the plant; its ticks are `period_s` apart.
     pub fn protection(&self, period_s: f32) -> Protection {
         if self.no_monitors { Protection::SIMULATED } else { Protection::STANDARD.for_period(period_s) }

@@ -31,6 +31,8 @@
 //! # Limits
 //! The internal oscillator, which is the fall-back, is 1 % off; so is the tick then.
 
+use core::sync::atomic::AtomicBool;
+
 use bsp::safe_end::SafeEnd;
 use bsp::stm32f405::{memory, valve};
 use defmt_rtt as _;
@@ -39,6 +41,8 @@ use wire::Fault;
 
 /// Where the tasks check in.
 static CHECK_INS: CheckIns = CheckIns::new();
+/// Whether the board's slot on the bus is near: it begins between two ticks.
+static IS_SLOT_NEAR: AtomicBool = AtomicBool::new(false);
 
 /// Vents, records what happened, and resets the processor.
 enum Restart {}
@@ -95,7 +99,7 @@ mod app {
     use stm32f4::stm32f405::{Interrupt, USART1, USART2};
     use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State, registers};
 
-    use super::CHECK_INS;
+    use super::{CHECK_INS, IS_SLOT_NEAR};
 
     /// More than the longest frame of either port takes: on the bus 256 bytes of 11 bits, at the
     /// lowest rate of 9,600 bit/s 294 ms; 44 ms on the link. Unit: µs.
@@ -366,7 +370,10 @@ mod app {
             }
             light.set(led::is_lit(state, fault, ticks));
             log_change(logged, state);
-            cortex_m::asm::wfi();
+            // Near a slot the bus looks at the time again and again, for a tick and a half at most.
+            if !IS_SLOT_NEAR.load(Ordering::Relaxed) {
+                cortex_m::asm::wfi();
+            }
         }
     }
 
@@ -444,5 +451,6 @@ mod app {
         let bus::LocalResources { bus_port, modbus, .. } = cx.local;
         let mut node = BoardNode::new(cx.shared.control, cx.shared.kept);
         serve(bus_port, modbus, moment_us, &mut node);
+        IS_SLOT_NEAR.store(modbus.is_slot_near(moment_us()), Ordering::Relaxed);
     }
 }

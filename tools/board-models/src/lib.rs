@@ -1,6 +1,6 @@
 //! What boards are measured and tested with: the paper's model with its gains, the same with a
-//! piecewise-linear envelope and with every extension, and one model of each kind ([`family`]); and a
-//! joint of two muscles ([`joint`]).
+//! piecewise-linear envelope and with every extension, and one model of each kind ([`family`]); and
+//! a joint of two muscles ([`joint`]).
 
 pub mod family;
 pub mod joint;

@@ -215,8 +215,8 @@ impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
         Ok(JointSample { time_s: 0.0, wanted: *wanted, measured, commands_bar, reply })
     }
 
-    /// Follows what is wanted, a tick each, behind the start ([`start`]), and vents. `look` sees the
-    /// plant before each tick.
+    /// Follows what is wanted, a tick each, behind the start ([`start`]), and vents. `look` sees
+    /// the plant before each tick.
     ///
     /// # Errors
     /// Board or plant do not answer as they should, or a stop is requested.

@@ -76,8 +76,8 @@ pub struct Arguments {
     /// program]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
-    /// The model is that of two muscles at a joint, from `mgpi identify --joint`: the firmware of two
-    /// channels runs; a plant then answers
+    /// The model is that of two muscles at a joint, from `mgpi identify --joint`: the firmware of
+    /// two channels runs; a plant then answers
     /// `time_s command_a_bar command_b_bar` with `pressure_a_bar pressure_b_bar angle_deg`
     #[arg(
         long,

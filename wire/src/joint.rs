@@ -112,9 +112,11 @@ impl JointBoardState {
 /// The samples of one tick: what the board's ADC would have read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JointTickRequest {
-    /// What the joint is to do; `None` leaves it at what it was told last. Looked at while tracking.
+    /// What the joint is to do; `None` leaves it at what it was told last. Looked at while
+    /// tracking.
     pub target: Option<JointTarget<f32>>,
-    /// Of both pressures, of the muscle that turns the joint to larger angles first. Unit: ADC code.
+    /// Of both pressures, of the muscle that turns the joint to larger angles first. Unit: ADC
+    /// code.
     pub pressure_codes: [u16; 2],
     /// Of the angle. Unit: ADC code.
     pub angle_code: u16,

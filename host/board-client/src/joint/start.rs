@@ -1,6 +1,6 @@
-//! The start of a joint, which its board does by itself ([`JointRequest::Start`]): filled, tried with
-//! a small motion, swung through its range, all without feedback. What is wrong with it the board
-//! says by a fault.
+//! The start of a joint, which its board does by itself ([`JointRequest::Start`]): filled, tried
+//! with a small motion, swung through its range, all without feedback. What is wrong with it the
+//! board says by a fault.
 
 use std::f64::consts::PI;
 

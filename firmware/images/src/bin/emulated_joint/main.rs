@@ -1,5 +1,5 @@
-//! The image of a joint for the emulator (QEMU's `netduinoplus2`, an STM32F405): the control code of
-//! two channels in lock-step with a plant on the host.
+//! The image of a joint for the emulator (QEMU's `netduinoplus2`, an STM32F405): the control code
+//! of two channels in lock-step with a plant on the host.
 //!
 //! | task | priority | interrupt | runs | deadline |
 //! |---|---|---|---|---|

@@ -46,7 +46,9 @@ impl Obedient {
             }
         }
         assert_eq!(joint.last.state, JointBoardState::Tracking, "{:?}", joint.last);
-        (0..500).for_each(|_| drop(joint.tick(|_| ())));
+        for _ in 0..500 {
+            joint.tick(|_| ());
+        }
         assert!(joint.last.fault.is_none() && joint.last.dac_codes.iter().all(|code| *code > 0));
         joint
     }

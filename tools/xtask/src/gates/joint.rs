@@ -96,7 +96,7 @@ fn drive(link: &UnixStream) -> Result<()> {
     ensure!(last.state == JointBoardState::Tracking, "the joint does not start: {last:?}");
     let mut angle = last.due_rad;
     for number in 0..TRACKED {
-        let is_up = number / ONE_WAY % 2 == 0;
+        let is_up = (number / ONE_WAY).is_multiple_of(2);
         let (asked, other) = if is_up { (angles.1, angles.0) } else { (angles.0, angles.1) };
         // As fast as an angle may be without being taken for a spike.
         angle += (other - angle).clamp(-FASTEST_RAD, FASTEST_RAD);

@@ -33,7 +33,7 @@ impl<B: JointBoard, P: JointPlant> Loop<'_, B, P> {
         Err(PilError::OutOfTurn)
     }
 
-    /// Goes from where it is to what is wanted first, with feedback, within [`APPROACH_S`].
+    /// Goes from where it is to what is wanted first, with feedback, within 4 s.
     ///
     /// # Errors
     /// Board or plant do not answer as they should.

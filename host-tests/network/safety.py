@@ -26,6 +26,8 @@ from client import session
 NAME, UNITS = "lab", {"line-1": [1, 2], "line-2": [3, 4]}
 # bus_silent_ticks of a board, and what a machine that does much else may add to a round of a line. Unit: s.
 SILENT_S, LATE_S = 0.5, 0.4
+# Bytes of an answer in a slot.
+ANSWER_BYTES = 35
 # How often the start of all boards is tried before a loss.
 STARTS = 10
 
@@ -44,6 +46,8 @@ class Cable(threading.Thread):
         self.is_pulled = False
         # A board whose answers do not come through.
         self.silenced = None
+        # What has come of an answer in a slot.
+        self.part = b""
         self.start()
 
     def run(self):
@@ -59,10 +63,23 @@ class Cable(threading.Thread):
             for end in select.select([self.ours, self.board], [], [])[0]:
                 content = os.read(end, 4096)
                 if end == self.ours:
-                    asked = content[0]
-                is_lost = self.is_pulled or end == self.board and asked == self.silenced
-                if not is_lost:
+                    asked, self.part = content[0], b""
+                else:
+                    content = self.heard(content, asked)
+                if content and not self.is_pulled:
                     os.write(self.board if end == self.ours else self.ours, content)
+
+    def heard(self, content, asked):
+        """What of the boards' bytes comes through: no answer of the silenced one, asked by itself or in its slot."""
+        if self.silenced is None or asked not in (0, self.silenced):
+            return content
+        if asked == self.silenced:
+            return b""
+        self.part += content
+        whole = len(self.part) // ANSWER_BYTES * ANSWER_BYTES
+        answers = [self.part[at : at + ANSWER_BYTES] for at in range(0, whole, ANSWER_BYTES)]
+        self.part = self.part[whole:]
+        return b"".join(answer for answer in answers if answer[0] != self.silenced)
 
 
 def router(end_point):
@@ -224,8 +241,8 @@ def line_pulled(lab, chance):
     lab.cables[line].is_pulled = True
     time.sleep(SILENT_S + LATE_S)
     others = [state for key, state in lab.fresh().items() if f"/{line}/" not in key]
-    assert others == ["Tracking"] * 2, lab.states()
     lab.cables[line].is_pulled = False
+    assert others == ["Tracking"] * 2, lab.states()
     keys = [key for key in lab.told if f"/{line}/" in key]
     lab.wait("the line is seen again", lambda: all(key in lab.fresh() for key in keys))
     assert lab.vented(keys), lab.states()
@@ -240,8 +257,8 @@ def board_silenced(lab, chance):
     # Three questions without an answer, then its own patience; the others' rounds are longer meanwhile.
     time.sleep(SILENT_S + 2 * LATE_S)
     others = [state for other, state in lab.fresh().items() if other != key]
-    assert others == ["Tracking"] * 3, lab.states()
     lab.cables[line].silenced = None
+    assert others == ["Tracking"] * 3, lab.states()
     lab.wait("the board is seen again", lambda: key in lab.fresh())
     assert lab.vented([key]), lab.states()
 

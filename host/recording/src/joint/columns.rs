@@ -47,7 +47,8 @@ impl JointRecording {
     /// # Errors
     /// A column is missing, or is not what it should be.
     pub fn of(table: &Table, choice: &Choice) -> Result<Self, DataError> {
-        let choice = Choice { input: Some(FIRST.to_owned()), ..choice.clone() };
+        // Its columns have names of their own: no option names an input.
+        let choice = Choice { input: Some(FIRST.to_owned()), has_options: false, ..choice.clone() };
         let drive = Drive::of(table, &choice)?;
         let mut notes = drive.notes.clone();
         let unit = |suffix| Unit::of_symbol(suffix).unwrap_or(Unit::BAR);
@@ -64,5 +65,28 @@ impl JointRecording {
         let source = Source { file: drive.file.display().to_string(), sha256: drive.sha256.clone() };
         let Drive { time_s, scored, .. } = drive;
         Ok(Self { source, time_s, commands_bar, pressures_bar, angle_rad, torque_nm, scored, notes })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn refused(header: &str) -> String {
+        let csv = format!("{header}\n0,1,2\n1,2,3\n");
+        let table = Table::parse(Path::new("one.csv"), csv.as_bytes()).expect("a table");
+        let choice = Choice { has_options: true, ..Choice::default() };
+        JointRecording::of(&table, &choice).expect_err("no joint").to_string()
+    }
+
+    #[test]
+    fn a_recording_of_one_muscle_is_refused_with_the_column_that_may_be_meant() {
+        let of_muscle = refused("time_s,pressure_bar,contraction_mm");
+        assert!(of_muscle.contains("no column pressure_a_bar"), "{of_muscle}");
+        assert!(of_muscle.contains("say --columns pressure_a=pressure_bar"), "{of_muscle}");
+        let of_lengths = refused("time_s,length_mm,contraction_mm");
+        assert!(!of_lengths.contains("is meant"), "{of_lengths}");
     }
 }

@@ -182,11 +182,9 @@ fn cure(table: &Table, option: Option<&str>, wanted: &str) -> String {
         Quantity::Length,
     ];
     // What has one of our own names is no candidate for another one.
-    let others: &[&str] = if INPUTS.contains(&wanted) {
-        &["time", "contraction", "length"]
-    } else {
-        &["time", "pressure", "command"]
-    };
+    let is_input = INPUTS.contains(&wanted) || channel.unit.quantity() == Quantity::Pressure;
+    let others: &[&str] =
+        if is_input { &["time", "contraction", "length"] } else { &["time", "pressure", "command"] };
     let is_other = |(stem, _): &(&str, &str)| !others.contains(stem);
     let with_unit = quantities.into_iter().find_map(|quantity| table.of_quantity(quantity).find(is_other));
     let time = table.time_column().ok();

@@ -9,8 +9,8 @@
 //! ```
 //! [`control::Control`] owns the tick. [`order::prepare`] turns a request into an order for it and
 //! does the long work (validation, the inverse of a model, its survey) outside the tick's lock;
-//! applying an order is a check of the state and a move. Two muscles at a joint have a tick of their
-//! own, [`joint`].
+//! applying an order is a check of the state and a move. Two muscles at a joint have a tick of
+//! their own, [`joint`].
 //!
 //! # Safety
 //! The valve is driven in the states `Tracking`, `Holding` and `Service` only ([`state_machine`]).

@@ -5,7 +5,7 @@ import struct
 from stm32f405.case import ChipCase
 from stm32f405.host import take, with_crc
 
-FUNCTION, ANSWER_BYTES, GAP_S = 65, 35, 500e-6
+FUNCTION, ANSWER_BYTES, GAP_S = 65, 37, 500e-6
 TAKEN, LATE, REPEATED = 1, 2, 4
 RATES = (115_200, 1_000_000)
 
@@ -80,7 +80,7 @@ class Slots(ChipCase):
         for number in range(12):
             chip.run(number * 0.083e-3)
             edges, answer = self.exchange(chip, asked(9, 1), 1, [0], sequence=number)
-            self.assertEqual((len(answer), answer[3]), (ANSWER_BYTES, 6))
+            self.assertEqual((len(answer), answer[5]), (ANSWER_BYTES, 6))
             self.assertLess(abs(edges[0] - self.begin_s(chip, 1)), GAP_S / 2)
         self.assertEqual(master.get("late_ticks"), take_late)
 
@@ -90,7 +90,7 @@ class Slots(ChipCase):
         for sequence, ahead, outcome in ((101, -2_000, LATE), (100, 500, REPEATED), (101, 500, TAKEN)):
             until = (master.get("ticks") + ahead) % 2**32
             _, answer = self.exchange(chip, [(1, 1, until, 0.0)], 0, sequence=sequence)
-            self.assertEqual(answer[2], outcome)
+            self.assertEqual((answer[2:4], answer[4]), (sequence.to_bytes(2, "big"), outcome))
             self.assertEqual(master.get("heartbeat"), 101 if outcome == TAKEN else 100)
 
     def test_a_frame_with_more_members_than_fit_is_silence_and_the_next_one_is_heard(self):

@@ -17,7 +17,7 @@ import urllib.request
 
 BITS = 10
 # Of a request in slots: without members, and each (wire/src/slots.rs); of an answer. Unit: byte.
-EMPTY, MEMBER, SLOT = 9, 10, 35
+EMPTY, MEMBER, SLOT = 9, 10, 37
 # Of a question one by one (with a set point and a sign of life: 8 + 13), and of its answer. Unit: byte.
 ASKED, TOLD, ANSWERED = 8, 21, 49
 # Before each slot, and between two frames. Unit: s.

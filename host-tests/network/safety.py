@@ -27,7 +27,7 @@ NAME, UNITS = "lab", {"line-1": [1, 2], "line-2": [3, 4]}
 # bus_silent_ticks of a board, and what a machine that does much else may add to a round of a line. Unit: s.
 SILENT_S, LATE_S = 0.5, 0.4
 # Bytes of an answer in a slot.
-ANSWER_BYTES = 35
+ANSWER_BYTES = 37
 # How often the start of all boards is tried before a loss.
 STARTS = 10
 

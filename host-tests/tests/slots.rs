@@ -92,6 +92,7 @@ fn the_answer_tells_what_the_registers_tell() {
     let ticks = board.control().ticks();
     let answer = answered(&mut board, &framed(102, &[asked(9), asked(UNIT)]));
     assert_eq!((answer.unit, answer.state, answer.fault, answer.ticks), (UNIT, State::Tracking, 0, ticks));
+    assert_eq!(answer.sequence, 102);
     let read = |board: &mut BusBoard, id| board.get(id).number() as f32;
     // It rests at codes that stay; reference and command move.
     assert!((answer.pressure_bar - read(&mut board, Id::PressureBar)).abs() < 1e-6);

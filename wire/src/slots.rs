@@ -16,6 +16,7 @@
 //! | answer | bytes |
 //! |---|---|
 //! | the member's number, function | 2 |
+//! | sequence of the request | 2 |
 //! | what has become of what was said ([`Outcome`]), state, fault | 3 |
 //! | tick | 4 |
 //! | pressure (bar), contraction (mm), reference (mm), command (bar) | 16 |
@@ -43,7 +44,7 @@ const MEMBER_BYTES: usize = 10;
 /// The most members of a request.
 pub const MOST_MEMBERS: usize = (FRAME_BYTES - EMPTY_BYTES) / MEMBER_BYTES;
 /// Of an answer, CRC included. Unit: byte.
-pub const ANSWER_BYTES: usize = 35;
+pub const ANSWER_BYTES: usize = 37;
 /// The shortest gap, half a tick: a tick that has to end by then delays an answer by no more. Unit:
 /// µs.
 pub const LEAST_GAP_US: u16 = 500;
@@ -118,6 +119,8 @@ pub struct Member {
 pub struct Answer {
     /// Its number on the bus.
     pub unit: u8,
+    /// That of the request: what comes late is not taken for the answer to another one.
+    pub sequence: u16,
     /// What has become of what it was told.
     pub outcome: Outcome,
     /// Its state.
@@ -243,7 +246,9 @@ impl Answer {
     pub fn frame(&self) -> Option<Vec<u8, FRAME_BYTES>> {
         let mut frame = Vec::new();
         let state = state_number(self.state) as u8;
-        frame.extend_from_slice(&[self.unit, FUNCTION, self.outcome as u8, state, self.fault]).ok()?;
+        frame.extend_from_slice(&[self.unit, FUNCTION]).ok()?;
+        frame.extend_from_slice(&self.sequence.to_be_bytes()).ok()?;
+        frame.extend_from_slice(&[self.outcome as u8, state, self.fault]).ok()?;
         frame.extend_from_slice(&self.ticks.to_be_bytes()).ok()?;
         for value in [self.pressure_bar, self.contraction_mm, self.reference_mm, self.command_bar] {
             frame.extend_from_slice(&value.to_be_bytes()).ok()?;
@@ -263,13 +268,16 @@ impl Answer {
         if frame.len() != ANSWER_BYTES || CRC.checksum(content) != u16::from_le_bytes(*crc) {
             return None;
         }
-        let &[unit, FUNCTION, outcome, state_number, fault, ref numbers @ ..] = content else { return None };
+        let &[unit, FUNCTION, high, low, outcome, state_number, fault, ref numbers @ ..] = content else {
+            return None;
+        };
         let (words, rest) = numbers.as_chunks::<4>();
         let &[ticks, pressure, contraction, reference, command, [a, b, c, d], worst] = words else {
             return None;
         };
         (unit != 0 && rest.is_empty()).then_some(Self {
             unit,
+            sequence: u16::from_be_bytes([high, low]),
             outcome: *Outcome::ALL.get(usize::from(outcome))?,
             state: state(state_number.into())?,
             fault,
@@ -325,6 +333,7 @@ mod tests {
     fn an_answer_is_read_as_it_was_written_and_a_damaged_one_is_none() {
         let answer = Answer {
             unit: 247,
+            sequence: 0xFFFE,
             outcome: Outcome::Repeated,
             state: State::Tracking,
             fault: 21,
@@ -373,7 +382,7 @@ mod tests {
     fn slots_follow_each_other_by_the_answer_and_the_gap() {
         let bus = BusParameters { baud: 1_000_000, ..BusParameters::STANDARD };
         let slots = Slots::new(&bus, 500);
-        assert_eq!([0, 1, 2].map(|place| slots.begin_us(place)), [500, 1_350, 2_200]);
-        assert_eq!(Slots::new(&BusParameters::STANDARD, 500).begin_us(1), 500 + 3_039 + 500);
+        assert_eq!([0, 1, 2].map(|place| slots.begin_us(place)), [500, 1_370, 2_240]);
+        assert_eq!(Slots::new(&BusParameters::STANDARD, 500).begin_us(1), 500 + 3_212 + 500);
     }
 }

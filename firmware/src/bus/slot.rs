@@ -47,6 +47,7 @@ pub fn answer(
     let (telemetry, outputs) = node.control(|control| (control.telemetry(), control.outputs()));
     let answer = Answer {
         unit: bus.unit,
+        sequence: request.sequence,
         outcome,
         state: telemetry.state,
         fault: telemetry.fault.map_or(0, |fault| fault.code()),

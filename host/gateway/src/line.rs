@@ -50,8 +50,6 @@ const LEAST_S: f64 = 0.02;
 const LATEST_S: f64 = 1.0;
 /// How often a countdown is sent where this machine has been too slow in between.
 const COUNTS: usize = 5;
-/// What answers that have come late are behind the newest at the most. Unit: tick.
-const OLD_TICKS: u32 = 2_000;
 /// What is said of a board that leaves its slots empty.
 const NO_ANSWER: &str = "no answer in its slot: is the board powered, are A and B swapped?";
 /// How long this machine may take to send a countdown: a tick of the board. Unit: s.
@@ -288,7 +286,6 @@ impl Work<'_> {
             for (board, (member, says)) in members.iter_mut().zip(told) {
                 asked.push(board.index);
                 let answer = answers.iter().find(|(answer, _)| answer.unit == member.unit);
-                let answer = answer.filter(|(answer, _)| !board.is_before(answer.ticks));
                 let (Some((answer, since)), Some(first_s)) = (answer, first_s) else {
                     self.unheard(board, Problem::Silent(NO_ANSWER.to_owned()));
                     continue;
@@ -553,13 +550,6 @@ impl Asked {
         let since_s = Boards::now_s() - (seen_s + bound_s) + left.as_secs_f64();
         let until = (self.ticks as u32).wrapping_add((since_s / period_s).max(0.0) as u32);
         slots::Member { unit: self.member.number, said, until }
-    }
-
-    /// Whether a board's ticks are before the last ones: an answer that has come late. One that has
-    /// restarted is further back.
-    fn is_before(&self, ticks: u32) -> bool {
-        let behind = (self.ticks as u32).wrapping_sub(ticks);
-        (1..OLD_TICKS).contains(&behind)
     }
 
     /// Looks whether its trajectory is still to be played; leaves it off if not.

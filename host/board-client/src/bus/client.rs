@@ -384,7 +384,9 @@ impl Client {
                 break;
             }
             come.extend_from_slice(&buffer[..count]);
-            for answer in members_answers(&mut come, members) {
+            // What belongs to a request before has come too late.
+            let of_request = |answer: &Answer| answer.sequence == sequence;
+            for answer in members_answers(&mut come, members).into_iter().filter(of_request) {
                 if members.last().is_some_and(|last| last.unit == answer.unit) {
                     // The other slots are over, too.
                     deadline = deadline.min(Instant::now() + OVER);

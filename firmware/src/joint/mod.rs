@@ -171,7 +171,7 @@ impl JointTask {
         }
     }
 
-    /// Carries a request out; a tick is none that comes this way.
+    /// Carries a request out. A tick does not come this way: [`Self::tick`].
     pub fn carry_out(&mut self, request: &JointRequest) -> JointResponse {
         match request {
             JointRequest::Identify => JointResponse::Hello(self.hello()),

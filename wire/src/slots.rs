@@ -214,7 +214,7 @@ pub struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// That of a frame whose CRC fits; `None` if it is none.
+    /// The request in a frame whose CRC fits; `None` if the frame is no request.
     pub fn of_frame(frame: &'a [u8]) -> Option<Self> {
         let &[0, FUNCTION, count, high, low, gap_high, gap_low, ref members @ .., _, _] = frame else {
             return None;

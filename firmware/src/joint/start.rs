@@ -31,7 +31,7 @@ pub struct Start {
     range: f32,
     stiffness: f32,
     period_s: f32,
-    motion: Part,
+    part: Part,
     /// Within the part.
     ticks: u32,
     seen: Seen,
@@ -70,7 +70,7 @@ impl Start {
             range: highest - lowest,
             stiffness,
             period_s,
-            motion: Part::Fill,
+            part: Part::Fill,
             ticks: 0,
             seen: Seen::default(),
         }
@@ -78,7 +78,7 @@ impl Start {
 
     /// What the joint is to do in this tick.
     pub fn target(&self) -> JointTarget<f32> {
-        let angle = self.middle + self.motion.share() * self.range * wave(self.elapsed());
+        let angle = self.middle + self.part.share() * self.range * wave(self.elapsed());
         JointTarget { angle, stiffness: self.stiffness, load: 0.0 }
     }
 
@@ -96,11 +96,11 @@ impl Start {
         }
         let seen = core::mem::take(&mut self.seen);
         self.ticks = 0;
-        match self.motion {
-            Part::Fill => self.motion = Part::Small,
+        match self.part {
+            Part::Fill => self.part = Part::Small,
             Part::Small => {
                 seen.is_as_wired(SMALL * self.range)?;
-                self.motion = Part::Large;
+                self.part = Part::Large;
             }
             Part::Large => {
                 seen.is_the_models(LARGE * self.range, self.range)?;
@@ -112,7 +112,7 @@ impl Start {
 
     /// Which share of the part is over.
     fn elapsed(&self) -> f32 {
-        self.ticks as f32 * self.period_s / self.motion.duration_s()
+        self.ticks as f32 * self.period_s / self.part.duration_s()
     }
 }
 

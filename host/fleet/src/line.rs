@@ -147,8 +147,8 @@ pub fn run(
     Ok(())
 }
 
-/// Puts an answer on its way, behind what is there: as late as the bytes of its request, and its own,
-/// take.
+/// Sends an answer behind those that are still on the line: it arrives when the bytes of its
+/// request (`early`) and its own would have.
 fn push(
     on_its_way: &mut VecDeque<(Instant, Vec<u8>)>,
     sent: Vec<u8>,

@@ -80,7 +80,7 @@ pub fn find(named: Option<&Path>) -> Result<Image, ImageError> {
 /// looked for beside it.
 ///
 /// # Errors
-/// There is none.
+/// No such firmware is found.
 pub fn find_which(which: Which, named: Option<&Path>) -> Result<Image, ImageError> {
     let of_environment = || {
         let path = std::env::var_os(VARIABLE).map(PathBuf::from)?;

@@ -47,7 +47,7 @@ pub trait JointBoard {
     /// Sends a request and waits for the response.
     ///
     /// # Errors
-    /// There is none.
+    /// No response comes.
     fn request(&mut self, request: &JointRequest) -> Result<JointResponse, PilError>;
 }
 

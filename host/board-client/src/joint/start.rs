@@ -9,9 +9,9 @@ use wire::joint::{JointBoardState, JointRequest};
 use super::{JointBoard, JointPlant, JointWanted, Loop, demand};
 use crate::pil::PilError;
 
-/// How long the way to the first point takes. Unit: s.
+/// How long the way to the first point takes: as long as a swing of the start. Unit: s.
 const APPROACH_S: f64 = 4.0;
-/// A board that has not started after so long never does. Unit: s.
+/// A start takes 10 s; a board that has not started after six times that never does. Unit: s.
 const LONGEST_S: f64 = 60.0;
 
 impl<B: JointBoard, P: JointPlant> Loop<'_, B, P> {

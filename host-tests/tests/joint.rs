@@ -15,9 +15,8 @@ use wire::joint::JointFault;
 /// Joints that are tried: seeds that nothing was chosen by.
 const SEEDS: std::ops::RangeInclusive<u64> = 101..=108;
 
-/// The most that the stiffness of any joint is off by, in percent. The goal is 5, which most joints
-/// keep: friction is taken as linear in the pressure, and the rig's is not.
-const STIFFNESS_PERCENT: f64 = 8.0;
+/// The most that the stiffness of any joint is off by, in percent: what is aimed at.
+const STIFFNESS_PERCENT: f64 = 5.0;
 
 #[test]
 fn joints_follow_their_angle_and_are_as_stiff_as_asked_without_the_one_disturbing_the_other() {
@@ -36,8 +35,6 @@ fn joints_follow_their_angle_and_are_as_stiff_as_asked_without_the_one_disturbin
         let (lowest, highest) = tried.commands_bar;
         assert!(lowest >= 0.0 && highest <= 6.0, "{seed}: {tried:?}");
     }
-    let near = all.iter().filter(|(_, tried)| tried.stiffness_percent <= 5.0).count();
-    assert!(2 * near > all.len(), "{near} of {} joints are as stiff as asked within 5 %", all.len());
 }
 
 /// The start of a joint by a model.
@@ -122,7 +119,7 @@ fn a_model_file_reads_back_as_the_same_joint_and_a_changed_one_is_refused() {
     std::fs::write(&path, &text).expect("written");
     assert_eq!(JointFile::read(&path).expect("readable").to_toml(), text);
     for (from, to, message) in [
-        ("format = 1", "format = 2", "format 2 is of another version"),
+        ("format = 2", "format = 1", "format 1 is of another version"),
         ("kind = \"joint\"", "kind = \"mgpi\"", "kind: \"mgpi\" is no joint"),
         ("knee_bar2", "knee", "knee_bar2: missing"),
         ("valve_lag_s = 0", "valve_lag_s = -0", "valve_lag"),

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::{Fault, Refusal, Scaling};
 
 /// Version of these messages. Raised with every change that the other side would misread.
-pub const JOINT_VERSION: u16 = 1;
+pub const JOINT_VERSION: u16 = 2;
 /// The largest number of stops that a board takes.
 pub const STOPS: usize = 12;
 

@@ -155,6 +155,13 @@ impl<T: Real, const N: usize> JointControl<T, N> {
         }
     }
 
+    /// Pressures (bar) as far as the model knows their friction: not below the lowest ones, as they
+    /// are while the joint is filled.
+    fn held(&self, angle: T, pressures: [T; 2]) -> [T; 2] {
+        let ([a, b], [pressure_a, pressure_b]) = (self.joint.muscles(), pressures);
+        [pressure_a.at_least(a.bounds(angle).0), pressure_b.at_least(b.bounds(angle).0)]
+    }
+
     /// One sample. `angle`, now: rad.
     ///
     /// # Errors
@@ -175,10 +182,11 @@ impl<T: Real, const N: usize> JointControl<T, N> {
         let soft = state.stiffness.unwrap_or(asked_stiffness);
         let stiff = soft + (asked_stiffness - soft).limit(-self.largest_stiffening, self.largest_stiffening);
         state.stiffness = Some(stiff);
-        self.joint.stops().turn(&mut state.stops, due);
+        let held = self.held(due, state.led);
+        self.joint.turn(&mut state.stops, due, held);
 
         let torque = self.joint.torque_form(due, (due - last) / self.period_s, &state.stops);
-        let stiffness = self.joint.stiffness_form(due);
+        let stiffness = self.joint.stiffness_form(due, self.joint.drives(held));
         let shared = |wanted| share(self.joint.muscles(), due, (&torque, wanted), (&stiffness, stiff));
         let error = due - angle;
         let forward = shared(-load);

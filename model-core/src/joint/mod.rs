@@ -1,21 +1,25 @@
 //! A joint: two muscles that pull against each other at one axis, each on a regulator of its own.
 //!
 //! ```text
-//! torque    τ = u_a α_a(φ) - u_b α_b(φ) - passive(φ) - viscosity φ' - Σₖ (wₖ + v_a,ₖ u_a + v_b,ₖ
-//! u_b) σₖ drive     u = p + knee/p stop k    σₖ: the angle since the last reversal, at most ± rₖ
+//! torque     τ = u_a α_a(φ) - u_b α_b(φ) - passive(φ) - viscosity φ' - Σₖ (w_a,ₖ σ_a,ₖ + w_b,ₖ σ_b,ₖ)
+//! drive      u = p + knee/p
+//! slip       h = constant + per_bar u
+//! stop m, k  σ: the angle since the last reversal, at most ± rₖ h_m
 //! ```
 //!
-//! with φ the angle, p a muscle's pressure, α its torque for each bar of drive, w and v the
-//! friction that does not, and that does grow with the pressure. The torque is linear in both
-//! drives, and so is the stiffness: which pressures bring about a torque and a stiffness is two
-//! linear equations.
+//! with φ the angle, p a muscle's pressure, α its torque for each bar of drive, w the stiffness of
+//! its friction before it slips, and h how much farther that reaches under more pressure. With the
+//! friction that there is the torque is linear in both drives, and where it is known which stops a
+//! swing makes slip so is the stiffness: which pressures bring about a torque and a stiffness is two
+//! linear equations. The friction and those stops are taken from the pressures of the sample before,
+//! which a sample changes by little.
 //!
 //! # Why not two models of contraction over pressure
 //! Such a model has its hysteresis at one load. At a joint a muscle's load goes from nothing to
 //! nearly all of its force, and its friction grows with the pressure, so that the loop over the
 //! pressure is another one at each stiffness. Over the *angle*, which both muscles share, friction
-//! is a bank of stops, the counterpart of the plays: two muscles have one memory. And every unknown
-//! but the knees is then linear in what a recording of pressures, angle and torque shows.
+//! is a bank of stops for each, the counterpart of the plays. And every unknown but the knees and the
+//! two shares of the slip is then linear in what a recording of pressures, angle and torque shows.
 //!
 //! # Geometry
 //! Pulley, lever or cam are all in α and the passive torque, which are polynomials of the angle:
@@ -23,20 +27,19 @@
 //!
 //! # Stiffness
 //! The torque against a slow swing of the joint by ± `swing` around an angle, pressures held, for
-//! each radian: the slope of all that is smooth, and of each stop the part min(1, r/swing), since a
+//! each radian: the slope of all that is smooth, and of each stop the part min(1, r h/swing), since a
 //! stop that is shorter than the swing slips. Friction that sticks is a good part of it.
 //!
 //! | file | what it does |
 //! |---|---|
 //! | [`pull`] | one muscle: drive, torque, lowest and highest pressure |
-//! | [`stops`] | the bank of stops |
+//! | [`stops`] | the banks of stops |
 //! | [`balance`] | torque and stiffness as linear forms of the drives, and the two equations |
 //! | [`control`] | the controller of angle and stiffness |
 //!
 //! # Limits
-//! Neither muscle may be slack: the lowest pressures are those at which the joint was recorded.
-//! Friction goes with the angle alone: when a pressure falls, what was stuck is taken to slip in
-//! proportion.
+//! Neither muscle may be slack: the lowest pressures are those at which the joint was recorded. A
+//! stop's stiffness before it slips does not depend on the pressure.
 
 pub mod balance;
 pub mod control;
@@ -47,7 +50,7 @@ pub use control::{JointCommand, JointControl, JointControlParameters, JointState
 pub use pull::PullParameters;
 
 use crate::convert;
-use crate::error::{Check, ParameterError, Requirement};
+use crate::error::{Check, ParameterError};
 use crate::list::List;
 use crate::range::Range;
 use crate::real::Real;
@@ -63,8 +66,6 @@ pub const PASSIVE: usize = 4;
 const CHECKED_ANGLES: usize = 33;
 /// No joint is as stiff. Unit: N m/rad.
 const STIFFEST: f64 = 1e9;
-/// A friction of 0 may be negative by so many roundings.
-const ROUNDINGS: f64 = 64.0;
 
 /// Raw parameters of a joint with at most `N` stops.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,11 +82,9 @@ pub struct JointParameters<T, const N: usize> {
     pub passive: [T; PASSIVE],
     /// Torque against the speed. Unit: N m s/rad, at least 0.
     pub viscosity: T,
-    /// The stops' reaches r, rising. Unit: rad, above 0.
+    /// The stops' reaches r where the slip is 1, rising, the same of both muscles. Unit: rad, above
+    /// 0.
     pub reaches: List<T, N>,
-    /// The stops' stiffness where both drives are 0, which no joint is: it may be negative. Unit:
-    /// N m/rad.
-    pub dry: List<T, N>,
     /// Half the swing that the stiffness is for. Unit: rad, above 0.
     pub swing: T,
     /// The angles that the model is valid for. Unit: rad.
@@ -104,7 +103,6 @@ impl<T: Real, const N: usize> JointParameters<T, N> {
             passive: self.passive.map(convert::number),
             viscosity: convert::number(self.viscosity),
             reaches: convert::list("reaches", &self.reaches)?,
-            dry: convert::list("dry", &self.dry)?,
             swing: convert::number(self.swing),
             angles: (convert::number(self.angles.0), convert::number(self.angles.1)),
         })
@@ -118,9 +116,8 @@ pub struct Joint<T, const N: usize> {
     passive: [T; PASSIVE],
     viscosity: T,
     stops: Thresholds<T, N>,
-    dry: List<T, N>,
-    /// The part of each stop that counts for the stiffness. Unit: 1.
-    chords: List<T, N>,
+    /// Unit: rad.
+    swing: T,
     angles: Range<T>,
 }
 
@@ -130,49 +127,24 @@ impl<T: Real, const N: usize> Joint<T, N> {
     /// other everywhere in the range, a lowest pressure that is not valid, or a joint that does
     /// not get stiffer with the pressure.
     pub fn try_new(parameters: &JointParameters<T, N>) -> Result<Self, ParameterError> {
-        let JointParameters { muscles, passive, viscosity, reaches, dry, swing, angles } = parameters;
+        let JointParameters { muscles, passive, viscosity, reaches, swing, angles } = parameters;
         let stops = Thresholds::try_new(reaches)?;
         let swing = Check::new("swing", "rad").above(*swing, T::ZERO)?;
         let angles = Range::try_new(angles.0, angles.1, "angle range", "rad")?;
-        let mut chords = List::new();
-        for reach in reaches {
-            // As many as there are reaches fit.
-            let _ = chords.push((*reach / swing).at_most(T::ONE));
-        }
         for (i, coefficient) in passive.iter().enumerate() {
             Check::at("passive", i, "N m").finite(*coefficient)?;
         }
-        check_length("dry", dry, reaches.len())?;
         let [a, b] = muscles;
         let joint = Self {
             muscles: [Pull::try_new(a, reaches, &angles)?, Pull::try_new(b, reaches, &angles)?],
             passive: *passive,
             viscosity: Check::new("viscosity", "N m s/rad").at_least(*viscosity, T::ZERO)?,
             stops,
-            dry: dry.clone(),
-            chords,
+            swing,
             angles,
         };
-        joint.check_friction()?;
         joint.check_stiffening()?;
         Ok(joint)
-    }
-
-    /// That no stop drives the joint, whatever the pressures.
-    fn check_friction(&self) -> Result<(), ParameterError> {
-        let [a, b] = &self.muscles;
-        let (ends_a, ends_b) = (a.drive_ends(&self.angles), b.drive_ends(&self.angles));
-        for (i, ((dry, of_a), of_b)) in self.dry.iter().zip(&a.friction).zip(&b.friction).enumerate() {
-            for drive_a in ends_a {
-                for drive_b in ends_b {
-                    let (by_a, by_b) = (*of_a * drive_a, *of_b * drive_b);
-                    let rounding =
-                        T::from_f64(ROUNDINGS) * T::EPSILON * (dry.abs() + by_a.abs() + by_b.abs());
-                    Check::at("friction", i, "N m/rad").at_least(*dry + by_a + by_b, -rounding)?;
-                }
-            }
-        }
-        Ok(())
     }
 
     /// That the joint is stiff within the bounds of the pressures, and that more pressure in both
@@ -181,14 +153,15 @@ impl<T: Real, const N: usize> Joint<T, N> {
         let still = Stops::relaxed(T::ZERO);
         for i in 0..CHECKED_ANGLES {
             let angle = checked_angle(&self.angles, i);
-            let gain = self.stiffness_form(angle).along(&self.torque_form(angle, T::ZERO, &still));
-            Check::at("stiffening", i, "N m/(rad bar)").above(gain, T::ZERO)?;
+            let torque = self.torque_form(angle, T::ZERO, &still);
             let [a, b] = &self.muscles;
             let (ends_a, ends_b) = (a.bounds(angle), b.bounds(angle));
             for pressure_a in [ends_a.0, ends_a.1] {
                 for pressure_b in [ends_b.0, ends_b.1] {
-                    let stiffness = self.stiffness(angle, [pressure_a, pressure_b]);
-                    Check::at("stiffness", i, "N m/rad").above(stiffness, T::ZERO)?;
+                    let drives = self.drives([pressure_a, pressure_b]);
+                    let form = self.stiffness_form(angle, drives);
+                    Check::at("stiffening", i, "N m/(rad bar)").above(form.along(&torque), T::ZERO)?;
+                    Check::at("stiffness", i, "N m/rad").above(form.at(drives), T::ZERO)?;
                 }
             }
         }
@@ -200,9 +173,10 @@ impl<T: Real, const N: usize> Joint<T, N> {
         &self.angles
     }
 
-    /// The stops' reaches.
-    pub fn stops(&self) -> &Thresholds<T, N> {
-        &self.stops
+    /// Turns the stops to an angle (rad), under pressures (bar, above 0).
+    pub fn turn(&self, stops: &mut Stops<T, N>, angle: T, pressures: [T; 2]) {
+        let ([a, b], [pressure_a, pressure_b]) = (&self.muscles, pressures);
+        self.stops.turn(stops, angle, [a.slip(pressure_a), b.slip(pressure_b)]);
     }
 
     /// A muscle, 0 or 1 by its place, for the bounds of its pressure.
@@ -210,22 +184,28 @@ impl<T: Real, const N: usize> Joint<T, N> {
         &self.muscles
     }
 
-    /// The torque of both muscles at an angle (rad) and a speed (rad/s). Pressures: bar, above 0;
-    /// result: N m, that which turns the joint to larger angles positive.
+    /// The torque of both muscles at an angle (rad) and a speed (rad/s), with the stops as they have
+    /// been turned. Pressures: bar, above 0; result: N m, that which turns the joint to larger angles
+    /// positive.
     pub fn torque(&self, angle: T, speed: T, stops: &Stops<T, N>, pressures: [T; 2]) -> T {
         self.torque_form(angle, speed, stops).at(self.drives(pressures))
     }
 
     /// The stiffness at an angle (rad) under pressures (bar, above 0). Result: N m/rad.
     pub fn stiffness(&self, angle: T, pressures: [T; 2]) -> T {
-        self.stiffness_form(angle).at(self.drives(pressures))
+        let drives = self.drives(pressures);
+        self.stiffness_form(angle, drives).at(drives)
     }
 
     /// The least and the largest stiffness at an angle (rad), nothing else acting, the stops
     /// without tension. Unit: N m/rad.
     pub fn stiffness_range(&self, angle: T) -> (T, T) {
         let still = Stops::relaxed(angle);
-        let (torque, stiffness) = (self.torque_form(angle, T::ZERO, &still), self.stiffness_form(angle));
+        let [a, b] = &self.muscles;
+        let lowest = self.drives([a.bounds(angle).0, b.bounds(angle).0]);
+        // Each ends at a bound, whatever slips: more of both pressures is always stiffer.
+        let (torque, stiffness) =
+            (self.torque_form(angle, T::ZERO, &still), self.stiffness_form(angle, lowest));
         let at = |wanted: T| {
             let found = share(&self.muscles, angle, (&torque, T::ZERO), (&stiffness, wanted));
             self.stiffness(angle, found.pressures)
@@ -233,39 +213,42 @@ impl<T: Real, const N: usize> Joint<T, N> {
         (at(T::ZERO), at(T::from_f64(STIFFEST)))
     }
 
-    fn drives(&self, pressures: [T; 2]) -> [T; 2] {
+    pub(crate) fn drives(&self, pressures: [T; 2]) -> [T; 2] {
         let [a, b] = &self.muscles;
         let [pressure_a, pressure_b] = pressures;
         [a.drive(pressure_a), b.drive(pressure_b)]
     }
 
-    /// The torque over the drives. Unit: N m.
+    /// The torque over the drives, with the friction that there is. Unit: N m.
     pub(crate) fn torque_form(&self, angle: T, speed: T, stops: &Stops<T, N>) -> Form<T> {
         let [a, b] = &self.muscles;
         let mut constant = -polynomial(&self.passive, angle) - self.viscosity * speed;
-        let mut by = [polynomial(&a.arm, angle), -polynomial(&b.arm, angle)];
-        let [by_a, by_b] = &mut by;
-        let moved = stops.moved.iter().take(self.dry.len());
-        for (((moved, dry), of_a), of_b) in moved.zip(&self.dry).zip(&a.friction).zip(&b.friction) {
-            constant += -(*dry * *moved);
-            *by_a += -(*of_a * *moved);
-            *by_b += -(*of_b * *moved);
+        for (muscle, bank) in self.muscles.iter().zip(&stops.moved) {
+            for (stiffness, moved) in muscle.friction.iter().zip(bank) {
+                constant += -(*stiffness * *moved);
+            }
         }
-        Form { constant, by }
+        Form { constant, by: [polynomial(&a.arm, angle), -polynomial(&b.arm, angle)] }
     }
 
-    /// The stiffness over the drives. Unit: N m/rad.
-    pub(crate) fn stiffness_form(&self, angle: T) -> Form<T> {
+    /// The stiffness over the drives, as far as the same stops slip as at some drives (bar). Unit:
+    /// N m/rad.
+    pub(crate) fn stiffness_form(&self, angle: T, drives: [T; 2]) -> Form<T> {
         let [a, b] = &self.muscles;
         let mut constant = slope(&self.passive, angle);
         let mut by = [-slope(&a.arm, angle), slope(&b.arm, angle)];
-        let [by_a, by_b] = &mut by;
-        for (((chord, dry), of_a), of_b) in
-            self.chords.iter().zip(&self.dry).zip(&a.friction).zip(&b.friction)
-        {
-            constant += *dry * *chord;
-            *by_a += *of_a * *chord;
-            *by_b += *of_b * *chord;
+        for ((muscle, drive), by) in self.muscles.iter().zip(drives).zip(&mut by) {
+            let [fixed, per_bar] = muscle.slip;
+            let factor = fixed + per_bar * drive;
+            for (stiffness, reach) in muscle.friction.iter().zip(self.stops.reaches()) {
+                if *reach * factor < self.swing {
+                    let share = *stiffness * *reach / self.swing;
+                    constant += share * fixed;
+                    *by += share * per_bar;
+                } else {
+                    constant += *stiffness;
+                }
+            }
         }
         Form { constant, by }
     }
@@ -275,15 +258,4 @@ impl<T: Real, const N: usize> Joint<T, N> {
 fn checked_angle<T: Real>(angles: &Range<T>, i: usize) -> T {
     let share = T::from_f64(i as f64 / (CHECKED_ANGLES - 1) as f64);
     angles.min() + share * (angles.max() - angles.min())
-}
-
-/// That there is a finite number for each stop.
-fn check_length<T: Real>(name: &'static str, list: &[T], stops: usize) -> Result<(), ParameterError> {
-    if list.len() != stops {
-        return Err(Check::new(name, "").length(list.len(), Requirement::Exactly(stops as f64)));
-    }
-    for (i, friction) in list.iter().enumerate() {
-        Check::at(name, i, "N m/rad").finite(*friction)?;
-    }
-    Ok(())
 }

@@ -4,9 +4,9 @@
 //! so that the first bar does less than the last. The knee (bar²) says over which pressures; what
 //! of the threshold does not depend on the pressure is in the joint's passive torque.
 
-use super::{ARM, CHECKED_ANGLES, check_length, checked_angle};
+use super::{ARM, CHECKED_ANGLES, checked_angle};
 use crate::convert;
-use crate::error::{Check, ParameterError};
+use crate::error::{Check, ParameterError, Requirement};
 use crate::list::List;
 use crate::range::Range;
 use crate::real::Real;
@@ -24,9 +24,11 @@ pub struct PullParameters<T, const N: usize> {
     pub arm: [T; ARM],
     /// Unit: bar², at least 0.
     pub knee: T,
-    /// By how much each stop is stiffer for each bar of drive; negative where another stop takes
-    /// over. Unit: N m/(rad bar).
+    /// The stiffness of each stop of this muscle until it slips. Unit: N m/rad, at least 0.
     pub friction: List<T, N>,
+    /// By what its stops reach farther than the joint's reaches: a factor that is constant, and one
+    /// for each bar of drive. Unit: 1 and 1/bar, at least 0.
+    pub slip: [T; 2],
     /// Lowest pressure at the lowest and at the highest angle, straight between: below it the
     /// muscle may be slack. Unit: bar, above the root of the knee.
     pub lowest: [T; 2],
@@ -42,6 +44,7 @@ impl<T: Real, const N: usize> PullParameters<T, N> {
             arm: self.arm.map(convert::number),
             knee: convert::number(self.knee),
             friction: convert::list("friction", &self.friction)?,
+            slip: self.slip.map(convert::number),
             lowest: self.lowest.map(convert::number),
             highest: self.highest.map(convert::number),
             valve_lag_s: convert::number(self.valve_lag_s),
@@ -55,6 +58,7 @@ pub struct Pull<T, const N: usize> {
     pub(super) arm: [T; ARM],
     knee: T,
     pub(super) friction: List<T, N>,
+    pub(super) slip: [T; 2],
     /// Constant and slope over the angle.
     lowest: [T; 2],
     highest: [T; 2],
@@ -66,10 +70,21 @@ impl<T: Real, const N: usize> Pull<T, N> {
         reaches: &[T],
         angles: &Range<T>,
     ) -> Result<Self, ParameterError> {
-        let PullParameters { arm, knee, friction, lowest, highest, .. } = parameters;
+        let PullParameters { arm, knee, friction, slip, lowest, highest, .. } = parameters;
         Check::new("valve_lag_s", "s").above(parameters.valve_lag_s, T::ZERO)?;
         let knee = Check::new("knee", "bar²").at_least(*knee, T::ZERO)?;
-        check_length("friction", friction, reaches.len())?;
+        if friction.len() != reaches.len() {
+            return Err(
+                Check::new("friction", "").length(friction.len(), Requirement::Exactly(reaches.len() as f64))
+            );
+        }
+        for (i, stiffness) in friction.iter().enumerate() {
+            Check::at("friction", i, "N m/rad").at_least(*stiffness, T::ZERO)?;
+        }
+        let [constant, per_bar] = *slip;
+        Check::new("slip", "1").at_least(constant, T::ZERO)?;
+        Check::new("slip", "1/bar").at_least(per_bar, T::ZERO)?;
+        Check::new("slip", "1").above(constant + per_bar, T::ZERO)?;
         let check = Check::new("lowest", "bar");
         for (lowest, highest) in lowest.iter().zip(highest) {
             let highest = Check::new("highest", "bar").finite(*highest)?;
@@ -83,13 +98,14 @@ impl<T: Real, const N: usize> Pull<T, N> {
             arm: *arm,
             knee,
             friction: friction.clone(),
+            slip: *slip,
             lowest: line(*lowest),
             highest: line(*highest),
         };
-        // All friction against it, at most.
+        // By how much all friction that slips grows against it.
         let mut held = T::ZERO;
-        for (reach, friction) in reaches.iter().zip(friction) {
-            held += *reach * friction.abs();
+        for (reach, stiffness) in reaches.iter().zip(friction) {
+            held += per_bar * *reach * *stiffness;
         }
         for i in 0..CHECKED_ANGLES {
             let arm = polynomial(&pull.arm, checked_angle(angles, i)) - held;
@@ -109,10 +125,10 @@ impl<T: Real, const N: usize> Pull<T, N> {
         half + (half * half - self.knee).at_least(T::ZERO).sqrt()
     }
 
-    /// The lowest and the highest drive of all angles. Unit: bar.
-    pub(super) fn drive_ends(&self, angles: &Range<T>) -> [T; 2] {
-        let (first, last) = (self.bounds(angles.min()), self.bounds(angles.max()));
-        [self.drive(first.0.at_most(last.0)), self.drive(first.1.at_least(last.1))]
+    /// By what its stops reach farther at a pressure (bar, above 0). Unit: 1.
+    pub fn slip(&self, pressure: T) -> T {
+        let [constant, per_bar] = self.slip;
+        constant + per_bar * self.drive(pressure)
     }
 
     /// Lowest and highest pressure at an angle (rad). Unit: bar.

@@ -10,17 +10,17 @@ use wire::joint::{BoardJointParameters, STOPS};
 pub fn joint_parameters() -> BoardJointParameters {
     let mut reaches = List::new();
     let mut friction = List::new();
-    let mut dry = List::new();
     for stop in 0..STOPS {
         // Reaches from 0.005 rad on, each a third larger than the one before.
         let reach = 0.005 * (0..stop).fold(1.0_f32, |reach, _| reach * 4.0 / 3.0);
         // The list has room for so many.
-        let _ = (reaches.push(reach), friction.push(0.2), dry.push(0.5));
+        let _ = (reaches.push(reach), friction.push(1.0));
     }
     let muscle = |sign: f32| PullParameters {
         arm: [7.0, -3.0 * sign, -2.0],
         knee: 0.1,
         friction: friction.clone(),
+        slip: [0.2, 0.25],
         lowest: [1.0, 1.0],
         highest: [6.0, 6.0],
         valve_lag_s: 0.05,
@@ -31,7 +31,6 @@ pub fn joint_parameters() -> BoardJointParameters {
             passive: [0.0, 10.0, 0.0, 1.0],
             viscosity: 0.1,
             reaches,
-            dry,
             swing: 0.05,
             angles: (-0.5, 0.5),
         },

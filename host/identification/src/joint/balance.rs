@@ -2,8 +2,8 @@
 //! outside, with the other sign.
 //!
 //! An error counts by what angle it is, the torque over the stiffness there: a first solution
-//! counts torques, and says how stiff the joint is for the second. For each pair of knees the
-//! problem is linear; the knees are searched by golden sections, one after the other.
+//! counts torques, and says how stiff the joint is for the second. For given knees and slips the
+//! problem is linear; these four are searched by golden sections, one after the other.
 
 use model_core::List;
 use model_core::joint::PullParameters;
@@ -12,7 +12,9 @@ use nalgebra::{DMatrix, DVector};
 use recording::joint::columns::JointRecording;
 use recording::joint::{HostJoint, HostJointParameters};
 
-use super::unknowns::{COUNT, LINEAR, Unknowns, features, is_bounded, knees, parameters};
+use super::unknowns::{
+    COUNT, LINEAR, SHAPE, Shape, Unknowns, drive_and_slip, features, is_bounded, parameters, shape,
+};
 use super::{JointError, SHORTEST, STOPS, bounds};
 use crate::nnls;
 
@@ -20,7 +22,7 @@ use crate::nnls;
 const SMOOTHED_S: f64 = 0.02;
 /// The same for the speed.
 const SPEED_S: f64 = 0.1;
-/// The search for the knees looks at each so many-th row.
+/// The search for knees and slips looks at each so many-th row.
 const THINNED: usize = 5;
 /// The largest knee as a share of the square of the lowest pressure.
 const LARGEST_KNEE: f64 = 0.8;
@@ -39,7 +41,9 @@ pub(super) struct Rows {
     pub(super) torque: Vec<f64>,
     smoothed: Vec<f64>,
     speed: Vec<f64>,
-    stops: Vec<[f64; STOPS]>,
+    /// Not below the lowest ones, as they are while the joint is filled: what friction goes by.
+    held: Vec<[f64; 2]>,
+    thresholds: Thresholds<f64, STOPS>,
     known: HostJointParameters,
 }
 
@@ -57,13 +61,14 @@ impl Rows {
         let last = rows().map(|row| smoothed[row]).fold(f64::NEG_INFINITY, f64::max);
         let longest: f64 = 0.5 / SHORTEST;
         let reach = |k: usize| SHORTEST * (last - first) * longest.powf(k as f64 / (STOPS - 1) as f64);
-        let reaches = List::from_iter((0..STOPS).map(reach));
+        let reaches = || (0..STOPS).map(reach);
         let muscle = |place: usize, pressures: &[f64]| {
             let points: Vec<(f64, f64)> = rows().map(|row| (smoothed[row], pressures[row])).collect();
             Ok::<_, JointError>(PullParameters {
                 arm: [0.0; 3],
                 knee: 0.0,
                 friction: List::new(),
+                slip: [0.0, 0.0],
                 lowest: bounds::lowest(points.clone(), (first, last)),
                 highest: bounds::highest(points, (first, last)),
                 valve_lag_s: bounds::lag_s(recording, place)?,
@@ -73,27 +78,25 @@ impl Rows {
             muscles: [muscle(0, a)?, muscle(1, b)?],
             passive: [0.0; 4],
             viscosity: 0.0,
-            reaches,
-            dry: List::new(),
+            reaches: List::from_iter(reaches()),
             swing,
             angles: (first, last),
         };
-        let thresholds = Thresholds::try_new(&known.reaches)?;
-        let mut memory = Stops::relaxed(smoothed[0]);
-        let stops = (smoothed.iter())
-            .map(|angle| {
-                thresholds.turn(&mut memory, *angle);
-                std::array::from_fn(|k| memory.moved()[k])
-            })
-            .collect();
+        let pressures: Vec<[f64; 2]> = a.iter().zip(b).map(|(a, b)| [*a, *b]).collect();
+        let least = [0, 1].map(|muscle: usize| {
+            let [first, last] = known.muscles[muscle].lowest;
+            first.min(last).max(f64::MIN_POSITIVE)
+        });
+        let held = |[a, b]: &[f64; 2]| [a.max(least[0]), b.max(least[1])];
         Ok(Self {
             time_s: time_s.clone(),
-            pressures: a.iter().zip(b).map(|(a, b)| [*a, *b]).collect(),
+            held: pressures.iter().map(held).collect(),
+            pressures,
             angle: angle_rad.clone(),
             torque: torque_nm.clone(),
             smoothed,
             speed,
-            stops,
+            thresholds: Thresholds::try_new(&List::from_iter(reaches()))?,
             known,
         })
     }
@@ -106,55 +109,80 @@ impl Rows {
         Ok(HostJoint::try_new(&self.parameters(unknowns))?)
     }
 
-    /// The stops at a row, as the measured angle has turned them.
-    pub(super) fn stops_at(&self, row: usize) -> Stops<f64, { recording::joint::STOPS }> {
+    /// The stops of a joint at a row, as measured angle and pressures have turned them.
+    pub(super) fn stops_at(&self, row: usize, joint: &HostJoint) -> Stops<f64, { recording::joint::STOPS }> {
         let mut memory = Stops::relaxed(self.smoothed[0]);
-        if let Ok(thresholds) = Thresholds::try_new(&self.known.reaches) {
-            self.smoothed[..=row].iter().for_each(|angle| thresholds.turn(&mut memory, *angle));
+        for (angle, held) in self.smoothed.iter().zip(&self.held).take(row + 1) {
+            joint.turn(&mut memory, *angle, *held);
         }
         memory
     }
 
-    /// What each linear unknown does to the torque at a row.
-    pub(super) fn features(&self, row: usize, knees: [f64; 2]) -> [f64; LINEAR] {
-        let drives = std::array::from_fn(|muscle| {
-            let pressure = self.pressures[row][muscle];
-            pressure + knees[muscle] / pressure
-        });
-        features((self.smoothed[row], self.speed[row]), &self.stops[row], drives, &self.known)
+    /// Turns the stops of a joint from the row before to an angle (rad) in this one.
+    pub(super) fn turn(
+        &self,
+        row: usize,
+        joint: &HostJoint,
+        stops: &mut Stops<f64, { recording::joint::STOPS }>,
+        angle: f64,
+    ) {
+        joint.turn(stops, angle, self.held[row]);
     }
 
-    fn largest_knee(&self, muscle: usize) -> f64 {
-        let [first, last] = self.known.muscles[muscle].lowest;
-        LARGEST_KNEE * first.min(last).max(0.0).powi(2)
+    /// What each linear unknown does to the torque, at every row.
+    pub(super) fn features<'a>(&'a self, shape: &'a Shape) -> impl Iterator<Item = [f64; LINEAR]> + 'a {
+        let mut memory = Stops::relaxed(self.smoothed[0]);
+        let of = |muscle: usize, pressure: f64| {
+            drive_and_slip(shape, &self.known.muscles[muscle], muscle, pressure)
+        };
+        (0..self.smoothed.len()).map(move |row| {
+            let factors = [0, 1].map(|muscle| of(muscle, self.held[row][muscle]).1);
+            self.thresholds.turn(&mut memory, self.smoothed[row], factors);
+            let drives = [0, 1].map(|muscle| of(muscle, self.pressures[row][muscle]).0);
+            features((self.smoothed[row], self.speed[row]), &memory, drives)
+        })
+    }
+
+    /// The largest of what is not linear.
+    pub(super) fn largest(&self) -> Shape {
+        let knee = |muscle: usize| {
+            let [first, last] = self.known.muscles[muscle].lowest;
+            LARGEST_KNEE * first.min(last).max(0.0).powi(2)
+        };
+        [knee(0), knee(1), 1.0, 1.0]
     }
 }
 
 /// The unknowns whose torque is nearest to that from outside in the rows of `counts`.
 pub(super) fn solve(rows: &Rows, counts: &[bool]) -> Result<Unknowns, JointError> {
-    let all: Vec<usize> = (0..counts.len()).filter(|row| counts[*row]).collect();
-    let few: Vec<usize> = all.iter().copied().step_by(THINNED).collect();
     let mut weights = vec![1.0; counts.len()];
     let mut found = None;
     for _ in 0..2 {
-        let of = |knees, used: &[usize]| linear(rows, used, &weights, knees);
-        let best = search(rows, |knees| of(knees, &few).map_or(f64::INFINITY, |(_, cost)| cost));
-        let (unknowns, _) = of(best, &all).ok_or(JointError::Singular)?;
+        let of = |shape: &Shape, each: usize| linear(rows, counts, each, &weights, shape);
+        let best = search(rows, |shape| of(shape, THINNED).map_or(f64::INFINITY, |(_, cost)| cost));
+        let (unknowns, _) = of(&best, 1).ok_or(JointError::Singular)?;
         found = Some(unknowns);
         let joint = rows.joint(&unknowns)?;
-        for row in &all {
-            weights[*row] = 1.0 / joint.stiffness(rows.smoothed[*row], rows.pressures[*row]);
+        for row in (0..counts.len()).filter(|row| counts[*row]) {
+            weights[row] = 1.0 / joint.stiffness(rows.smoothed[row], rows.pressures[row]);
         }
     }
     found.ok_or(JointError::Singular)
 }
 
-/// The linear unknowns for given knees, and the sum of squares.
-fn linear(rows: &Rows, used: &[usize], weights: &[f64], knees: [f64; 2]) -> Option<(Unknowns, f64)> {
+/// The linear unknowns for a given shape, by each so many-th row that counts, and the sum of squares.
+fn linear(
+    rows: &Rows,
+    counts: &[bool],
+    each: usize,
+    weights: &[f64],
+    shape: &Shape,
+) -> Option<(Unknowns, f64)> {
     let (mut gram, mut moment) = (DMatrix::zeros(LINEAR, LINEAR), DVector::zeros(LINEAR));
     let mut square = 0.0;
-    for &row in used {
-        let features = DVector::from_row_slice(&rows.features(row, knees)) * weights[row];
+    let used = rows.features(shape).enumerate().filter(|(row, _)| counts[*row]).step_by(each);
+    for (row, features) in used {
+        let features = DVector::from_row_slice(&features) * weights[row];
         let wanted = -rows.torque[row] * weights[row];
         gram.ger(1.0, &features, &features, 1.0);
         moment.axpy(wanted, &features, 1.0);
@@ -169,22 +197,23 @@ fn linear(rows: &Rows, used: &[usize], weights: &[f64], knees: [f64; 2]) -> Opti
     let cost = square - 2.0 * values.dot(&moment) + values.dot(&(&gram * &values));
     let mut unknowns = [0.0; COUNT];
     unknowns[..LINEAR].copy_from_slice(values.as_slice());
-    unknowns[LINEAR..].copy_from_slice(&knees);
+    unknowns[LINEAR..].copy_from_slice(shape);
     cost.is_finite().then_some((unknowns, cost))
 }
 
-/// The knees of the least cost.
-fn search(rows: &Rows, cost: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
+/// The shape of the least cost.
+fn search(rows: &Rows, cost: impl Fn(&Shape) -> f64) -> Shape {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let mut knees = [0, 1].map(|muscle| 0.3 * rows.largest_knee(muscle));
+    let largest = rows.largest();
+    let mut shape = largest.map(|largest| 0.3 * largest);
     for _ in 0..ROUNDS {
-        for muscle in [0, 1] {
-            let at = |knee: f64| {
-                let mut trial = knees;
-                trial[muscle] = knee;
-                cost(trial)
+        for place in 0..SHAPE {
+            let at = |value: f64| {
+                let mut trial = shape;
+                trial[place] = value;
+                cost(&trial)
             };
-            let (mut low, mut high) = (0.0, rows.largest_knee(muscle));
+            let (mut low, mut high) = (0.0, largest[place]);
             let inner = |low: f64, high: f64| [high - golden * (high - low), low + golden * (high - low)];
             let [mut a, mut b] = inner(low, high);
             let [mut cost_a, mut cost_b] = [at(a), at(b)];
@@ -199,15 +228,15 @@ fn search(rows: &Rows, cost: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
                     cost_b = at(b);
                 }
             }
-            knees[muscle] = if cost_a < cost_b { a } else { b };
+            shape[place] = if cost_a < cost_b { a } else { b };
         }
     }
-    knees
+    shape
 }
 
-/// The knees of some unknowns are within what a joint may have.
+/// The knees and slips of some unknowns are within what a joint may have.
 pub(super) fn allows(rows: &Rows, unknowns: &Unknowns) -> bool {
-    (0..2).all(|muscle| knees(unknowns)[muscle] <= rows.largest_knee(muscle))
+    shape(unknowns).iter().zip(rows.largest()).all(|(value, largest)| *value <= largest)
 }
 
 /// Means over so many values to either side.

@@ -7,12 +7,12 @@
 //! | `check` | whether the recording is a joint's, and enough of one |
 //! | `bounds` | the lowest pressures, and the regulators' time constants |
 //! | `unknowns` | a joint's parameters as a list, and what each does to the torque |
-//! | `balance` | least squares of the torque, with the knees searched |
+//! | `balance` | least squares of the torque, with knees and slips searched |
 //! | `simulate` | the angle that a joint answers with |
 //! | `refine` | Gauss-Newton on the simulated angle |
 //!
-//! The torque of a joint ([`model_core::joint`]) is linear in all unknowns but the two knees, so
-//! that the balance is one linear problem, with friction kept from being negative. What comes of it
+//! The torque of a joint ([`model_core::joint`]) is linear in all unknowns but two knees and two
+//! slips, so that the balance is one linear problem, with friction kept from being negative. What comes of it
 //! answers for the torque at the *measured* angle; the refinement is for the angle that is
 //! simulated from the pressures alone, which is what a controller relies on.
 //!

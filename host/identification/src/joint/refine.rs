@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::JointError;
 use super::balance::{Rows, allows};
 use super::simulate::simulate;
-use super::unknowns::{COUNT, LINEAR, Unknowns, is_bounded, knees};
+use super::unknowns::{COUNT, LINEAR, Unknowns, is_bounded, shape};
 use crate::nnls;
 
 /// Most steps.
@@ -17,8 +17,8 @@ const STEPS: usize = 12;
 const CONVERGED: f64 = 1e-4;
 /// The torque that a difference is of. Unit: N m.
 const TORQUE: f64 = 1e-3;
-/// The knee that a difference is of. Unit: bar².
-const KNEE: f64 = 1e-3;
+/// What a difference is of as a share of the largest knee or slip.
+const SHAPED: f64 = 1e-3;
 /// The angle is compared in each so many-th row.
 const THINNED: usize = 4;
 /// Damping at first, and at which nothing more is tried.
@@ -37,11 +37,10 @@ pub(super) fn refined(rows: &Rows, counts: &[bool], from: Unknowns) -> Result<Un
     let mut there = residuals(&at).ok_or(JointError::Singular)?;
     let mut damping = DAMPING;
     for _ in 0..STEPS {
-        let steps = steps(rows, &used, &at);
+        let steps = steps(rows, counts, &at);
         let columns: Option<Vec<DVector<f64>>> = (0..COUNT)
             .into_par_iter()
             .map(|place| {
-                // Away from a bound.
                 let mut beside = at;
                 beside[place] += steps[place];
                 Some((residuals(&beside)? - &there) / steps[place])
@@ -71,16 +70,21 @@ pub(super) fn refined(rows: &Rows, counts: &[bool], from: Unknowns) -> Result<Un
     Ok(at)
 }
 
-/// Of which size the differences are.
-fn steps(rows: &Rows, used: &[usize], at: &Unknowns) -> [f64; COUNT] {
-    let mut squares = [0.0; LINEAR];
-    for row in used {
-        let features = rows.features(*row, knees(at));
+/// Of which size the differences are, away from the bounds.
+fn steps(rows: &Rows, counts: &[bool], at: &Unknowns) -> [f64; COUNT] {
+    let (mut squares, mut used) = ([0.0; LINEAR], 0.0);
+    let shape = shape(at);
+    for (features, _) in rows.features(&shape).zip(counts).filter(|(_, counts)| **counts) {
         squares.iter_mut().zip(features).for_each(|(sum, feature)| *sum += feature * feature);
+        used += 1.0;
     }
+    let largest = rows.largest();
     std::array::from_fn(|place| match squares.get(place) {
-        Some(square) => TORQUE / (square / used.len() as f64).sqrt().max(TORQUE),
-        None => KNEE,
+        Some(square) => TORQUE / (square / used).sqrt().max(TORQUE),
+        None => {
+            let (value, largest) = (shape[place - LINEAR], largest[place - LINEAR]);
+            if value > 0.5 * largest { -SHAPED * largest } else { SHAPED * largest }
+        }
     })
 }
 

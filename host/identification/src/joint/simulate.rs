@@ -16,7 +16,7 @@ const STEPS: usize = 60;
 pub(super) fn simulate(rows: &Rows, counts: &[bool], joint: &HostJoint) -> Vec<f64> {
     let begin = counts.iter().position(|counts| *counts).unwrap_or(0);
     let mut angles = rows.angle.clone();
-    let mut stops = rows.stops_at(begin);
+    let mut stops = rows.stops_at(begin, joint);
     let mut angle = stops.angle();
     let mut slope = -joint.stiffness(angle, rows.pressures[begin]);
     for (row, simulated) in angles.iter_mut().enumerate().skip(begin + 1) {
@@ -24,7 +24,7 @@ pub(super) fn simulate(rows: &Rows, counts: &[bool], joint: &HostJoint) -> Vec<f
         let last = angle;
         let surplus = |angle: f64| {
             let mut turned = stops.clone();
-            joint.stops().turn(&mut turned, angle);
+            rows.turn(row, joint, &mut turned, angle);
             joint.torque(angle, (angle - last) / step_s, &turned, rows.pressures[row]) + rows.torque[row]
         };
         let (mut low, mut high) = (last - FARTHEST, last + FARTHEST);
@@ -50,7 +50,7 @@ pub(super) fn simulate(rows: &Rows, counts: &[bool], joint: &HostJoint) -> Vec<f
             }
             (angle, f) = (next, f_next);
         }
-        joint.stops().turn(&mut stops, angle);
+        rows.turn(row, joint, &mut stops, angle);
         *simulated = angle;
     }
     angles

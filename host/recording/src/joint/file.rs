@@ -1,4 +1,4 @@
-//! The model file of a joint, `joint.toml`, format 1. Keys carry their units, angles are degrees in
+//! The model file of a joint, `joint.toml`, format 2. Keys carry their units, angles are degrees in
 //! it; reading is as strict as that of the model file of one muscle.
 
 use std::f64::consts::PI;
@@ -15,7 +15,7 @@ use crate::model_file::values::{count, list, table};
 use crate::{Source, TOOL, input};
 
 /// The format that this version writes and reads.
-pub const FORMAT: usize = 1;
+pub const FORMAT: usize = 2;
 /// What the key `kind` says.
 const KIND: &str = "joint";
 /// Degrees in a radian.
@@ -23,7 +23,8 @@ const DEGREES: f64 = 180.0 / PI;
 const ANGLES: [&str; 2] = ["angle_min_deg", "angle_max_deg"];
 const PASSIVE: [&str; 4] = ["constant_nm", "linear_nm_per_rad", "square_nm_per_rad2", "cube_nm_per_rad3"];
 const ARM: [&str; 3] = ["arm_nm_per_bar", "arm_linear_nm_per_bar_rad", "arm_square_nm_per_bar_rad2"];
-const FRICTION: &str = "friction_nm_per_rad_bar";
+const FRICTION: &str = "friction_nm_per_rad";
+const SLIP: [&str; 2] = ["slip_constant", "slip_per_bar"];
 const LOWEST: [&str; 2] = ["lowest_at_angle_min_bar", "lowest_at_angle_max_bar"];
 const HIGHEST: [&str; 2] = ["highest_at_angle_min_bar", "highest_at_angle_max_bar"];
 const MUSCLES: [&str; 2] = ["muscle_a", "muscle_b"];
@@ -71,7 +72,9 @@ enum Problem {
     Syntax(String),
     #[error(": {0}")]
     Key(#[from] KeyError),
-    #[error(": format {0} is of another version; this one reads format {FORMAT}")]
+    #[error(
+        ": format {0} is of another version; this one reads format {FORMAT}: identify the recording again"
+    )]
     Format(usize),
     #[error(": no joint can be made of it: {0}")]
     Parameters(#[from] ParameterError),
@@ -104,8 +107,7 @@ impl JointFile {
 
     /// Its text.
     pub fn to_toml(&self) -> String {
-        let HostJointParameters { muscles, passive, viscosity, reaches, dry, swing, angles } =
-            &self.parameters;
+        let HostJointParameters { muscles, passive, viscosity, reaches, swing, angles } = &self.parameters;
         let mut top = Table::new();
         top.insert("format".into(), count(FORMAT));
         top.insert("kind".into(), KIND.into());
@@ -116,11 +118,7 @@ impl JointFile {
         );
         top.insert(
             "stops".into(),
-            table([
-                ("reaches_deg", list(&degrees(reaches))),
-                ("dry_nm_per_rad", list(dry)),
-                ("swing_deg", (swing * DEGREES).into()),
-            ]),
+            table([("reaches_deg", list(&degrees(reaches))), ("swing_deg", (swing * DEGREES).into())]),
         );
         let mut rest = keyed(&PASSIVE, passive);
         rest.insert("viscosity_nm_s_per_rad".into(), (*viscosity).into());
@@ -157,6 +155,7 @@ fn written(muscle: &PullParameters<f64, STOPS>) -> Table {
     let mut section = keyed(&ARM, &muscle.arm);
     section.insert("knee_bar2".into(), muscle.knee.into());
     section.insert(FRICTION.into(), list(&muscle.friction));
+    section.extend(keyed(&SLIP, &muscle.slip));
     section.extend(keyed(&LOWEST, &muscle.lowest));
     section.extend(keyed(&HIGHEST, &muscle.highest));
     section.insert("valve_lag_s".into(), muscle.valve_lag_s.into());
@@ -180,22 +179,15 @@ fn parse(text: &str) -> Result<JointFile, Problem> {
     validity.finish()?;
     let mut stops = top.section("stops")?;
     let radians = listed(&mut stops, "reaches_deg")?.iter().map(|reach| reach / DEGREES).collect();
-    let (dry, swing) = (listed(&mut stops, "dry_nm_per_rad")?, stops.number("swing_deg")? / DEGREES);
+    let swing = stops.number("swing_deg")? / DEGREES;
     stops.finish()?;
     let mut rest = top.section("passive")?;
     let (passive, viscosity) = (numbers(&mut rest, PASSIVE)?, rest.number("viscosity_nm_s_per_rad")?);
     rest.finish()?;
     let [a, b] = MUSCLES;
     let muscles = [muscle(&mut top, a)?, muscle(&mut top, b)?];
-    let parameters = HostJointParameters {
-        muscles,
-        passive,
-        viscosity,
-        reaches: radians,
-        dry,
-        swing,
-        angles: (low, high),
-    };
+    let parameters =
+        HostJointParameters { muscles, passive, viscosity, reaches: radians, swing, angles: (low, high) };
     let mut section = top.section("identification")?;
     let identification = JointIdentification {
         recording: Source { file: section.text("recording")?, sha256: section.text("sha256")? },
@@ -215,6 +207,7 @@ fn muscle(top: &mut Section, name: &str) -> Result<PullParameters<f64, STOPS>, K
         arm: numbers(&mut section, ARM)?,
         knee: section.number("knee_bar2")?,
         friction: listed(&mut section, FRICTION)?,
+        slip: numbers(&mut section, SLIP)?,
         lowest: numbers(&mut section, LOWEST)?,
         highest: numbers(&mut section, HIGHEST)?,
         valve_lag_s: section.number("valve_lag_s")?,

@@ -3,7 +3,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`columns`] | a recording of both commands, both pressures, the angle and the torque |
-//! | [`file`](mod@file) | the model file of a joint, format 1, both directions |
+//! | [`file`](mod@file) | the model file of a joint, format 2, both directions |
 
 pub mod columns;
 pub mod file;

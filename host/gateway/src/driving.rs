@@ -12,6 +12,10 @@
 //! sign of life that the board waits for: where the client falls silent, the gateway dies or the
 //! line is cut, no more of them come, and the board vents within its own patience
 //! (`bus_silent_ticks`).
+//!
+//! One exception: several boards are started one behind the other, and their client does not know
+//! its grant before the last one has been. Until then, as long as an order may take at most, the
+//! gateway says for it that it lives ([`Driving::vouch`]).
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -104,6 +108,8 @@ struct Driver {
     waiting: Option<Waiting>,
     /// A trajectory waits or plays.
     plays: bool,
+    /// Until when the gateway says for the client that it lives.
+    vouched: Option<Instant>,
 }
 
 /// A board's limits, and who drives it.
@@ -164,13 +170,27 @@ impl Driving {
             }
         }
         let grant = rand::rng().random();
-        let driver = Driver { grant, is_started: false, last: None, waiting: None, plays: false };
+        let driver =
+            Driver { grant, is_started: false, last: None, waiting: None, plays: false, vouched: None };
         for &index in indices {
             if let Some(place) = places.get_mut(index) {
                 place.driver = Some(driver);
             }
         }
         Ok(grant)
+    }
+
+    /// Says for the client of these boards that it lives, once they are started, until then; none:
+    /// from now on it has to say so itself.
+    pub fn vouch(&self, indices: &[usize], until: Option<Instant>) {
+        indices.iter().for_each(|index| self.change(*index, |driver| driver.vouched = until));
+    }
+
+    /// Whether a board is granted by this grant.
+    pub fn holds(&self, index: usize, grant: u32) -> bool {
+        let places = self.lock();
+        let driver = places.get(index).and_then(|place| place.driver.as_ref());
+        driver.is_some_and(|driver| driver.is_of(grant).is_ok())
     }
 
     /// The board has been started for whom it was granted to.
@@ -264,9 +284,17 @@ impl Driving {
 
     /// The same, and how long it is still fresh.
     pub fn take_fresh(&self, index: usize) -> Option<(Said, Duration)> {
-        let waiting = self.lock().get_mut(index)?.driver.as_mut()?.waiting.take()?;
-        let left = waiting.until.checked_duration_since(Instant::now())?;
-        Some((waiting.mm.map_or(Said::Lives, Said::SetPoint), left))
+        let mut places = self.lock();
+        let driver = places.get_mut(index)?.driver.as_mut()?;
+        let now = Instant::now();
+        let fresh = |until: Instant| until.checked_duration_since(now);
+        if let Some(waiting) = driver.waiting.take()
+            && let Some(left) = fresh(waiting.until)
+        {
+            return Some((waiting.mm.map_or(Said::Lives, Said::SetPoint), left));
+        }
+        let left = driver.vouched.filter(|_| driver.is_started).and_then(fresh)?;
+        Some((Said::Lives, left.min(Duration::from_secs_f64(FRESH_S))))
     }
 
     /// What the clients of all of these boards have said alike, if each has, and it is fresh; then it
@@ -365,6 +393,26 @@ mod tests {
         let grant = driving.grant_all(&[0, 2]).expect("both are free");
         driving.set(0, point(grant, 1)).expect("taken");
         driving.set(2, point(grant, 1)).expect("taken");
+    }
+
+    #[test]
+    fn who_waits_for_the_start_of_others_is_said_to_live_and_no_longer() {
+        let driving = driving(2);
+        let grant = driving.grant_all(&[0, 1]).expect("free");
+        driving.vouch(&[0, 1], Some(Instant::now() + Duration::from_secs(1)));
+        assert_eq!(driving.take(0), None, "it is not started");
+        driving.started(0);
+        assert_eq!((driving.take(0), driving.take(0)), (Some(Said::Lives), Some(Said::Lives)));
+        driving.set(0, point(grant, 1)).expect("taken");
+        assert_eq!(driving.take(0), Some(Said::SetPoint(10.0)), "the client's own word goes first");
+        driving.vouch(&[0, 1], None);
+        assert_eq!(driving.take(0), None, "the client knows its grant");
+        driving.vouch(&[0], Some(Instant::now() + Duration::from_millis(10)));
+        std::thread::sleep(Duration::from_millis(20));
+        assert_eq!(driving.take(0), None, "an order takes no longer");
+        assert!(driving.holds(0, grant) && !driving.holds(0, grant.wrapping_add(1)));
+        driving.end(0);
+        assert!(!driving.holds(0, grant));
     }
 
     #[test]

@@ -218,17 +218,35 @@ impl Gateway {
     /// One is not there, is driven for somebody, or is in no state to be started.
     pub fn start_boards(&self, indices: &[usize]) -> Result<u32, Refused> {
         let grant = self.driving.grant_all(indices)?;
-        match self.ask(indices, Ask::Start) {
-            Ok(()) => Ok(grant),
-            Err(refused) => {
-                indices.iter().for_each(|index| self.driving.end(*index));
-                if indices.len() > 1 {
-                    // Those that have started vent; one that has not refuses, which is as well.
-                    let _ = self.ask(indices, Ask::Stop);
-                }
-                Err(refused)
+        let asked: Vec<_> = indices.iter().map(|index| (*index, Ask::Start(grant))).collect();
+        self.driving.vouch(indices, Some(Instant::now() + ORDER));
+        let done = self.ask_each(&asked).into_iter().fold(Ok(()), Result::and);
+        self.driving.vouch(indices, None);
+        done.map(|()| grant).inspect_err(|_| {
+            indices.iter().for_each(|index| self.driving.end(*index));
+            if indices.len() > 1 {
+                // Those that have started vent; one that has not refuses, which is as well.
+                let _ = self.ask(indices, Ask::Stop);
             }
-        }
+        })
+    }
+
+    /// Starts boards for a client, each by a grant of its own, as far as they are in a state to be
+    /// started; answers for each when all have been tried.
+    pub fn start_each(&self, indices: &[usize]) -> Vec<Result<u32, Refused>> {
+        let grants: Vec<_> = indices.iter().map(|index| (*index, self.driving.grant(*index))).collect();
+        let (asked, granted): (Vec<_>, Vec<_>) = (grants.iter())
+            .filter_map(|(index, grant)| Some(((*index, Ask::Start(*grant.as_ref().ok()?)), *index)))
+            .unzip();
+        self.driving.vouch(&granted, Some(Instant::now() + ORDER));
+        let mut done = self.ask_each(&asked).into_iter();
+        self.driving.vouch(&granted, None);
+        let told = |(index, grant): (usize, Result<u32, Refused>)| {
+            let grant = grant?;
+            let done = done.next().unwrap_or(Err(Refused::Late));
+            done.map(|()| grant).inspect_err(|_| self.driving.end(index))
+        };
+        grants.into_iter().map(told).collect()
     }
 
     /// Takes a client's set point for a board.
@@ -295,27 +313,33 @@ impl Gateway {
 
     /// Asks boards for something, all lines at once; waits for all.
     fn ask(&self, indices: &[usize], ask: Ask) -> Result<(), Refused> {
-        let asked: Vec<_> = {
+        let asked: Vec<_> = indices.iter().map(|index| (*index, ask)).collect();
+        // Each is waited for, whatever the others say.
+        self.ask_each(&asked).into_iter().fold(Ok(()), Result::and)
+    }
+
+    /// The same, each for something of its own; what has become of each.
+    fn ask_each(&self, asked: &[(usize, Ask)]) -> Vec<Result<(), Refused>> {
+        let sent: Vec<_> = {
             let running = self.running();
-            let one = |&index: &usize| -> Result<_, Refused> {
+            let one = |&(index, ask): &(usize, Ask)| -> Result<_, Refused> {
                 let line = running.lines.iter().find(|line| line.indices.contains(&index));
                 let line = line.ok_or(Refused::NoBoard)?;
                 let (told, done) = channel();
                 line.orders.send(Order::One(index, ask, told)).map_err(|_| Refused::Late)?;
                 Ok(done)
             };
-            indices.iter().map(one).collect()
+            asked.iter().map(one).collect()
         };
         let until = Instant::now() + ORDER;
-        let wait = |asked: Result<Receiver<Result<(), String>>, Refused>| -> Result<(), Refused> {
-            match asked?.recv_timeout(until.saturating_duration_since(Instant::now())) {
+        let wait = |sent: Result<Receiver<Result<(), String>>, Refused>| -> Result<(), Refused> {
+            match sent?.recv_timeout(until.saturating_duration_since(Instant::now())) {
                 Ok(done) => done.map_err(Refused::Board),
                 // A line without a port drops what it is asked.
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Err(Refused::Late),
             }
         };
-        // Each is waited for, whatever the others say.
-        asked.into_iter().map(wait).fold(Ok(()), Result::and)
+        sent.into_iter().map(wait).collect()
     }
 
     fn running(&self) -> MutexGuard<'_, Running> {

@@ -7,8 +7,10 @@
 //! A round takes an exchange a board, or one of all in slots: the frames' bytes, the silence between frames, up to a tick
 //! of the board. A board that has not answered `LOST` times in a row is asked once in
 //! `PATIENCE` from then on, so that one that is switched off costs the others an answer's time a
-//! second. Orders go before the next question; a stop goes to all boards of the line at once.
+//! second. Orders go before the next question; a stop goes to all boards of the line at once. Starts
+//! take several exchanges each: they have `STARTS` of a round, in which a stop goes before the next.
 
+use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -38,6 +40,9 @@ const STOPS: usize = 3;
 /// How often each step of a start is tried: the other boards of the line wait meanwhile, and vent if
 /// they wait for longer than 0.5 s.
 const TRIES: usize = 2;
+/// For how long of a round boards are started, the last one begun within it: a fifth of the patience
+/// of those that wait for their turn.
+const STARTS: Duration = Duration::from_millis(100);
 /// How long before a start the boards begin to count down: a frame to all, and a look at each board
 /// whether it has heard it, twice over; eight boards at 115,200 bit/s take 0.08 s a round. Unit: s.
 const COUNTDOWN_S: f64 = 0.3;
@@ -58,8 +63,8 @@ const SENT_S: f64 = 1e-3;
 /// What is asked of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ask {
-    /// To track, from where the muscle is.
-    Start,
+    /// To track, from where the muscle is, for whom it is granted to by this grant.
+    Start(u32),
     /// To stop and vent.
     Stop,
     /// To release the latched fault.
@@ -111,6 +116,16 @@ struct Work<'a> {
     driving: &'a Driving,
     /// The last sign of life, of all its boards: none hears the same twice.
     heartbeat: &'a mut u16,
+    /// Boards that are to be started.
+    starts: VecDeque<Waiting>,
+}
+
+/// A board that is to be started.
+struct Waiting {
+    /// Its place among all.
+    index: usize,
+    grant: u32,
+    told: Sender<Result<(), String>>,
 }
 
 /// Why a round ends.
@@ -134,7 +149,8 @@ pub fn run(
     loop {
         let ended = match Client::open(address.clone()) {
             Ok(mut client) => {
-                let work = Work { client: &mut client, exchange, all, driving, heartbeat: &mut heartbeat };
+                let (heartbeat, starts) = (&mut heartbeat, VecDeque::new());
+                let work = Work { client: &mut client, exchange, all, driving, heartbeat, starts };
                 work.rounds(&mut boards, orders)
             }
             Err(error) => Ended::Port(error),
@@ -193,6 +209,7 @@ impl Work<'_> {
         let mut is_idle = true;
         self.tell_all(boards)?;
         self.obey(boards, orders)?;
+        self.start_some(boards, orders)?;
         self.count_down(boards)?;
         let asked = self.turn_of_slots(boards)?;
         is_idle &= asked.is_empty();
@@ -411,7 +428,6 @@ impl Work<'_> {
                 Err(TryRecvError::Empty) => return Ok(()),
                 Err(TryRecvError::Disconnected) => return Err(Ended::Gateway),
             };
-            let find = |boards: &mut Vec<Asked>, index| boards.iter().position(|board| board.index == index);
             match order {
                 Order::StopAll => {
                     for _ in 0..STOPS {
@@ -420,18 +436,18 @@ impl Work<'_> {
                         self.client.write_all(address, &stop).map_err(Ended::Port)?;
                     }
                 }
-                Order::One(index, ask, told) => {
-                    let Some(board) = find(boards, index).and_then(|place| boards.get_mut(place)) else {
-                        continue;
-                    };
-                    self.carry_out(board, ask, &told)?;
+                Order::One(index, Ask::Start(grant), told) => {
+                    self.starts.push_back(Waiting { index, grant, told });
                 }
-                Order::Play(index, trajectory, start) => {
-                    match find(boards, index).and_then(|place| boards.get_mut(place)) {
-                        Some(board) => board.stream = Some(Stream::new(trajectory, start)),
-                        None => start.give_up("a board is no longer on its line".to_owned()),
+                Order::One(index, ask, told) => {
+                    if let Some(board) = of_index(boards, index) {
+                        self.carry_out(board, ask, &told)?;
                     }
                 }
+                Order::Play(index, trajectory, start) => match of_index(boards, index) {
+                    Some(board) => board.stream = Some(Stream::new(trajectory, start)),
+                    None => start.give_up("a board is no longer on its line".to_owned()),
+                },
                 Order::Members(members) => {
                     for mut board in arrange(boards, members) {
                         board.leave_off(self.all, self.driving, "the board was taken out".to_owned());
@@ -447,6 +463,24 @@ impl Work<'_> {
         }
     }
 
+    /// Starts boards that are to be started, as many as a round has time for.
+    fn start_some(&mut self, boards: &mut Vec<Asked>, orders: &Receiver<Order>) -> Result<(), Ended> {
+        let until = Instant::now() + STARTS;
+        while let Some(Waiting { index, grant, told }) = self.starts.pop_front() {
+            if !self.driving.holds(index, grant) {
+                // Who has asked may have given up meanwhile.
+                let _ = told.send(Err("the board was stopped before it had been started".to_owned()));
+            } else if let Some(board) = of_index(boards, index) {
+                self.carry_out(board, Ask::Start(grant), &told)?;
+            }
+            if Instant::now() >= until {
+                break;
+            }
+            self.obey(boards, orders)?;
+        }
+        Ok(())
+    }
+
     fn carry_out(
         &mut self,
         board: &mut Asked,
@@ -455,7 +489,7 @@ impl Work<'_> {
     ) -> Result<(), Ended> {
         self.client.turn_to(board.member.number);
         let done = match ask {
-            Ask::Start => board.start(self.client, self.heartbeat),
+            Ask::Start(_) => board.start(self.client, self.heartbeat),
             // It may be heard twice.
             Ask::Stop => {
                 let address = Id::Command.register().address;
@@ -463,8 +497,14 @@ impl Work<'_> {
             }
             Ask::Acknowledge => command(self.client, Command::Acknowledge),
         };
-        if ask == Ask::Start && done.is_ok() {
-            self.driving.started(board.index);
+        if let (Ask::Start(grant), Ok(())) = (ask, &done) {
+            if self.driving.holds(board.index, grant) {
+                self.driving.started(board.index);
+            } else {
+                // It was stopped while it was being started; where it does not hear this it hears no
+                // sign of life either.
+                let _ = command(self.client, Command::Stop);
+            }
         }
         // Who has asked may have given up meanwhile.
         let _ = told.send(done.as_ref().copied().map_err(BusError::to_string));
@@ -473,6 +513,11 @@ impl Work<'_> {
             _ => Ok(()),
         }
     }
+}
+
+/// The board at this place among all.
+fn of_index(boards: &mut [Asked], index: usize) -> Option<&mut Asked> {
+    boards.iter_mut().find(|board| board.index == index)
 }
 
 /// Gives the board that the client is turned to a command, once.

@@ -9,8 +9,8 @@
 //! | `reload` of the gateway | a query: the file of the lines is read again | `{"done": true}`, or an error with its `reason` |
 //! | `stop` of the gateway | anything | none: every board of every line is stopped and vented |
 //!
-//! A query may be for many boards at once, by a pattern in its key; each answers by its own key. A
-//! query by keys of another version is answered by an error that says so.
+//! A query may be for many boards at once, by a pattern in its key; each answers by its own key, at a
+//! start when all have been tried. A query by keys of another version is answered by an error that says so.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -184,7 +184,15 @@ fn reply(query: &Query, key: &str, done: Result<Value, String>) {
 /// Answers an order to boards.
 fn answer(query: &Query, gateway: &Gateway, keys: &Keys) {
     let content = content(query);
-    for (index, key) in of_pattern(keys.all("order"), query.key_expr()) {
+    let meant = of_pattern(keys.all("order"), query.key_expr());
+    if let Ok(Order { order: Kind::Start }) = serde_json::from_slice(&content) {
+        let boards: Vec<usize> = meant.iter().map(|(index, _)| *index).collect();
+        for ((_, key), started) in meant.iter().zip(gateway.start_each(&boards)) {
+            reply(query, key, started.map(granted).map_err(|refused| refused.to_string()));
+        }
+        return;
+    }
+    for (index, key) in meant {
         reply(query, &key, carry_out(gateway, &[index], &content));
     }
 }
@@ -211,11 +219,16 @@ fn other_version(query: &Query) {
 fn carry_out(gateway: &Gateway, boards: &[usize], order: &[u8]) -> Result<Value, String> {
     let Order { order } = serde_json::from_slice(order).map_err(|problem| format!("no order: {problem}"))?;
     match order {
-        Kind::Start => gateway.start_boards(boards).map(|grant| json!({"done": true, "grant": grant})),
+        Kind::Start => gateway.start_boards(boards).map(granted),
         Kind::Stop => gateway.stop(boards).map(|()| json!({"done": true})),
         Kind::Acknowledge => gateway.acknowledge(boards).map(|()| json!({"done": true})),
     }
     .map_err(|refused| refused.to_string())
+}
+
+/// The answer to a start.
+fn granted(grant: u32) -> Value {
+    json!({"done": true, "grant": grant})
 }
 
 /// Takes a trajectory.

@@ -392,20 +392,19 @@ fn status(board: &Board) -> DiagnosticStatus {
 /// Starts all boards that are ready.
 fn start_all(gateway: &Gateway, started: &Started) -> TriggerResponse {
     let boards = gateway.boards().all();
+    let is_ready = |board: &Board| {
+        let told = board.telemetry.as_ref().filter(|_| !board.is_gone && board.problem.is_none());
+        told.is_some_and(|told| told.state == State::Ready)
+    };
+    let ready: Vec<usize> = (0..boards.len()).filter(|index| is_ready(&boards[*index])).collect();
     let (mut count, mut refused) = (0, Vec::new());
-    for (index, board) in boards.iter().enumerate() {
-        let is_ready = !board.is_gone
-            && board.problem.is_none()
-            && board.telemetry.as_ref().is_some_and(|told| told.state == State::Ready);
-        if !is_ready {
-            continue;
-        }
-        match gateway.start_boards(&[index]) {
+    for (index, answer) in ready.iter().zip(gateway.start_each(&ready)) {
+        match answer {
             Ok(grant) => {
-                started.grants.lock().unwrap_or_else(PoisonError::into_inner).insert(index, grant);
+                started.grants.lock().unwrap_or_else(PoisonError::into_inner).insert(*index, grant);
                 count += 1;
             }
-            Err(reason) => refused.push(format!("{}: {reason}", board.name)),
+            Err(reason) => refused.push(format!("{}: {reason}", boards[*index].name)),
         }
     }
     let success = count > 0 && refused.is_empty();

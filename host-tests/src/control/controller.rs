@@ -105,7 +105,7 @@ impl Controller {
 fn rule(model: &ModelFile) -> PidParameters<f32> {
     let (low, high) = model.parameters.input();
     let slope = model.stroke() / (high - low);
-    let seen = model.recorded.and_then(|recorded| recorded.valve).map(|late| late.mean_s.max(0.0));
+    let seen = model.recorded.and_then(|recorded| recorded.valve).map(|valve| valve.late.mean_s.max(0.0));
     let lag_s = model.extensions.valve_lag.map(|lag| lag.time_constant_s).or(seen).unwrap_or(0.05).max(0.01);
     let late_s = model.extensions.transport_delay.map_or(0.0, |delay| delay.delay_s) + 0.01;
     let kp = lag_s / (2.0 * slope * late_s);

@@ -36,12 +36,13 @@ fn main() {
             "the tests of the network are skipped: {VARIABLE} names no Python; `cargo xtask test` makes one"
         );
     }
-    let tests: [(&str, fn()); 10] = [
+    let tests: [(&str, fn()); 11] = [
         ("no_message_is_lost_on_its_way_to_another_program", nothing_lost),
         ("set_points_drive_the_boards_and_silence_vents_them", driven),
         ("a_killed_gateway_leaves_every_board_vented_within_its_patience", killed),
         ("a_trajectory_begins_on_all_boards_within_a_tick_or_on_none_and_ends_with_its_client", played),
         ("a_group_is_started_driven_and_stopped_as_one", grouped),
+        ("sixteen_boards_of_a_slow_line_all_track_behind_one_order", many_started),
         ("boards_that_stay_are_not_disturbed_by_another_file_of_lines", reloaded),
         ("by_certificates_of_ones_own_some_see_some_drive_and_the_rest_are_kept_out", secured),
         ("by_a_password_some_are_let_in_and_the_rest_kept_out", with_password),
@@ -65,10 +66,16 @@ struct Lab(Bench);
 
 impl Lab {
     fn new() -> Self {
+        Self::of(LINES, &[(1, 1), (1, 2), (2, 3), (2, 4)])
+    }
+
+    /// Boards by line and number.
+    fn of(lines: &str, boards: &[(usize, usize)]) -> Self {
         let bench = Bench::new();
-        bench.write("lines.toml", LINES).write("model.toml", common::PAPER);
-        bench.succeeds("fleet boards --boards 4 --lines 2 --background");
-        for (line, unit) in [(1, 1), (1, 2), (2, 3), (2, 4)] {
+        bench.write("lines.toml", lines).write("model.toml", common::PAPER);
+        let count = boards.iter().map(|(line, _)| *line).max().unwrap_or(1);
+        bench.succeeds(&format!("fleet boards --boards {} --lines {count} --background", boards.len()));
+        for (line, unit) in boards {
             bench.succeeds(&format!("deploy model.toml --port boards/line-{line} --unit {unit} --force"));
         }
         Self(bench)
@@ -224,6 +231,18 @@ fn grouped() {
     assert!(contractions.iter().all(|mm| mm.as_f64().is_some_and(|mm| (mm - 25.0).abs() < 2.0)), "{told}");
     assert_eq!(told["stopped"], serde_json::json!([{"done": true}]), "{told}");
     assert_eq!(told["refused"], serde_json::json!(["the board is not driven"]), "{told}");
+}
+
+fn many_started() {
+    let boards: Vec<(usize, usize)> = (1..=16).map(|unit| (1, unit)).collect();
+    let numbers: Vec<usize> = boards.iter().map(|(_, unit)| *unit).collect();
+    let lab = Lab::of(&format!("[[line]]\nport = \"boards/line-1\"\nboards = {numbers:?}\n"), &boards);
+    // Each for itself, by one query: they answer when all have been tried, and all have waited.
+    let told = lab.gateway("").told(&["drive", "--seconds", "4"]);
+    for what in ["started", "tracking", "vented"] {
+        assert_eq!(told[what], 16, "{told}");
+    }
+    assert_eq!(told["faults"], serde_json::json!([21]), "{told}");
 }
 
 fn reloaded() {

@@ -10,10 +10,11 @@
 //! jackknife over blocks of time, since neighbouring windows are off alike.
 
 use crate::model_file::ModelFile;
-use crate::model_file::control::{Late, Recorded};
+use crate::model_file::control::{Late, Recorded, SeenValve};
 use crate::noise;
 use crate::numbers::range;
 use crate::simulation::Rows;
+use crate::valve_order;
 use model_core::ParameterError;
 use thiserror::Error;
 
@@ -75,7 +76,9 @@ pub fn recorded(file: &ModelFile, recording: &Recording<'_>) -> Result<Recorded,
     let valve = command.map(|command| {
         let lag_s = file.extensions.valve_lag.map_or(0.0, |lag| lag.time_constant_s);
         let expected = lagged(rows.time_s, command, lag_s);
-        late(rows.time_s, scored, &expected, rows.input, Between::of_lag(lag_s))
+        let late = late(rows.time_s, scored, &expected, rows.input, Between::of_lag(lag_s));
+        let order = valve_order::Rows { time_s: rows.time_s, scored, command, pressure: rows.input };
+        SeenValve { late, shares: order.shares(lag_s + late.mean_s) }
     });
     Ok(Recorded {
         step_s: noise::steps(rows.time_s).0,

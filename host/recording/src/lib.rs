@@ -32,6 +32,7 @@ mod synthetic;
 pub mod table;
 pub mod turning;
 pub mod unit;
+pub mod valve_order;
 pub mod worth;
 
 pub use joined::Rest;

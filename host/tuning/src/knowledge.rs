@@ -1,7 +1,8 @@
 //! What is known of a plant, and what has to be assumed.
 
 use recording::model_file::ModelFile;
-use recording::model_file::control::{Late, Recorded};
+use recording::model_file::control::{Late, Recorded, SeenValve};
+use recording::valve_order::FLAT;
 
 use crate::response::{Dynamics, Unknown};
 
@@ -90,13 +91,13 @@ impl Knowledge {
         };
         let (mut delay_s, mut lag_s, mut late_s) = (0.0, 0.0, crept_s + seen_s);
         match file.recorded.as_ref().and_then(|recorded| recorded.valve) {
-            Some(valve) if has_lag => {
-                delay_s += known(&valve);
-                late_s += open(&valve).min(UNSEEN_VALVE_S);
+            Some(SeenValve { late, .. }) if has_lag => {
+                delay_s += known(&late);
+                late_s += open(&late).min(UNSEEN_VALVE_S);
             }
-            Some(valve) => {
-                lag_s = known(&valve);
-                late_s += open(&valve).min(UNSEEN_VALVE_S);
+            Some(SeenValve { late, .. }) => {
+                lag_s = known(&late);
+                late_s += open(&late).min(UNSEEN_VALVE_S);
             }
             None if from_command || has_lag => {}
             None => match valve_lag_s {
@@ -112,11 +113,21 @@ impl Knowledge {
         }
         dynamics.led_lag_s += lag_s;
         dynamics.delay_s += delay_s;
+        let seen = file.recorded.as_ref().and_then(|recorded| recorded.valve);
+        let orders = seen.map_or((0.0, FLAT), |valve| valve.shares);
+        if dynamics.led_lag_s + dynamics.unled_lag_s > 0.0 && orders.1 >= FLAT && orders.0 < FLAT {
+            assumptions.push(
+                "the recording does not show whether the valve answers as one lag or as two (of second order): tuned for \
+                 both; a command that jumps, beside the pressure and at short intervals, shows it"
+                    .to_owned(),
+            );
+        }
         Self {
             dynamics,
             unknown: Unknown {
                 slope: file.recorded.map_or(1.0, |recorded| recorded.steeper.max(1.0)),
                 late_s,
+                orders,
                 lag: SHARE,
                 frequency: SHARE,
                 viscosity: SHARE,

@@ -1,7 +1,7 @@
 //! The loop in the frequency domain: what the muscle makes of a small command, what the inverse
 //! model leads, and the feedback around both.
 //!
-//! At a place of the loop the muscle is a slope times a linear system: valve, dead time, creep,
+//! At a place of the loop the muscle is a slope times a linear system: valve (of first or second order), dead time, creep,
 //! viscosity and mass. The feedback does not go through the inverse, so its loop is the slope times
 //! all of that, or with an observer, whose gains grow where the model is flatter, the ratio of the
 //! muscle's slope to the model's. The feed-forward does: what the model has of the linear system is led, what it does
@@ -90,6 +90,8 @@ pub struct Corner {
     pub lag: f64,
     /// The valve's lag that nobody has seen, over the longest that is allowed for.
     pub unseen_lag: f64,
+    /// The share q that makes the valve of second order ([`recording::valve_order`]).
+    pub order: f64,
     /// The muscle's natural frequency over the known one.
     pub frequency: f64,
     /// Its viscosity over the known one.
@@ -164,7 +166,8 @@ impl Dynamics {
         let motion = 1.0 + viscous * corner.viscosity / faster * s + mass / (faster * faster) * s * s;
         // A command is held until the next one.
         let late_s = self.delay_s + self.unled_delay_s + corner.late_s + 0.5 * self.period_s;
-        let lags = (1.0 + s * self.led_lag_s * corner.lag) * (1.0 + s * self.unled_lag_s * corner.unseen_lag);
+        let lag = |lag_s: f64| 1.0 + s * lag_s + corner.order * lag_s * lag_s * s * s;
+        let lags = lag(self.led_lag_s * corner.lag) * lag(self.unled_lag_s * corner.unseen_lag);
         corner.slope * (-s * late_s).exp() * self.crept(s) / (lags * motion)
     }
 
@@ -242,6 +245,8 @@ pub struct Unknown {
     pub slope: f64,
     /// Dead time that may be there. Unit: s.
     pub late_s: f64,
+    /// The least and the largest share q of a valve of second order.
+    pub orders: (f64, f64),
     /// By which share the valve's lag may be longer or shorter.
     pub lag: f64,
     /// By which share the natural frequency may be higher or lower.
@@ -252,7 +257,8 @@ pub struct Unknown {
 
 impl Unknown {
     /// All is known.
-    pub const NOTHING: Self = Self { slope: 1.0, late_s: 0.0, lag: 0.0, frequency: 0.0, viscosity: 0.0 };
+    pub const NOTHING: Self =
+        Self { slope: 1.0, late_s: 0.0, orders: (0.0, 0.0), lag: 0.0, frequency: 0.0, viscosity: 0.0 };
 }
 
 /// All ways in which a plant with these slopes and dynamics may be.
@@ -264,6 +270,9 @@ pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<
     // A valve that nobody has seen may be as quick as it likes.
     let unseen_lags = if dynamics.unled_lag_s > 0.0 { vec![0.0, 1.0] } else { vec![1.0] };
     let lates = if unknown.late_s > 0.0 { vec![0.0, unknown.late_s] } else { vec![0.0] };
+    let (least, most) = unknown.orders;
+    let has_lag = dynamics.led_lag_s + dynamics.unled_lag_s > 0.0;
+    let orders = if has_lag && most > least { vec![least, most] } else { vec![least] };
     let factor = unknown.slope;
     // Beside a mass the loop swings more with less viscosity; without one it is later with more.
     let viscosity = if has_mass { 1.0 - unknown.viscosity } else { 1.0 + unknown.viscosity };
@@ -278,17 +287,20 @@ pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<
             for &late_s in &lates {
                 for lag in both(unknown.lag, dynamics.led_lag_s > 0.0) {
                     for &unseen_lag in &unseen_lags {
-                        for frequency in both(unknown.frequency, has_mass) {
-                            all.push(Corner {
-                                contraction: at.contraction,
-                                slope,
-                                ratio,
-                                late_s,
-                                lag,
-                                unseen_lag,
-                                frequency,
-                                viscosity,
-                            });
+                        for &order in &orders {
+                            for frequency in both(unknown.frequency, has_mass) {
+                                all.push(Corner {
+                                    contraction: at.contraction,
+                                    slope,
+                                    ratio,
+                                    late_s,
+                                    lag,
+                                    unseen_lag,
+                                    order,
+                                    frequency,
+                                    viscosity,
+                                });
+                            }
                         }
                     }
                 }

@@ -11,8 +11,10 @@ use toml::{Table, Value};
 use super::names::Names;
 use super::scale::Scale;
 use super::section::{KeyError, Section};
+use crate::valve_order::FLAT;
 
 const RECORDED: &str = "recorded";
+const SECOND: [&str; 2] = ["valve_second_order_least", "valve_second_order_most"];
 const TUNING: &str = "tuning";
 
 /// How much later than predicted something came, as a mean over its movements.
@@ -35,9 +37,19 @@ pub struct Recorded {
     pub steeper: f64,
     /// The output behind what the model answers.
     pub late: Late,
+    /// The valve; None where not both command and pressure were recorded.
+    pub valve: Option<SeenValve>,
+}
+
+/// What a recording shows of a valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenValve {
     /// The pressure behind what the model's valve answers to the command, or behind the command
-    /// where the model has no lag; None where not both were recorded.
-    pub valve: Option<Late>,
+    /// where the model has no lag.
+    pub late: Late,
+    /// Of which order it may be: the least and the largest share q of
+    /// [`valve_order`](crate::valve_order).
+    pub shares: (f64, f64),
 }
 
 /// The feedback that goes with a model, and what it promises.
@@ -100,11 +112,15 @@ impl Recorded {
         put("step_s".into(), self.step_s);
         put(format!("noise_{}", names.output.suffix()), self.noise);
         put("steeper".into(), self.steeper);
-        for (name, late) in [("late", Some(self.late)), ("valve_late", self.valve)] {
+        for (name, late) in [("late", Some(self.late)), ("valve_late", self.valve.map(|valve| valve.late))] {
             if let Some(late) = late {
                 put(format!("{name}_s"), late.mean_s);
                 put(format!("{name}_error_s"), late.error_s);
             }
+        }
+        if let Some(SeenValve { shares: (low, high), .. }) = self.valve {
+            put(SECOND[0].into(), low);
+            put(SECOND[1].into(), high);
         }
         top.insert(RECORDED.into(), Value::Table(table));
     }
@@ -122,7 +138,18 @@ impl Recorded {
             noise: not_negative(&mut section, &format!("noise_{}", names.output.suffix()))?,
             steeper: positive(&mut section, "steeper")?,
             late: late(&mut section, "late")?,
-            valve: if section.has("valve_late_s") { Some(late(&mut section, "valve_late")?) } else { None },
+            valve: if section.has("valve_late_s") {
+                let late = late(&mut section, "valve_late")?;
+                // Files of earlier versions do not say it.
+                let shares = if section.has(SECOND[0]) {
+                    (not_negative(&mut section, SECOND[0])?, not_negative(&mut section, SECOND[1])?)
+                } else {
+                    (0.0, FLAT)
+                };
+                Some(SeenValve { late, shares })
+            } else {
+                None
+            },
         };
         section.finish()?;
         Ok(Some(recorded))

@@ -268,7 +268,8 @@ fn learning_lost() {
     let bench = bench();
     bench.write("ref.csv", "time_s,reference_mm\n0,5\n2,50\n4,10\n");
     let recorded = "[recorded]\nstep_s = 0.01\nnoise_mm = 0.03\nsteeper = 1.3\nlate_s = 0.0\n\
-                    late_error_s = 0.002\nvalve_late_s = 0.05\nvalve_late_error_s = 0.001\n";
+                    late_error_s = 0.002\nvalve_late_s = 0.05\nvalve_late_error_s = 0.001\n\
+                    valve_second_order_least = 0.0\nvalve_second_order_most = 0.0\n";
     bench.write("model.toml", format!("{PAPER}\n{recorded}"));
     succeeds(&bench, &["tune", "model.toml", "-o", "tuned.toml"]);
     let mut emulator = mgpi(&bench, &["emulate", "--port", "board"]).spawn().expect("mgpi runs");

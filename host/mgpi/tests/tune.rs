@@ -11,11 +11,15 @@ fn bench() -> Bench {
     bench
 }
 
+/// What it would show of the valve: how late, and that it is a single lag.
+const VALVE: &str = "valve_late_s = 0.05\nvalve_late_error_s = 0.0002\n";
+const ONE_LAG: &str = "valve_second_order_least = 0.0\nvalve_second_order_most = 0.0\n";
+
 /// The paper's model with what a recording would show of time: so late, plus and minus so much (s).
 fn with_times(late_s: f64, error_s: f64) -> String {
     format!(
         "{PAPER}\n[recorded]\nstep_s = 0.005\nnoise_mm = 0.03\nsteeper = 1.2\nlate_s = {late_s}\n\
-         late_error_s = {error_s}\nvalve_late_s = 0.05\nvalve_late_error_s = 0.0002\n"
+         late_error_s = {error_s}\n{VALVE}{ONE_LAG}"
     )
 }
 
@@ -56,6 +60,18 @@ fn the_better_a_recording_shows_the_time_the_faster_is_the_feedback() {
     let tuned = bench.read("tuned.toml");
     assert!((number(&tuned, "lag_s") - 0.05).abs() < 1e-9, "the valve's lag is led: {tuned}");
     assert_eq!(number(&tuned, "slew_bar_per_s"), 120.0, "the whole range in the valve's lag");
+}
+
+#[test]
+fn a_valve_that_may_be_of_second_order_makes_the_feedback_slower_and_that_is_said() {
+    let bench = bench();
+    bench.write("known.toml", with_times(0.0, 0.0005));
+    bench.write("open.toml", with_times(0.0, 0.0005).replace(ONE_LAG, ""));
+    let known = bench.succeeds("tune known.toml -o tuned.toml");
+    let open = bench.succeeds("tune open.toml -o slower.toml");
+    assert!(!known.contains("second order") && open.contains("of second order"), "{open}");
+    let [fast, slow] = ["tuned.toml", "slower.toml"].map(|file| number(&bench.read(file), "ki_bar_per_mm_s"));
+    assert!(slow < 0.5 * fast, "{slow} of {fast} bar/(mm s)");
 }
 
 #[test]

@@ -25,10 +25,12 @@ pub fn parse(text: &str) -> Result<ModelFile, Problem> {
     })?;
     let mut top = Section::top(table);
     let format = top.count("format")?;
-    if format != FORMAT {
+    let kind = kind(&mut top);
+    // What is no model of a muscle, as that of a joint, has formats of its own.
+    if format != FORMAT && kind.is_ok() {
         return Err(Problem::Format(format));
     }
-    let kind = kind(&mut top)?;
+    let kind = kind?;
     let input = channel(top.section("input")?)?;
     let output = channel(top.section("output")?)?;
     let names = Names { input: input.unit, output: output.unit };

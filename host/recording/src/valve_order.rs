@@ -5,34 +5,35 @@
 //! pressure = command / (1 + T s + q T² s²)
 //! ```
 //!
-//! T is how far the pressure is behind a ramp, whatever the order; the share q is 0 for one lag, 1/4
-//! for two equal ones, and 1/2 where the answer to tones is as flat as it can be without a resonance
-//! ([`FLAT`]). Slow movements show T alone, and a loop that is fast beside T swings by q: a valve of
-//! q = 1/2 turns the phase by half a turn where one lag turns it by a quarter.
+//! T is how far the pressure is behind a ramp, whatever the order; the share q is 0 for one lag,
+//! 1/4 for two equal ones, and 1/2 where the answer to tones is as flat as it can be without a
+//! resonance ([`FLAT`]). Slow movements show T alone, and a loop that is fast beside T swings by q:
+//! a valve of q = 1/2 turns the phase by half a turn where one lag turns it by a quarter.
 //!
-//! So stretches of the recording are simulated with several shares, each with the T and the offset and gain
-//! of the sensor that fit it best. What is not excluded is told: the shares whose squared error is not
-//! larger than the least one by more than two standard errors of the difference, over the stretches.
-//! Noise, rows that are far apart, and a command that never jumps exclude nothing.
+//! So stretches of the recording are simulated with several shares, each with the T and the offset
+//! and gain of the sensor that fit it best. What is not excluded is told: the shares whose squared
+//! error is not larger than the least one by more than two standard errors of the difference, over
+//! the stretches. Noise, rows that are far apart, and a command that never jumps exclude nothing.
 
 use crate::numbers::range;
 
 /// The largest share without a resonance: two poles of Butterworth's kind.
 pub const FLAT: f64 = 0.5;
-/// The shares that are tried; at the last one the damping ratio is 1/2, and a jump overshoots by 16 %.
+/// The shares that are tried; at the last one, of a damping ratio of 1/2, a jump overshoots by a
+/// sixth.
 const SHARES: [f64; 7] = [0.0, 0.06, 0.12, 0.25, FLAT, 0.75, 1.0];
 /// Stretches, evenly over the recording, and the most rows of one.
 const STRETCHES: usize = 12;
 const MOST_ROWS: usize = 3000;
-/// The beginning of a stretch, while the simulated valve forgets where it began. Unit: the longest T that
-/// is tried.
+/// The beginning of a stretch, while the simulated valve forgets where it began. Unit: the longest
+/// T that is tried.
 const FORGOTTEN: f64 = 8.0;
 /// Fewest rows of a stretch that count.
 const LEAST_ROWS: usize = 20;
 /// The best T is looked for within this factor of the one that is known.
 const FACTOR: f64 = 2.5;
-/// How far apart the places are between which it is looked for, for the first share, and for the next
-/// ones beside that of the one before. Unit: 1, of the logarithm.
+/// How far apart the places are between which it is looked for, for the first share, and for the
+/// next ones beside that of the one before. Unit: 1, of the logarithm.
 const FIRST: [f64; 5] = [0.5, 0.3, 0.15, 0.05, 0.01];
 const NEXT: [f64; 2] = [0.1, 0.01];
 /// Standard errors of a difference that exclude a share: 95 % of a normal error.

@@ -10,16 +10,17 @@
 //! with φ the angle, p a muscle's pressure, α its torque for each bar of drive, w the stiffness of
 //! its friction before it slips, and h how much farther that reaches under more pressure. With the
 //! friction that there is the torque is linear in both drives, and where it is known which stops a
-//! swing makes slip so is the stiffness: which pressures bring about a torque and a stiffness is two
-//! linear equations. The friction and those stops are taken from the pressures of the sample before,
-//! which a sample changes by little.
+//! swing makes slip so is the stiffness: which pressures bring about a torque and a stiffness is
+//! two linear equations. The friction and those stops are taken from the pressures of the sample
+//! before, which a sample changes by little.
 //!
 //! # Why not two models of contraction over pressure
 //! Such a model has its hysteresis at one load. At a joint a muscle's load goes from nothing to
 //! nearly all of its force, and its friction grows with the pressure, so that the loop over the
 //! pressure is another one at each stiffness. Over the *angle*, which both muscles share, friction
-//! is a bank of stops for each, the counterpart of the plays. And every unknown but the knees and the
-//! two shares of the slip is then linear in what a recording of pressures, angle and torque shows.
+//! is a bank of stops for each, the counterpart of the plays. And every unknown but the knees and
+//! the two shares of the slip is then linear in what a recording of pressures, angle and torque
+//! shows.
 //!
 //! # Geometry
 //! Pulley, lever or cam are all in α and the passive torque, which are polynomials of the angle:
@@ -27,8 +28,8 @@
 //!
 //! # Stiffness
 //! The torque against a slow swing of the joint by ± `swing` around an angle, pressures held, for
-//! each radian: the slope of all that is smooth, and of each stop the part min(1, r h/swing), since a
-//! stop that is shorter than the swing slips. Friction that sticks is a good part of it.
+//! each radian: the slope of all that is smooth, and of each stop the part min(1, r h/swing), since
+//! a stop that is shorter than the swing slips. Friction that sticks is a good part of it.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -184,9 +185,9 @@ impl<T: Real, const N: usize> Joint<T, N> {
         &self.muscles
     }
 
-    /// The torque of both muscles at an angle (rad) and a speed (rad/s), with the stops as they have
-    /// been turned. Pressures: bar, above 0; result: N m, that which turns the joint to larger angles
-    /// positive.
+    /// The torque of both muscles at an angle (rad) and a speed (rad/s), with the stops as they
+    /// have been turned. Pressures: bar, above 0; result: N m, that which turns the joint to larger
+    /// angles positive.
     pub fn torque(&self, angle: T, speed: T, stops: &Stops<T, N>, pressures: [T; 2]) -> T {
         self.torque_form(angle, speed, stops).at(self.drives(pressures))
     }

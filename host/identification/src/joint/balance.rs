@@ -170,7 +170,8 @@ pub(super) fn solve(rows: &Rows, counts: &[bool]) -> Result<Unknowns, JointError
     found.ok_or(JointError::Singular)
 }
 
-/// The linear unknowns for a given shape, by each so many-th row that counts, and the sum of squares.
+/// The linear unknowns for a given shape, by each so many-th row that counts, and the sum of
+/// squares.
 fn linear(
     rows: &Rows,
     counts: &[bool],

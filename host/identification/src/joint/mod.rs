@@ -12,9 +12,9 @@
 //! | `refine` | Gauss-Newton on the simulated angle |
 //!
 //! The torque of a joint ([`model_core::joint`]) is linear in all unknowns but two knees and two
-//! slips, so that the balance is one linear problem, with friction kept from being negative. What comes of it
-//! answers for the torque at the *measured* angle; the refinement is for the angle that is
-//! simulated from the pressures alone, which is what a controller relies on.
+//! slips, so that the balance is one linear problem, with friction kept from being negative. What
+//! comes of it answers for the torque at the *measured* angle; the refinement is for the angle that
+//! is simulated from the pressures alone, which is what a controller relies on.
 //!
 //! # Limits
 //! Inertia is taken to be nothing: a recording has to be slow.

@@ -23,8 +23,8 @@ pub(super) const SHAPE: usize = 4;
 /// A point in the space of the unknowns.
 pub(super) type Unknowns = [f64; COUNT];
 
-/// What the torque is not linear in: both knees (bar²), and of the slip of either muscle in the middle
-/// of its drives, which is 1, the share that does not depend on the pressure.
+/// What the torque is not linear in: both knees (bar²), and of the slip of either muscle in the
+/// middle of its drives, which is 1, the share that does not depend on the pressure.
 pub(super) type Shape = [f64; SHAPE];
 
 /// Whether one of them may not be negative.

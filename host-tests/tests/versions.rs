@@ -9,6 +9,7 @@ fn the_changelog_has_every_version_apart() {
         ("registers (`wire::registers::VERSION`)", wire::registers::VERSION.to_string()),
         ("storage on the board (`firmware::store::LAYOUT`)", firmware::store::LAYOUT.to_string()),
         ("model files (`format`)", recording::model_file::FORMAT.to_string()),
+        ("model files of joints (`format`)", recording::joint::file::FORMAT.to_string()),
     ] {
         let row = format!("| {what} | {version} |");
         assert!(changelog.contains(&row), "the changelog lacks {row}");

@@ -347,6 +347,44 @@ def group(arguments):
     print(json.dumps(told))
 
 
+def halt(arguments):
+    """All are stopped while they are started, one behind the other: which are driven afterwards."""
+    seen, driven, lock = {}, set(), threading.Lock()
+    stopped_s = [None]
+    root = f"{ROOT}/{arguments.name}"
+
+    def heard(sample):
+        told, key = json.loads(sample.payload.to_bytes()), str(sample.key_expr).rsplit("/", 1)[0]
+        with lock:
+            seen[key] = told["state"]
+            # What the boards told of the time before the stop may come a little later.
+            if stopped_s[0] is not None and told["unix_s"] > stopped_s[0] + 0.4 and told["state"] == "Tracking":
+                driven.add(key)
+
+    with session(arguments.end_point) as on:
+        with on.declare_subscriber(f"{root}/*/*/telemetry", heard):
+            wait("all boards are seen", lambda: len(seen) == arguments.boards)
+            answers = []
+            start = threading.Thread(target=lambda: answers.append(order(on, f"{root}/*/*/order", "start")))
+            start.start()
+            wait("the first one tracks", lambda: "Tracking" in list(seen.values()))
+            on.put(f"{root}/stop", "")
+            stopped_s[0] = time.time()
+            start.join()
+            time.sleep(1.5)
+    started, refused = answers[0]
+    print(
+        json.dumps(
+            {
+                "started": len(started),
+                "refused": sorted(set(refused.values())),
+                "driven": sorted(driven),
+                "states": sorted(set(seen.values())),
+            }
+        )
+    )
+
+
 def reload(arguments):
     """The gateway reads its file again while boards are watched: what stays has no gap."""
     seen, gaps, lock = {}, {}, threading.Lock()
@@ -667,7 +705,7 @@ def main():
     commands = parser.add_subparsers(dest="command", required=True)
     for name in ("watch", "drive"):
         commands.add_parser(name).add_argument("--seconds", type=float, default=10.0)
-    several = [commands.add_parser(name) for name in ("play", "group", "reload")]
+    several = [commands.add_parser(name) for name in ("play", "group", "reload", "halt")]
     for command in several:
         command.add_argument("--boards", type=int, default=4)
     several[0].add_argument("--seconds", type=float, default=6.0)
@@ -681,7 +719,7 @@ def main():
     commands.add_parser("ros")
     commands.add_parser("bag").add_argument("file")
     arguments = parser.parse_args()
-    for command in (watch, drive, play, group, reload, certificates, secure, passwords, login, ros, bag):
+    for command in (watch, drive, play, group, reload, halt, certificates, secure, passwords, login, ros, bag):
         if command.__name__ == arguments.command:
             command(arguments)
 

@@ -25,12 +25,13 @@ const SHARES: [f64; 7] = [0.0, 0.06, 0.12, 0.25, FLAT, 0.75, 1.0];
 /// Stretches, evenly over the recording, and the most rows of one.
 const STRETCHES: usize = 12;
 const MOST_ROWS: usize = 3000;
-/// The beginning of a stretch, while the simulated valve forgets where it began. Unit: the longest
-/// T that is tried.
+/// The beginning of a stretch, in which the simulated valve forgets where it began: of a jump less
+/// than 2 % is left then, whatever the share. Unit: the longest T that is tried.
 const FORGOTTEN: f64 = 8.0;
 /// Fewest rows of a stretch that count.
 const LEAST_ROWS: usize = 20;
-/// The best T is looked for within this factor of the one that is known.
+/// The best T is looked for within this factor of the one that is known: a convention, far beyond
+/// the 15 % by which they are expected to differ.
 const FACTOR: f64 = 2.5;
 /// How far apart the places are between which it is looked for, for the first share, and for the
 /// next ones beside that of the one before. Unit: 1, of the logarithm.
@@ -167,7 +168,7 @@ impl Rows<'_> {
             mean <= ERRORS * (square / (count * (count - 1.0))).sqrt()
         };
         let left: Vec<f64> = (0..SHARES.len()).filter(is_open).map(|place| SHARES[place]).collect();
-        // A resonance is believed where the recording excludes that there is none.
+        // A resonance is assumed only where the recording rules out every valve without one.
         let believed = if left.iter().any(|share| *share <= FLAT) { FLAT } else { f64::INFINITY };
         let left = || left.iter().copied().filter(|share| *share <= believed);
         (left().fold(believed, f64::min), left().fold(0.0, f64::max))

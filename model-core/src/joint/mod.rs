@@ -83,8 +83,8 @@ pub struct JointParameters<T, const N: usize> {
     pub passive: [T; PASSIVE],
     /// Torque against the speed. Unit: N m s/rad, at least 0.
     pub viscosity: T,
-    /// The stops' reaches r where the slip is 1, rising, the same of both muscles. Unit: rad, above
-    /// 0.
+    /// The reaches r of the stops, in rising order and the same for both muscles. Each muscle's
+    /// slip multiplies them. Unit: rad, above 0.
     pub reaches: List<T, N>,
     /// Half the swing that the stiffness is for. Unit: rad, above 0.
     pub swing: T,

@@ -17,7 +17,8 @@ const STEPS: usize = 12;
 const CONVERGED: f64 = 1e-4;
 /// The torque that a difference is of. Unit: N m.
 const TORQUE: f64 = 1e-3;
-/// What a difference is of as a share of the largest knee or slip.
+/// Step of a difference in a knee or a slip, as a share of its largest value: small beside the
+/// curvature of the angle, large beside rounding.
 const SHAPED: f64 = 1e-3;
 /// The angle is compared in each so many-th row.
 const THINNED: usize = 4;

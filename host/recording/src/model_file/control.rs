@@ -142,7 +142,14 @@ impl Recorded {
                 let late = late(&mut section, "valve_late")?;
                 // Files of earlier versions do not say it.
                 let shares = if section.has(SECOND[0]) {
-                    (not_negative(&mut section, SECOND[0])?, not_negative(&mut section, SECOND[1])?)
+                    let least = not_negative(&mut section, SECOND[0])?;
+                    let most = not_negative(&mut section, SECOND[1])?;
+                    if most < least {
+                        return Err(
+                            section.error(SECOND[1], &format!("{most} is below {}, {least}", SECOND[0]))
+                        );
+                    }
+                    (least, most)
                 } else {
                     (0.0, FLAT)
                 };
@@ -298,4 +305,35 @@ fn positive(section: &mut Section, key: &str) -> Result<f64, KeyError> {
         return Err(section.error(key, &format!("{number} is not above 0")));
     }
     Ok(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::unit::Unit;
+
+    #[test]
+    fn a_valve_whose_orders_are_the_wrong_way_round_is_refused_with_both() {
+        let names = Names { input: Unit::BAR, output: Unit::MM };
+        let read = |orders: &str| {
+            let text = format!(
+                "[recorded]\nstep_s = 0.01\nnoise_mm = 0.0\nsteeper = 1.0\nlate_s = 0.0\nlate_error_s = 0.0\n\
+                 valve_late_s = 0.05\nvalve_late_error_s = 0.001\n{orders}"
+            );
+            Recorded::read(&mut Section::top(text.parse().expect("TOML")), &names)
+                .map_err(|error| error.to_string())
+        };
+        let shares = |orders: &str| {
+            let recorded = read(orders).expect("valid").expect("a section");
+            recorded.valve.expect("a valve").shares
+        };
+        let of = |least: f64, most: f64| {
+            format!("valve_second_order_least = {least:?}\nvalve_second_order_most = {most:?}\n")
+        };
+        assert_eq!(shares(&of(0.0, 0.25)), (0.0, 0.25));
+        assert_eq!(shares(""), (0.0, FLAT), "a file of an earlier version");
+        let refused = read(&of(0.5, 0.1)).expect_err("the wrong way round");
+        assert!(refused.contains("0.1 is below valve_second_order_least, 0.5"), "{refused}");
+        assert!(read("valve_second_order_least = 0.1\n").is_err(), "one of them alone");
+    }
 }

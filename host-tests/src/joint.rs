@@ -118,7 +118,8 @@ pub fn recording(csv: &[u8]) -> Result<JointRecording> {
 /// # Errors
 /// It cannot be.
 pub fn identified(seed: u64) -> Result<JointFile> {
-    identify_joint(&recording(&csv(seed)?)?, SWING_RAD).with_context(|| format!("seed {seed}"))
+    let found = identify_joint(&recording(&csv(seed)?)?, SWING_RAD);
+    Ok(found.with_context(|| format!("seed {seed}"))?.file)
 }
 
 /// What the control of a joint came to.

@@ -115,9 +115,10 @@ impl Uncertainty {
     }
 }
 
-/// What is known about the free ones of coordinates and linear coefficients.
-struct Unknowns {
-    covariance: DMatrix<f64>,
+/// What is known about unknowns that no bound holds.
+pub(crate) struct Unknowns {
+    /// Their covariance.
+    pub(crate) covariance: DMatrix<f64>,
     /// Of each, one over the length of its column of the Jacobian.
     scales: DVector<f64>,
     /// Directions that no row tells anything of, in unknowns over their scales.
@@ -132,7 +133,7 @@ struct Unknowns {
 impl Unknowns {
     /// From JᵀJ at the free unknowns, and the residuals. `along` hands over the derivatives of each
     /// row along some directions, the columns of a matrix.
-    fn new(
+    pub(crate) fn new(
         information: &DMatrix<f64>,
         residuals: &[f64],
         along: impl FnOnce(&DMatrix<f64>, &mut Scatter),
@@ -164,8 +165,13 @@ impl Unknowns {
         }
     }
 
+    /// Over how many rows residuals are alike.
+    pub(crate) fn memory(&self) -> usize {
+        self.memory
+    }
+
     /// Whether the rows tell of a parameter with these derivatives.
-    fn is_told(&self, gradient: &RowDVector<f64>) -> bool {
+    pub(crate) fn is_told(&self, gradient: &RowDVector<f64>) -> bool {
         let gradient = gradient.component_mul(&self.scales.transpose());
         (&gradient * &self.untold).iter().all(|along| along.abs() <= NEGLIGIBLE * gradient.norm())
     }

@@ -12,7 +12,8 @@ const REFERENCE: &str = "time_s,reference_deg,stiffness_nm_per_rad\n0,-12,50\n1,
 fn with_model() -> Bench {
     let bench = Bench::new();
     bench.succeeds("rig joint record -o joint.csv");
-    let said = bench.succeeds("identify --joint joint.csv -o joint.toml --json joint.json");
+    let said =
+        bench.succeeds("identify --joint joint.csv -o joint.toml --json joint.json --report joint.html");
     assert!(said.contains("held out") && said.contains("% of range"), "{said}");
     bench
 }
@@ -24,6 +25,14 @@ fn a_joint_is_recorded_and_identified() {
     let share =
         figures["rmse_deg"].as_f64().expect("a number") / figures["range_deg"].as_f64().expect("a number");
     assert!(share < 0.01, "{figures}");
+    for end in ["softest", "stiffest"] {
+        let (value, error) =
+            (&figures[format!("{end}_nm_per_rad")], &figures[format!("{end}_standard_error")]);
+        let share = error.as_f64().expect("an error") / value.as_f64().expect("a stiffness");
+        assert!((0.001..0.05).contains(&share), "{end}: {figures}");
+    }
+    let page = bench.read("joint.html");
+    assert!(page.contains("Stiffness that may be asked for") && !page.contains("NaN"), "a report");
 }
 
 #[test]

@@ -48,12 +48,13 @@ fn with_model() -> Bench {
 
 fn controlled() {
     let bench = with_model();
-    let said = bench.succeeds(&format!("{RUN} -o log.csv --json run.json"));
+    let said = bench.succeeds(&format!("{RUN} -o log.csv --json run.json --report run.html"));
     assert!(said.contains("% of range"), "{said}");
     let run: serde_json::Value = serde_json::from_str(&bench.read("run.json")).expect("JSON");
     let share = run["rmse_deg"].as_f64().expect("a number") / run["range_deg"].as_f64().expect("a number");
     assert!(run["ticks"] == 2001 && share < 0.005, "{run}");
     assert_eq!(bench.read("log.csv").lines().count(), 2002);
+    assert!(bench.read("run.html").contains("Torque of the feedback"), "a report");
     assert_none_is_left(&bench);
 }
 

@@ -17,6 +17,7 @@
 //! | `bars` | bars with names, in the same look |
 //! | [`diagnosed`] | report of `mgpi diagnose` |
 //! | [`comparison`] | report of `mgpi compare` |
+//! | [`joint`] | reports of `mgpi identify --joint` and `mgpi pil --joint` |
 //! | [`archive`] | report of `mgpi batch`: many recordings, muscle by muscle |
 //! | `paper_figures` | report of `mgpi report`: Figs. 8 and 11 to 13 of the paper from own data |
 
@@ -26,6 +27,7 @@ pub mod bars;
 pub mod comparison;
 pub mod diagnosed;
 pub mod identified;
+pub mod joint;
 mod model_run;
 pub mod page;
 #[cfg(feature = "runs")]

@@ -10,6 +10,7 @@
 //! | `balance` | least squares of the torque, with knees and slips searched |
 //! | `simulate` | the angle that a joint answers with |
 //! | `refine` | Gauss-Newton on the simulated angle |
+//! | `known` | standard errors of the parameters and of the stiffness |
 //!
 //! The torque of a joint ([`model_core::joint`]) is linear in all unknowns but two knees and two
 //! slips, so that the balance is one linear problem, with friction kept from being negative. What
@@ -22,6 +23,7 @@
 mod balance;
 mod bounds;
 mod check;
+mod known;
 mod refine;
 mod simulate;
 mod unknowns;
@@ -34,6 +36,7 @@ use recording::joint::columns::JointRecording;
 use recording::joint::file::JointFile;
 
 use check::Sign;
+pub use known::{JointEstimate, JointKnown};
 
 /// Number of stops.
 const STOPS: usize = 8;
@@ -41,6 +44,8 @@ const STOPS: usize = 8;
 const SHORTEST: f64 = 0.01;
 /// Half the swing that a stiffness is for, unless the user has it otherwise. Unit: rad.
 pub const SWING_RAD: f64 = 3.0 * PI / 180.0;
+/// The refinement, and what is known after it, look at each so many-th row.
+const THINNED: usize = 4;
 /// Rows are held out in blocks so long, shorter in a short recording, one of [`BLOCKS`]. Unit: s.
 const BLOCK_S: f64 = 8.0;
 /// See [`BLOCK_S`].
@@ -96,11 +101,26 @@ impl From<ParameterError> for JointError {
     }
 }
 
+/// An identified joint.
+#[derive(Clone, Debug)]
+pub struct IdentifiedJoint {
+    /// The model with its figures.
+    pub file: JointFile,
+    /// What is known about it.
+    pub known: JointKnown,
+    /// The angle that it answers the recording with, a value a row. Unit: rad.
+    pub simulated_rad: Vec<f64>,
+    /// The same of a model that has not seen the rows held out.
+    pub heldout_rad: Vec<f64>,
+    /// Which rows that count were held out from that one.
+    pub unseen: Vec<bool>,
+}
+
 /// Identifies a joint. `swing_rad`: half the swing that its stiffness is for.
 ///
 /// # Errors
 /// See [`JointError`].
-pub fn identify_joint(recording: &JointRecording, swing_rad: f64) -> Result<JointFile, JointError> {
+pub fn identify_joint(recording: &JointRecording, swing_rad: f64) -> Result<IdentifiedJoint, JointError> {
     check::check(recording)?;
     let rows = balance::Rows::of(recording, swing_rad)?;
     let (time_s, scored) = (&recording.time_s, &recording.scored);
@@ -113,12 +133,16 @@ pub fn identify_joint(recording: &JointRecording, swing_rad: f64) -> Result<Join
     let seen: Vec<bool> = scored.iter().zip(&held_out).map(|(scored, held)| *scored && !held).collect();
     let unseen: Vec<bool> = scored.iter().zip(&held_out).map(|(scored, held)| *scored && *held).collect();
 
-    let trial = refine::refined(&rows, &seen, balance::solve(&rows, &seen)?)?;
-    let heldout_rmse = simulate::rmse(&rows, &unseen, &rows.joint(&trial)?);
+    let trial = rows.joint(&refine::refined(&rows, &seen, balance::solve(&rows, &seen)?)?)?;
     let found = refine::refined(&rows, scored, balance::solve(&rows, scored)?)?;
-    let rmse = simulate::rmse(&rows, scored, &rows.joint(&found)?);
+    let simulated = |joint| simulate::simulate(&rows, scored, joint);
+    let (simulated_rad, heldout_rad) = (simulated(&rows.joint(&found)?), simulated(&trial));
+    let rmse = simulate::rmse(&rows, scored, &simulated_rad);
+    let heldout_rmse = simulate::rmse(&rows, &unseen, &heldout_rad);
     let count = scored.iter().filter(|scored| **scored).count();
     let degrees = |rad: f64| rad * 180.0 / PI;
     let figures = (degrees(rmse), degrees(heldout_rmse));
-    Ok(JointFile::new(rows.parameters(&found), recording.source.clone(), count, figures)?)
+    let file = JointFile::new(rows.parameters(&found), recording.source.clone(), count, figures)?;
+    let known = JointKnown::new(&rows, scored, &found)?;
+    Ok(IdentifiedJoint { file, known, simulated_rad, heldout_rad, unseen })
 }

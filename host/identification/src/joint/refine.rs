@@ -5,10 +5,10 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::JointError;
 use super::balance::{Rows, allows};
 use super::simulate::simulate;
 use super::unknowns::{COUNT, LINEAR, Unknowns, is_bounded, shape};
+use super::{JointError, THINNED};
 use crate::nnls;
 
 /// Most steps.
@@ -20,43 +20,26 @@ const TORQUE: f64 = 1e-3;
 /// Step of a difference in a knee or a slip, as a share of its largest value: small beside the
 /// curvature of the angle, large beside rounding.
 const SHAPED: f64 = 1e-3;
-/// The angle is compared in each so many-th row.
-const THINNED: usize = 4;
 /// Damping at first, and at which nothing more is tried.
 const DAMPING: f64 = 1e-4;
 const MOST_DAMPING: f64 = 1e3;
 
 /// Unknowns whose simulated angle is nearer to the measured one in the rows of `counts`.
 pub(super) fn refined(rows: &Rows, counts: &[bool], from: Unknowns) -> Result<Unknowns, JointError> {
-    let used: Vec<usize> = (0..counts.len()).filter(|row| counts[*row]).step_by(THINNED).collect();
-    let residuals = |unknowns: &Unknowns| -> Option<DVector<f64>> {
-        let joint = rows.joint(unknowns).ok().filter(|_| allows(rows, unknowns))?;
-        let simulated = simulate(rows, counts, &joint);
-        Some(DVector::from_iterator(used.len(), used.iter().map(|row| simulated[*row] - rows.angle[*row])))
-    };
+    let there = |at: &Unknowns| residuals(rows, counts, at);
     let mut at = from;
-    let mut there = residuals(&at).ok_or(JointError::Singular)?;
+    let mut here = there(&at).ok_or(JointError::Singular)?;
     let mut damping = DAMPING;
     for _ in 0..STEPS {
-        let steps = steps(rows, counts, &at);
-        let columns: Option<Vec<DVector<f64>>> = (0..COUNT)
-            .into_par_iter()
-            .map(|place| {
-                let mut beside = at;
-                beside[place] += steps[place];
-                Some((residuals(&beside)? - &there) / steps[place])
-            })
-            .collect();
         // Next to what is no joint there are no differences: what is found stays.
-        let Some(columns) = columns else { break };
-        let jacobian = DMatrix::from_columns(&columns);
-        let (gram, slope) = (jacobian.transpose() * &jacobian, jacobian.transpose() * &there);
-        let before = there.norm_squared();
+        let Some(jacobian) = jacobian(rows, counts, &at, &here) else { break };
+        let (gram, slope) = (jacobian.transpose() * &jacobian, jacobian.transpose() * &here);
+        let before = here.norm_squared();
         loop {
             let trial = step(&gram, &slope, &at, damping);
-            match residuals(&trial).filter(|found| found.norm_squared() < before) {
+            match there(&trial).filter(|found| found.norm_squared() < before) {
                 Some(found) => {
-                    (at, there) = (trial, found);
+                    (at, here) = (trial, found);
                     damping *= 0.1;
                     break;
                 }
@@ -64,11 +47,38 @@ pub(super) fn refined(rows: &Rows, counts: &[bool], from: Unknowns) -> Result<Un
                 None => damping *= 10.0,
             }
         }
-        if before - there.norm_squared() < CONVERGED * before {
+        if before - here.norm_squared() < CONVERGED * before {
             break;
         }
     }
     Ok(at)
+}
+
+/// Simulated less measured angle in each so many-th row of `counts`, rad; None where the unknowns
+/// are those of no joint.
+pub(super) fn residuals(rows: &Rows, counts: &[bool], unknowns: &Unknowns) -> Option<DVector<f64>> {
+    let joint = rows.joint(unknowns).ok().filter(|_| allows(rows, unknowns))?;
+    let simulated = simulate(rows, counts, &joint);
+    let used = (0..counts.len()).filter(|row| counts[*row]).step_by(THINNED);
+    Some(DVector::from_iterator(used.clone().count(), used.map(|row| simulated[row] - rows.angle[row])))
+}
+
+/// The derivatives of these residuals, `here` at some unknowns, a column for each; None next to
+/// what is no joint.
+pub(super) fn jacobian(
+    rows: &Rows,
+    counts: &[bool],
+    at: &Unknowns,
+    here: &DVector<f64>,
+) -> Option<DMatrix<f64>> {
+    let steps = steps(rows, counts, at);
+    let column = |place: usize| {
+        let mut beside = *at;
+        beside[place] += steps[place];
+        Some((residuals(rows, counts, &beside)? - here) / steps[place])
+    };
+    let columns: Option<Vec<DVector<f64>>> = (0..COUNT).into_par_iter().map(column).collect();
+    columns.map(|columns| DMatrix::from_columns(&columns))
 }
 
 /// Of which size the differences are, away from the bounds.

@@ -57,11 +57,8 @@ pub(super) fn simulate(rows: &Rows, counts: &[bool], joint: &HostJoint) -> Vec<f
 }
 
 /// Root mean square of simulated less measured angle over the rows of `counts`. Unit: rad.
-pub(super) fn rmse(rows: &Rows, counts: &[bool], joint: &HostJoint) -> f64 {
-    let simulated = simulate(rows, counts, joint);
-    let squares: Vec<f64> = (0..counts.len())
-        .filter(|row| counts[*row])
-        .map(|row| (simulated[row] - rows.angle[row]).powi(2))
-        .collect();
+pub(super) fn rmse(rows: &Rows, counts: &[bool], simulated: &[f64]) -> f64 {
+    let errors = rows.angle.iter().zip(simulated).zip(counts).filter(|(_, counts)| **counts);
+    let squares: Vec<f64> = errors.map(|((angle, simulated), _)| (simulated - angle).powi(2)).collect();
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }

@@ -72,6 +72,33 @@ pub(super) fn features(
     features
 }
 
+/// Name, unit and value of each: the name in the model file behind that of its section.
+pub(super) fn named(unknowns: &Unknowns) -> Vec<(String, &'static str, f64)> {
+    const ARM_KEYS: [(&str, &str); ARM] = [
+        ("arm_nm_per_bar", "N m/bar"),
+        ("arm_linear_nm_per_bar_rad", "N m/(bar rad)"),
+        ("arm_square_nm_per_bar_rad2", "N m/(bar rad²)"),
+    ];
+    const PASSIVE_KEYS: [(&str, &str); PASSIVE] = [
+        ("constant_nm", "N m"),
+        ("linear_nm_per_rad", "N m/rad"),
+        ("square_nm_per_rad2", "N m/rad²"),
+        ("cube_nm_per_rad3", "N m/rad³"),
+    ];
+    const MUSCLES: [&str; 2] = ["muscle_a", "muscle_b"];
+    let names = MUSCLES
+        .iter()
+        .flat_map(|muscle| ARM_KEYS.map(|(key, unit)| (format!("{muscle}.{key}"), unit)))
+        .chain(PASSIVE_KEYS.map(|(key, unit)| (format!("passive.{key}"), unit)))
+        .chain([("passive.viscosity_nm_s_per_rad".to_owned(), "N m s/rad")])
+        .chain(MUSCLES.iter().flat_map(|muscle| {
+            (0..STOPS).map(move |stop| (format!("{muscle}.friction_nm_per_rad[{stop}]"), "N m/rad"))
+        }))
+        .chain(MUSCLES.iter().map(|muscle| (format!("{muscle}.knee_bar2"), "bar²")))
+        .chain(MUSCLES.iter().map(|muscle| (format!("{muscle}.slip_constant"), "1")));
+    names.zip(unknowns).map(|((name, unit), value)| (name, unit, *value)).collect()
+}
+
 /// Those that are not linear.
 pub(super) fn shape(unknowns: &Unknowns) -> Shape {
     std::array::from_fn(|place| unknowns[LINEAR + place])

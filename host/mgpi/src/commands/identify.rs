@@ -70,7 +70,7 @@ pub struct Arguments {
     /// The recording is one of two muscles at a joint: commands, pressures, angle, torque
     #[arg(
         long,
-        conflicts_with_all = ["model", "plays", "weights", "dead_zones", "envelope", "knots", "report", "loss",
+        conflicts_with_all = ["model", "plays", "weights", "dead_zones", "envelope", "knots", "loss",
             "validate", "no_holdout", "starts", "seed", "threads", "input", "output", "input_range", "rest_length"]
     )]
     joint: bool,
@@ -177,8 +177,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
             return Err(Error::Usage("--joint takes one recording".to_owned()));
         };
         let choice = arguments.columns.choice();
-        let (swing_deg, json) = (arguments.swing_deg, json.as_deref());
-        let joint = joint_identify::Arguments { recording, choice, swing_deg, model_file, json };
+        let (swing_deg, report, json) = (arguments.swing_deg, report.as_deref(), json.as_deref());
+        let joint = joint_identify::Arguments { recording, choice, swing_deg, model_file, report, json };
         return joint_identify::run(&joint, outputs);
     }
     let (recordings, other) = arguments.columns.read(files, held_out.validate.as_deref())?;

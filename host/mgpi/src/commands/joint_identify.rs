@@ -5,11 +5,13 @@ use std::path::Path;
 
 use recording::Choice;
 use recording::joint::columns::JointRecording;
-use serde_json::json;
+use recording::numbers::significant;
+use report::joint::identified::to_html;
+use serde_json::{Value, json};
 
 use crate::Error;
 use crate::output::Outputs;
-use identification::joint::identify_joint;
+use identification::joint::{JointEstimate, identify_joint};
 
 /// What a joint is identified with.
 pub struct Arguments<'a> {
@@ -17,6 +19,7 @@ pub struct Arguments<'a> {
     pub choice: Choice,
     pub swing_deg: f64,
     pub model_file: &'a Path,
+    pub report: Option<&'a Path>,
     pub json: Option<&'a Path>,
 }
 
@@ -26,19 +29,25 @@ pub struct Arguments<'a> {
 /// The recording is not what it should be, no joint can be made of it, or an output cannot be
 /// written.
 pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
-    let Arguments { recording: file, choice, swing_deg, model_file, json } = arguments;
+    let Arguments { recording: file, choice, swing_deg, model_file, report, json } = arguments;
     let recording = JointRecording::of(&choice.table(file)?, choice)?;
     for note in &recording.notes {
         eprintln!("note: {}: {note}", recording::input::name(file));
     }
-    let found = identify_joint(&recording, swing_deg * PI / 180.0)
+    let identified = identify_joint(&recording, swing_deg * PI / 180.0)
         .map_err(|source| Error::Joint { file: file.to_path_buf(), source })?;
+    let (found, known) = (&identified.file, &identified.known);
     outputs.stage(model_file, found.to_toml().as_bytes())?;
+    if let Some(file) = report {
+        outputs.stage(file, to_html(&identified, &recording).as_bytes())?;
+    }
     let (lowest, highest) = found.parameters.angles;
     let degrees = |angle: f64| angle * 180.0 / PI;
     let range_deg = degrees(highest - lowest);
     let (soft, stiff) = found.joint.stiffness_range(0.5 * (lowest + highest));
     let identification = &found.identification;
+    let estimate = |JointEstimate { name, unit, value, standard_error }: &JointEstimate| json!({ "name": name, "unit": unit, "value": value, "standard_error": standard_error });
+    let parameters: Vec<Value> = known.estimates.iter().map(estimate).collect();
     if let Some(file) = json {
         let value = json!({
             "rmse_deg": identification.rmse_deg,
@@ -47,6 +56,9 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
             "scored_rows": identification.scored_rows,
             "softest_nm_per_rad": soft,
             "stiffest_nm_per_rad": stiff,
+            "softest_standard_error": known.stiffness_errors[0],
+            "stiffest_standard_error": known.stiffness_errors[1],
+            "parameters": parameters,
         });
         outputs.stage(file, format!("{value:#}\n").as_bytes())?;
     }
@@ -56,8 +68,15 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
     say!("angles        {:.2} to {:.2} degrees", degrees(lowest), degrees(highest));
     say!("training      RMSE of the simulated angle {}", share(identification.rmse_deg));
     say!("held out      RMSE {} (blocks all through the recording)", share(identification.heldout_rmse_deg));
+    let sure = |value: f64, error: Option<f64>| match error {
+        Some(error) => format!("{value:.1} ± {}", significant(error)),
+        None => format!("{value:.1}"),
+    };
+    let [of_soft, of_stiff] = known.stiffness_errors;
     say!(
-        "stiffness     {soft:.1} to {stiff:.1} N m/rad in the middle, for a swing of {swing_deg} degrees to either side"
+        "stiffness     {} to {} N m/rad in the middle (± standard errors), for a swing of {swing_deg} degrees to either side",
+        sure(soft, of_soft),
+        sure(stiff, of_stiff)
     );
     let [a, b] = &found.parameters.muscles;
     say!("valves        lag of {:.4} s and {:.4} s", a.valve_lag_s, b.valve_lag_s);

@@ -18,6 +18,7 @@ use board_client::pil::PilError;
 use board_client::pil::plant::{PlantProcess, Program};
 use board_client::pil::reference::Reference;
 use board_client::stop::Stop;
+use report::joint::tracked::to_html;
 
 /// The columns of a reference.
 const ANGLE: &str = "reference_deg";
@@ -33,6 +34,7 @@ pub struct Arguments<'a> {
     pub firmware: Option<&'a Path>,
     pub verbose: bool,
     pub log: Option<&'a Path>,
+    pub report: Option<&'a Path>,
     pub json: Option<&'a Path>,
 }
 
@@ -42,8 +44,18 @@ pub struct Arguments<'a> {
 /// A file is not what it should be, firmware or plant do not do their work, the joint is not the
 /// model's, an output cannot be written, or the user interrupts.
 pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
-    let Arguments { model, reference, choice, rate_hz, plant, firmware, verbose, log: log_file, json } =
-        arguments;
+    let Arguments {
+        model,
+        reference,
+        choice,
+        rate_hz,
+        plant,
+        firmware,
+        verbose,
+        log: log_file,
+        report,
+        json,
+    } = arguments;
     let file = JointFile::read(model)?;
     let table = choice.table(reference)?;
     let of = |column| Reference::of(&table, column, choice.clone(), *rate_hz);
@@ -80,6 +92,10 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
     let [angle_limited, stiffness_limited] = limited(&samples);
     if let Some(file) = log_file {
         outputs.stage(file, log(&samples).as_bytes())?;
+    }
+    if let Some(file) = report {
+        let source = format!("Reference {}, model {}", reference.display(), model.display());
+        outputs.stage(file, to_html(&samples, range_deg, &source).as_bytes())?;
     }
     if let Some(file) = json {
         let value = json!({

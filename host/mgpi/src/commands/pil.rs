@@ -81,7 +81,7 @@ pub struct Arguments {
     /// `time_s command_a_bar command_b_bar` with `pressure_a_bar pressure_b_bar angle_deg`
     #[arg(
         long,
-        conflicts_with_all = ["feedforward_log", "feedback_log", "report", "no_monitors", "plant", "Learning", "Gains"]
+        conflicts_with_all = ["feedforward_log", "feedback_log", "no_monitors", "plant", "Learning", "Gains"]
     )]
     joint: bool,
     /// Also show what firmware and plants have to say
@@ -123,6 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
                 firmware: arguments.firmware.as_deref(),
                 verbose: arguments.verbose,
                 log: main_log.as_deref(),
+                report: arguments.report.as_deref(),
                 json: json_file.as_deref(),
             },
             outputs,

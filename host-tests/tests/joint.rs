@@ -107,7 +107,7 @@ fn a_short_recording_is_held_out_in_blocks_too() {
     let faster = 30.0 / short.time_s[short.time_s.len() - 1];
     short.time_s.iter_mut().for_each(|time_s| *time_s *= faster);
     let found = identify_joint(&short, SWING_RAD).expect("a joint");
-    assert!(found.identification.heldout_rmse_deg < 5.0, "{:?}", found.identification);
+    assert!(found.file.identification.heldout_rmse_deg < 5.0, "{:?}", found.file.identification);
 }
 
 #[test]

@@ -208,7 +208,7 @@ pub struct Diagnosis {
     pub examinable: Vec<Examinable>,
     /// Causes that it could show, and not tell apart.
     pub inseparable: Inseparable,
-    /// A set with causes that it cannot show, which does better than the named one, or leaves nothing unexplained. None where there is no
+    /// A set with causes that it cannot show, which does as well as the named one, or leaves nothing unexplained. None where there is no
     /// such.
     pub unexamined: Vec<Cause>,
     /// Root mean square before and with the causes.
@@ -368,6 +368,11 @@ pub fn diagnose_and_extend(
         Some(_) => false,
     };
     let poor = is_form_asked.then(|| shaped(&search, columns, &mut extended)).flatten();
+    // Where nothing else is seen, the form of a good model is what it gets wrong, and has a name.
+    let (form, poor) = match poor {
+        Some(poor) if unexplained.is_none() && poor.is_form() => (Some(poor), None),
+        poor => (None, poor),
+    };
     let unexplained = poor.map(Unexplained::Poor).or(unexplained);
     if unexplained.is_some() {
         let sets = likely((&best, &sizes), &extended.causes);
@@ -393,6 +398,7 @@ pub fn diagnose_and_extend(
     if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
         diagnosis.causes.push(Named::given_shape(given, &extended.model.parameters, columns.output_unit));
     }
+    diagnosis.causes.extend(form.map(|form| Named::shape(&form, columns.output_unit)));
     if diagnosis.verdict == Verdict::Adequate && !diagnosis.causes.is_empty() {
         diagnosis.verdict = Verdict::Explained;
     }
@@ -403,7 +409,7 @@ pub fn diagnose_and_extend(
 }
 
 /// Whether the model that is written is too poor. Where a hysteresis of any form is better than the model without extensions, operators
-/// of other forms are tried first, and the best of them is then what is written: the form of a model is no cause of the muscle.
+/// of other forms are tried first, and the best of them is then what is written.
 fn shaped(search: &Search<'_>, columns: &Columns, extended: &mut Extended) -> Option<Poor> {
     let first = poor(search, columns, extended)?;
     let is_form = matches!(first.better, Some((Better::AnyHysteresis, _)));
@@ -437,6 +443,12 @@ fn conclude(
     let mut causes = verdict::named(search, &best, sizes, valve.as_ref(), columns.output_unit);
     causes.retain(|named| !is_ordinary(named));
     let mut alternatives = if causes.is_empty() { Vec::new() } else { alternatives };
+    // What the valve does stands apart from the muscle, whose causes alone have rivals.
+    let of_valve = || valve.iter().flat_map(|valve| &valve.causes).map(|(cause, _)| *cause);
+    for alternative in &mut alternatives {
+        let more: Vec<Cause> = of_valve().filter(|cause| !alternative.contains(cause)).collect();
+        alternative.extend(more);
+    }
     // Of second order, a set may come to other names than its causes'.
     let names: Vec<Cause> = causes.iter().map(|named| named.cause).collect();
     alternatives.retain(|alternative| !is_same(alternative, &names));

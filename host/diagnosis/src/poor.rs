@@ -2,7 +2,8 @@
 //!
 //! What the search calls hysteresis is more than an operator model can have: curves that fall, hills, loops that cross. So the model
 //! itself is held against that, against models that need no operator ([`trivial`](super::trivial)), and against the error up to which
-//! a model may drive a valve ([`DEPLOYABLE`]): what is off by more is neither adequate nor explained.
+//! a model may drive a valve ([`DEPLOYABLE`]): what is off by more is neither adequate nor explained. A good model that is off by its form
+//! alone is explained by that.
 
 use super::Columns;
 use super::extend::heldout::standard_error;
@@ -11,7 +12,7 @@ use super::search::Search;
 use super::trivial::Trivial;
 use recording::figures::stroke;
 use recording::numbers::root_mean_square;
-use recording::worth::{DEPLOYABLE, Limit};
+use recording::worth::{DEPLOYABLE, GOOD, Limit};
 
 /// The model that is written may have so many times the error of a hysteresis of any form: with more, three quarters of the squared
 /// error are due to its form. Models of sound muscles come to 0.6 to 1.6.
@@ -79,6 +80,16 @@ pub fn poor(search: &Search<'_>, columns: &Columns, extended: &Extended) -> Opti
     (farthest.powi(2) - noise.powi(2) > (DEPLOYABLE * stroke).powi(2)).then(|| of(farthest, None))
 }
 
+impl Poor {
+    /// Whether it is the form alone of a model that is good otherwise: nothing of the output's course keeps an operator from following
+    /// it, and a hysteresis of any form is far nearer. What is left then depends on nothing else.
+    pub fn is_form(&self) -> bool {
+        matches!(self.better, Some((Better::AnyHysteresis, _)))
+            && self.limit.is_none()
+            && self.percent_of_stroke <= 100.0 * GOOD
+    }
+}
+
 impl Better {
     /// The word in files.
     pub fn name(self) -> &'static str {
@@ -93,6 +104,26 @@ impl Better {
         match self {
             Self::AnyHysteresis => "a hysteresis of any form",
             Self::Trivial(trivial) => trivial.words(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_form_is_what_a_good_model_gets_wrong_only_where_an_operator_could_follow() {
+        let better = Some((Better::AnyHysteresis, 0.1));
+        let form = Poor { rmse: 0.3, percent_of_stroke: 0.4, better, limit: None };
+        assert!(form.is_form());
+        for other in [
+            Poor { percent_of_stroke: 1.1, ..form },
+            Poor { limit: Some(Limit::Falls), ..form },
+            Poor { better: Some((Better::Trivial(Trivial::StaticCurve), 0.1)), ..form },
+            Poor { better: None, ..form },
+        ] {
+            assert!(!other.is_form(), "{other:?}");
         }
     }
 }

@@ -104,17 +104,13 @@ fn holding(
 
 /// The sets with one cause more which two judges find better, each by more than its own standard error: the search, on blocks of time
 /// that no fit has seen, and the simulated models. The search does not name that cause, since it is not worth its place; but to call a
-/// recording explained says that nothing else is in it, and both of them see something else. None where only causes of the valve are
-/// named: what the muscle does has then been judged without them.
+/// recording explained says that nothing else is in it, and both of them see something else.
 fn not_excluded(
     extender: &Extender<'_>,
     (set, extended): (&Candidate, &Extended),
     valve: Option<&ValveFit>,
     (sizes, given): (&[Vec<Candidate>], Option<&Operator>),
 ) -> Vec<Vec<Cause>> {
-    if set.causes.is_empty() {
-        return Vec::new();
-    }
     let search = extender.search;
     let is_better = |wider: &Candidate| {
         let (gain, error) = (set.score.gain(&wider.score), set.score.gain_error(&wider.score));

@@ -1,8 +1,8 @@
 //! What causes would do that the recording cannot show.
 //!
 //! A cause without an excitation of its own is never named: whatever the model lacks may look like it. But what is named in its
-//! place would be a guess. So where a cause that is not examinable does better than a close rival of it that is named, neither is
-//! told from the other; and where such a cause leaves nothing of what is unexplained, that is said.
+//! place would be a guess. So where a cause that is not examinable does better than a close rival of it that is named, or as well within
+//! the standard error, neither is told from the other; and where such a cause leaves nothing of what is unexplained, that is said.
 //!
 //! What goes with time or travel alone is no such rival: where nothing is repeated it can take the place of any slow cause that the
 //! recording does show. A creep without a hold cannot: it follows from the input.
@@ -11,13 +11,14 @@ use super::anatomy::examinable::Examinable;
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::reject::{Unexplained, unexplained};
+use super::rivals::is_untold;
 use super::search::Search;
 
 /// Causes of the largest set that is looked for where something is unexplained.
 const LARGEST: usize = 2;
 
-/// The set with causes that are not examinable which does better than the named ones, one exchanged for a rival, or leaves nothing of
-/// what these leave. None where there is none, where everything is examinable, or what is left is the sensor's.
+/// The set with causes that are not examinable which does better than the named ones, one exchanged for a rival, or as well, or leaves
+/// nothing of what these leave. None where there is none, where everything is examinable, or what is left is the sensor's.
 pub fn unexamined(
     search: &Search<'_>,
     (set, sizes): (&Candidate, &[Vec<Candidate>]),
@@ -40,11 +41,23 @@ pub fn unexamined(
         Some(wider.run(&|_| ()).0).filter(|found| unexplained(&wider, found).is_none())
     } else if new.iter().any(is_rival) {
         let others = Search { examinable: new, ..search.clone() };
-        others.swapped(set, &search.without_each(set, sizes))
+        let without = search.without_each(set, sizes);
+        others.swapped(set, &without).or_else(|| as_good(&others, set, &without))
     } else {
         None
     };
     found.map(|found| found.causes).filter(|causes| causes.iter().any(is_new))
+}
+
+/// The nearest set with a rival in the place of one of the causes that is not told apart from the set; None where there is none.
+fn as_good(others: &Search<'_>, set: &Candidate, without: &[Option<Candidate>]) -> Option<Candidate> {
+    let places = set.causes.iter().zip(without).filter_map(|(cause, kept)| Some((cause, kept.as_ref()?)));
+    let exchanged = places.flat_map(|(cause, kept)| {
+        let rivals = cause.rivals().iter().filter(|rival| others.examinable.contains(rival));
+        rivals.filter_map(|rival| others.with(kept, *rival, &[]))
+    });
+    let untold = exchanged.filter(|rival| is_untold(others, (set, &set.causes), rival));
+    untold.min_by(|one, other| one.cost().total_cmp(&other.cost()))
 }
 
 /// Whether it can be fitted to any recording of input and output.

@@ -7,6 +7,7 @@ use super::cause::Cause;
 use super::extend::Given;
 use super::extend::start::knots;
 use super::physical::{self, DAMPED, Parameters};
+use super::poor::Poor;
 use super::reject::Unexplained;
 use super::search::Search;
 use super::valve::ValveFit;
@@ -71,6 +72,22 @@ impl Named {
             if let Some((_, measured)) = parameters.iter().find(|(measured, _)| measured == name) {
                 *value = *measured;
             }
+        }
+    }
+
+    /// That the form of the model that is written leaves most of its error. `unit`: of the output.
+    pub fn shape(form: &Poor, unit: Unit) -> Self {
+        let any = form.better.map_or(f64::NAN, |(_, rmse)| rmse);
+        Self {
+            cause: Cause::HysteresisShape,
+            parameters: Vec::new(),
+            share: 1.0 - (any / form.rmse).powi(2),
+            evidence: vec![format!(
+                "a hysteresis of any form, without a cause, is off by {} {unit} instead of {} {unit}",
+                legible(any, 3),
+                legible(form.rmse, 3)
+            )],
+            without: None,
         }
     }
 

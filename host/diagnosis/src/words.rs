@@ -98,7 +98,7 @@ pub fn unexamined(diagnosis: &Diagnosis) -> Option<String> {
     let unseen: Vec<&str> = unexamined.iter().filter(is_unseen).map(|cause| cause.name()).collect();
     let all: Vec<&str> = unexamined.iter().map(|cause| cause.name()).collect();
     let does = match alternatives.contains(unexamined) {
-        true => "would do better than what is named",
+        true => "would do as well as what is named, or better",
         false => "would leave nothing unexplained, perhaps others like it too",
     };
     (!all.is_empty()).then(|| {

@@ -1,7 +1,7 @@
 //! The safe value of the valves' outputs, by raw registers.
 //!
-//! Safe is what a reset makes: the converter has let go of its pins, which resistors pull to 0
-//! V, and no pulse is made. A converter that puts out code 0 would not do: its buffer reaches 0.2 V at
+//! Safe is what a reset makes: the converter has let go of its pins, which resistors pull to 0 V,
+//! and no pulse is made. A converter that puts out code 0 would not do: its buffer reaches 0.2 V at
 //! worst (data sheet DS8626, "DAC characteristics"), which is 0.6 bar behind the amplifier. Nor
 //! would it do for a converter that is stuck.
 //!

@@ -10,7 +10,8 @@
 //! | supervisor | 0 | - | status light, log; looks whether the link runs | 250 ticks |
 //!
 //! What drives the board, what it begins with and how it ends is that of the image of one channel
-//! (`bsp`); what it does is `firmware::joint`, as in the emulator; what it is told is `wire::joint`.
+//! (`bsp`); what it does is `firmware::joint`, as in the emulator; what it is told is
+//! `wire::joint`.
 //!
 //! # Safety
 //! As of the image of one channel. Whatever vents one of both valves vents the other at the same

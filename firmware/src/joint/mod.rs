@@ -7,7 +7,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | this one | the tick, the states, and what a board tells of itself |
-//! | [`orders`] | the requests of the host, between ticks |
+//! | `orders` | the requests of the host, between ticks ([`carry_out`]) |
 //! | [`start`] | fills the muscles, and tries the joint before it is controlled |
 //! | [`watch`] | what tells a fault of a sensor, a valve or a muscle |
 //! | [`lock_step`] | a board whose samples come from a host |

@@ -2,7 +2,7 @@
 //! place of each image in the flash, a `place.x` each in `places`.
 
 /// Images, and the folder of their place.
-const PLACES: [(&str, &str); 7] = [
+const PLACES: [(&str, &str); 8] = [
     ("bring_up", "bring_up"),
     ("emulated", "whole"),
     ("emulated_joint", "whole"),
@@ -10,6 +10,7 @@ const PLACES: [(&str, &str); 7] = [
     ("starter", "starter"),
     ("stm32f405", "a"),
     ("stm32f405_b", "b"),
+    ("stm32f405_joint", "a"),
 ];
 
 fn main() {

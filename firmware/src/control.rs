@@ -41,10 +41,10 @@ use crate::state_machine::{Event, Next, next};
 use crate::timing::{TickEnd, Timing};
 
 /// How long a board has to run for the resets before to be forgotten. Unit: tick.
-const SETTLED_TICKS: u32 = 10_000;
+pub(crate) const SETTLED_TICKS: u32 = 10_000;
 
 /// The period of ticks that neither a clock nor a configuration tells. Unit: s.
-const UNCLOCKED_PERIOD_S: f32 = 1e-3;
+pub(crate) const UNCLOCKED_PERIOD_S: f32 = 1e-3;
 
 /// The clock that raises the ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +53,20 @@ pub struct TickClock {
     pub period_s: f32,
     /// When the valve has to be written, after the tick is due. Unit: core clock cycle.
     pub deadline_cycles: u32,
+}
+
+impl TickClock {
+    /// Whether a controller is one for it. `period_s`: of the controller.
+    ///
+    /// # Errors
+    /// It is for ticks of another period.
+    pub(crate) fn demand(self, period_s: f32) -> Result<(), Refusal> {
+        if (period_s - self.period_s).abs() <= 1e-3 * self.period_s {
+            return Ok(());
+        }
+        let due = self.period_s;
+        Err(Refusal::parameter(format_args!("period_s is {period_s} s, must be {due} s")))
+    }
 }
 
 /// The owner of the tick.

@@ -8,7 +8,11 @@
 //! | `Tracking`, `Holding` | on |
 //! | `Service` | two flashes every second |
 //! | `Fault` | the number's tens as long flashes, its ones as short ones, then a pause |
+//!
+//! Of a joint, `Starting` is as `Service`, and a hundred of a fault's number is a flicker before
+//! its tens.
 
+use wire::joint::{JointBoardState, JointFault};
 use wire::{Fault, State};
 
 /// A flash with its pause. Unit: tick.
@@ -18,21 +22,46 @@ const LONG: u32 = 250;
 /// The pause after a number, in flashes.
 const PAUSE: u32 = 5;
 
+/// The flicker, on and off. Unit: tick.
+const FLICKER: u32 = 50;
+
 /// Whether the light is on in a tick.
 pub fn is_lit(state: State, fault: Option<Fault>, tick: u32) -> bool {
+    shows(state, fault.map(|fault| fault.code().into()), tick)
+}
+
+/// The same of a joint.
+pub fn is_lit_of_joint(state: JointBoardState, fault: Option<JointFault>, tick: u32) -> bool {
+    let state = match state {
+        JointBoardState::Off => State::Off,
+        JointBoardState::Ready => State::Ready,
+        JointBoardState::Starting => State::Service,
+        JointBoardState::Tracking => State::Tracking,
+        JointBoardState::Fault => State::Fault,
+    };
+    shows(state, fault.map(|fault| fault.code().into()), tick)
+}
+
+fn shows(state: State, number: Option<u32>, tick: u32) -> bool {
     match state {
         State::Off => tick % 2000 < 50,
         State::SelfTest => tick % 100 < 50,
         State::Ready => tick % 1000 < 500,
         State::Tracking | State::Holding => true,
         State::Service => tick % 1000 < 50 || (200..250).contains(&(tick % 1000)),
-        State::Fault => fault.is_none_or(|fault| flashes(fault.code().into(), tick)),
+        State::Fault => number.is_none_or(|number| flashes(number, tick)),
     }
 }
 
 fn flashes(number: u32, tick: u32) -> bool {
-    let (tens, ones) = (number / 10, number % 10);
-    let place = tick % ((tens + ones + PAUSE) * FLASH);
+    let (hundreds, tens, ones) = (number / 100, number / 10 % 10, number % 10);
+    let all = hundreds + tens + ones;
+    let place = tick % ((all + PAUSE) * FLASH);
     let (flash, within) = (place / FLASH, place % FLASH);
-    flash < tens + ones && within < if flash < tens { LONG } else { SHORT }
+    let is_on = within < LONG && within % (2 * FLICKER) < FLICKER;
+    if flash < hundreds {
+        is_on
+    } else {
+        flash < all && within < if flash < hundreds + tens { LONG } else { SHORT }
+    }
 }

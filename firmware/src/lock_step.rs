@@ -11,7 +11,7 @@ use crate::order::Order;
 use crate::scaling::VENT;
 
 /// What the inputs read that a simulation has no part in: 8 bar before the valve, 25 °C.
-const AROUND: Samples = Samples {
+pub(crate) const AROUND: Samples = Samples {
     pressure: AdcCode(0),
     contraction: AdcCode(0),
     supply: AdcCode(3030),

@@ -201,6 +201,12 @@ pub const TEMPERATURE: Scaling =
 /// Command in bar: 0 to 10 bar.
 pub const COMMAND: Scaling = Scaling { zero_code: 0.0, codes_per_unit: 409.5, code_min: 0, code_max: 4095 };
 
+/// The code of a value, whatever the converter's range is: that of a limit which is off is beyond
+/// any.
+pub(crate) fn level(scaling: &Scaling, value: f32) -> u16 {
+    (scaling.zero_code + value * scaling.codes_per_unit) as u16
+}
+
 /// Code of the processor's reference voltage, 1.21 V of 3.3 V (data sheet DS8626, table 72), on a
 /// typical chip: the board turns codes of its own into that by its factory value.
 pub const REFERENCE_CODE: f32 = 1501.5;

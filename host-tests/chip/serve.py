@@ -15,10 +15,11 @@ from stm32f405 import case
 
 def ready():
     """What tests begin with: made here, for them to find."""
+    from test_joint import JointCase
     from test_link import LinkAndBus
 
     made = {}
-    for kind, how in ((case.ChipCase, "started"), (case.ChipCase, "driven"), (LinkAndBus, "tracking")):
+    for kind, how in ((case.ChipCase, "started"), (case.ChipCase, "driven"), (LinkAndBus, "tracking"), (JointCase, "starting")):
         test = kind()
         test.setUp()
         try:

@@ -9,7 +9,7 @@ use firmware::board::Valve;
 use firmware::board::pwm_valve::PwmValve;
 use firmware::board::spi_dac::SpiDac;
 use firmware::faults::black_box::{BlackBox, Reset};
-use firmware::led::is_lit;
+use firmware::led::{is_lit, is_lit_of_joint};
 use firmware::scaling::{COMMAND, VENT};
 use firmware::watchdog::{CheckIns, Task, Watchdog};
 use host_tests::bench::Bench;
@@ -17,6 +17,7 @@ use host_tests::configuration;
 use model_core::{Mode, ModelParameters, paper};
 use wire::fault::table::TABLE;
 use wire::fault::times::ALLOWANCE_TICKS;
+use wire::joint::{Channel, JointBoardState, JointFault};
 use wire::{
     CaptureOrder, Captured, Configuration, Fault, FaultRecord, Protection, Request, Response, State, TRACE,
     Telemetry, TraceEntry,
@@ -254,6 +255,18 @@ fn the_status_light_counts_the_fault_and_tells_the_states_apart() {
         let (tens, ones) = (u32::from(fault.code()) / 10, u32::from(fault.code()) % 10);
         let period = (tens + ones + 5) * 300;
         assert_eq!(flashes(State::Fault, Some(fault), period) as u32, tens + ones, "{fault:?}");
+    }
+    for (fault, counts) in [
+        (JointFault::OfBoard(Fault::BusSilent), 2 + 1),
+        // A hundred is a flicker of three.
+        (JointFault::OfChannel(Channel::B, Fault::OutputStray), 3 * 2 + 3 + 4),
+        (JointFault::AngleSensor, 3 * 3 + 1),
+    ] {
+        let code = u32::from(fault.code());
+        let period = (code / 100 + code / 10 % 10 + code % 10 + 5) * 300;
+        let lit: Vec<bool> =
+            (0..period).map(|tick| is_lit_of_joint(JointBoardState::Fault, Some(fault), tick)).collect();
+        assert_eq!(1 + lit.windows(2).filter(|pair| !pair[0] && pair[1]).count(), counts, "{fault}");
     }
     let by_state = [State::Off, State::SelfTest, State::Ready, State::Tracking, State::Service];
     let counts = by_state.map(|state| flashes(state, None, 10_000));

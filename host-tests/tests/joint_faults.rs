@@ -140,6 +140,32 @@ fn a_silent_host_and_a_target_that_is_no_number_vent_both_muscles() {
 }
 
 #[test]
+fn a_target_without_samples_acts_in_the_next_tick_and_a_question_is_no_sign_of_life() {
+    let aim = |joint: &mut Obedient, target| match joint.board.answer(&JointRequest::Aim(target)) {
+        JointResponse::Report(report) => report,
+        other => panic!("{other:?}"),
+    };
+    let mut joint = Obedient::tracking();
+    let before = aim(&mut joint, Some(JointTarget { angle: -0.2, ..WANTED }));
+    assert_eq!(before.tick, joint.last);
+    let after = joint.tick(|samples| samples.target = None);
+    assert!(after.due_rad < before.tick.due_rad, "{after:?}");
+    let report = aim(&mut joint, None);
+    assert_eq!((report.tick, report.ticks), (after, before.ticks + 1));
+    let patience = Protection::STANDARD.bus_silent_ticks;
+    for _ in 0..3 * patience {
+        aim(&mut joint, Some(WANTED));
+        assert_eq!(joint.tick(|samples| samples.target = None).fault, None);
+    }
+    let (mut ticks, silent) = (0, Some(JointFault::OfBoard(Fault::BusSilent)));
+    while aim(&mut joint, None).tick.fault != silent {
+        joint.tick(|samples| samples.target = None);
+        ticks += 1;
+        assert!(ticks <= patience, "the host's questions keep the joint driven");
+    }
+}
+
+#[test]
 fn a_fault_stays_until_it_is_acknowledged_and_no_order_opens_a_valve_meanwhile() {
     let mut joint = Obedient::tracking();
     joint.vented_by(|_, samples| samples.angle_code = 0);

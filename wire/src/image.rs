@@ -85,6 +85,8 @@ pub enum BoardKind {
     Regulator,
     /// A coil, by pulses at PA6.
     Coil,
+    /// Two regulators at a joint, by voltages at PA4 and PA5.
+    Joint,
 }
 
 impl BoardKind {
@@ -93,6 +95,7 @@ impl BoardKind {
         match self {
             Self::Regulator => 1,
             Self::Coil => 2,
+            Self::Joint => 3,
         }
     }
 }

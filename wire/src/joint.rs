@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::{Fault, Refusal, Scaling};
 
 /// Version of these messages. Raised with every change that the other side would misread.
-pub const JOINT_VERSION: u16 = 2;
+pub const JOINT_VERSION: u16 = 3;
 /// The largest number of stops that a board takes.
 pub const STOPS: usize = 12;
 
@@ -39,6 +39,9 @@ pub enum JointRequest {
     Acknowledge,
     /// The samples of one tick, for an emulated board. Answer: [`JointResponse::Tick`].
     Tick(JointTickRequest),
+    /// Do this from the next tick on, for a board whose ticks have a clock of their own; a sign of
+    /// life. `None` only asks, and is no sign of life. Answer: [`JointResponse::Report`].
+    Aim(Option<JointTarget<f32>>),
 }
 
 /// From the board to the host.
@@ -54,6 +57,8 @@ pub enum JointResponse {
     WrongState(JointBoardState),
     /// The outcome of a tick.
     Tick(JointTickReply),
+    /// The last tick.
+    Report(JointReport),
 }
 
 /// Who a board is.
@@ -141,6 +146,26 @@ pub struct JointTickReply {
     pub is_limited: bool,
     /// The bounds of the pressures allow the stiffness.
     pub is_as_stiff: bool,
+}
+
+/// The last tick of a board whose ticks have a clock of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointReport {
+    /// Ticks since the board started.
+    pub ticks: u32,
+    /// Of both pressures. Unit: ADC code.
+    pub pressure_codes: [u16; 2],
+    /// Of the angle. Unit: ADC code.
+    pub angle_code: u16,
+    /// Pressure before both valves. Unit: ADC code.
+    pub supply_code: u16,
+    /// Ticks that ended after their deadline, since the start.
+    pub late_ticks: u32,
+    /// What the start has found that does not vent, the first of it: the crystal that did not start
+    /// ([`Fault::Clock`]), a brown-out reset that is off ([`Fault::BrownOut`]).
+    pub noted: Option<Fault>,
+    /// What came of them.
+    pub tick: JointTickReply,
 }
 
 /// One of the two muscles with its regulator and sensor.

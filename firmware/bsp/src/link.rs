@@ -1,9 +1,11 @@
 //! What a board answers to what it received over the link, and what it logs about it: the same for
 //! every image.
 
+use firmware::joint::{self, JointNode};
 use firmware::node::{Node, carry_out};
 use serde::{Serialize, de::DeserializeOwned};
-use wire::{FRAME_BYTES, FrameError, Receiver, Refusal, Request, Response, State};
+use wire::joint::{JointRequest, JointResponse};
+use wire::{FRAME_BYTES, FrameError, Receiver, Refusal, Request, Response};
 
 use stm32f4::stm32f405::Interrupt;
 
@@ -49,6 +51,17 @@ pub fn answer(received: Result<Request, FrameError>, node: &mut impl Node) -> Re
     }
 }
 
+/// The same of a board with a joint.
+pub fn answer_of_joint(
+    received: Result<JointRequest, FrameError>,
+    node: &mut impl JointNode,
+) -> JointResponse {
+    match received {
+        Ok(request) => joint::carry_out(node, &request),
+        Err(_) => JointResponse::Refused(Refusal::Unreadable),
+    }
+}
+
 /// Sends a response, framed in `buffer`. One too long for the buffer is not sent; none of ours is.
 pub fn send<L: Line>(port: &mut Port<L>, buffer: &mut [u8], response: &impl Serialize) {
     if let Ok(frame) = wire::encode(response, buffer) {
@@ -57,7 +70,7 @@ pub fn send<L: Line>(port: &mut Port<L>, buffer: &mut [u8], response: &impl Seri
 }
 
 /// Logs a state that is not the one logged last.
-pub fn log_change(logged: &mut State, state: State) {
+pub fn log_change<S: PartialEq + Copy + core::fmt::Debug>(logged: &mut S, state: S) {
     if state != *logged {
         defmt::info!("state {}", defmt::Debug2Format(&state));
         *logged = state;

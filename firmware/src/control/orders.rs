@@ -4,7 +4,7 @@ use model_core::Mode;
 use wire::registers::ARMED_TICKS;
 use wire::{Fault, Protection, Refusal, Response};
 
-use super::{Control, Running, TickClock};
+use super::{Control, Running};
 use crate::adaptation::Adaptation;
 use crate::board::DacCode;
 use crate::law::{controller_asked, controller_prepare};
@@ -89,12 +89,7 @@ impl Control {
     }
 
     fn install(&mut self, installation: Installation) -> Result<(), Refusal> {
-        if let Some(TickClock { period_s, .. }) = self.clock
-            && (installation.period_s - period_s).abs() > 1e-3 * period_s
-        {
-            let found = installation.period_s;
-            return Err(Refusal::parameter(format_args!("period_s is {found} s, must be {period_s} s")));
-        }
+        self.clock.map_or(Ok(()), |clock| clock.demand(installation.period_s))?;
         self.demand(Event::Install)?;
         let inverse = installation.tracking.inverse();
         if self.installed.as_ref().is_none_or(|installed| installed.tracking.inverse() != inverse) {

@@ -3,11 +3,12 @@
 use wire::Protection;
 use wire::joint::{JointRequest, JointResponse, JointTickReply, JointTickRequest};
 
-use super::{JointBoard, JointOutcome, JointSamples, JointTask};
+use super::{JointBoard, JointSamples, JointTask, carry_out};
 use crate::board::{AcquisitionError, AdcCode, DacCode};
+use crate::lock_step::AROUND;
 
 /// Samples in.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Samples(JointSamples);
 
 impl JointBoard for Samples {
@@ -17,6 +18,16 @@ impl JointBoard for Samples {
 
     fn drive(&mut self, _: [DacCode; 2]) {}
 }
+
+/// Before the first: what a simulation has no part in is as it should be.
+const QUIET: JointSamples = JointSamples {
+    pressures: [AdcCode(0); 2],
+    angle: AdcCode(0),
+    supply: AROUND.supply,
+    temperature: AROUND.temperature,
+    outputs: None,
+    reference: None,
+};
 
 /// A task with the samples that a host lays in.
 #[derive(Debug)]
@@ -28,7 +39,7 @@ pub struct LockStepJoint {
 impl LockStepJoint {
     /// A task without a joint.
     pub fn new(protection: Protection) -> Self {
-        Self { task: JointTask::new(protection), samples: Samples::default() }
+        Self { task: JointTask::new(protection), samples: Samples(QUIET) }
     }
 
     /// The task.
@@ -43,14 +54,15 @@ impl LockStepJoint {
                 self.feed(request);
                 JointResponse::Tick(self.tick())
             }
-            other => self.task.carry_out(other),
+            other => carry_out(&mut self.task, other),
         }
     }
 
     /// Lays the samples of the next tick in, and gives the task its target, if it comes with them.
     pub fn feed(&mut self, request: &JointTickRequest) {
         let JointTickRequest { target, pressure_codes, angle_code } = *request;
-        self.samples.0 = JointSamples { pressures: pressure_codes.map(AdcCode), angle: AdcCode(angle_code) };
+        self.samples.0 =
+            JointSamples { pressures: pressure_codes.map(AdcCode), angle: AdcCode(angle_code), ..QUIET };
         if let Some(target) = target {
             self.task.aim(target);
         }
@@ -58,16 +70,7 @@ impl LockStepJoint {
 
     /// The tick on what was laid in.
     pub fn tick(&mut self) -> JointTickReply {
-        let JointOutcome { codes, command, is_limited } = self.task.tick(&mut self.samples);
-        JointTickReply {
-            dac_codes: codes.map(|code| code.0),
-            state: self.task.state(),
-            fault: self.task.fault(),
-            due_rad: command.map_or(0.0, |command| command.due),
-            stiffness: command.map_or(0.0, |command| command.stiffness),
-            feedback_nm: command.map_or(0.0, |command| command.feedback),
-            is_limited,
-            is_as_stiff: command.is_none_or(|command| command.is_as_stiff),
-        }
+        self.task.tick(&mut self.samples);
+        self.task.reply()
     }
 }

@@ -6,7 +6,8 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | this one | the tick, the states and the orders between ticks |
+//! | this one | the tick, the states, and what a board tells of itself |
+//! | `orders` | the requests of the host, between ticks ([`carry_out`]) |
 //! | [`start`] | fills the muscles, and tries the joint before it is controlled |
 //! | [`watch`] | what tells a fault of a sensor, a valve or a muscle |
 //! | [`lock_step`] | a board whose samples come from a host |
@@ -29,31 +30,29 @@
 //! without feedback, which with a wrong sign would do the same.
 //!
 //! # Limits
-//! The image that drives two channels of a real board is still to be written: these are the control
-//! code and its monitors, in the emulator and on a host. Nothing of a joint is stored, and the bus
-//! has no registers for it.
+//! Nothing of a joint is stored, and the bus has no registers for it. The black box keeps what has
+//! ended the program, not a fault of the joint, and no trace.
 
 pub mod lock_step;
+mod orders;
 pub mod start;
 pub mod watch;
 
 use core::hint::black_box;
 
 use model_core::joint::{JointCommand, JointState, JointTarget};
-use model_core::pid::PidParameters;
-use wire::fault::times::MISSING_IN_A_ROW;
-use wire::joint::{
-    BoardJointControl, BoardJointParameters, JOINT_VERSION, JointBoardState, JointConfiguration, JointFault,
-    JointHello, JointRequest, JointResponse, STOPS,
-};
-use wire::registers::ARMED_TICKS;
-use wire::{Fault, Protection, Refusal, Scaling};
+use wire::fault::times::{DUMP_TICKS, MISSING_IN_A_ROW, STOP_TICKS};
+use wire::joint::{BoardJointControl, JointBoardState, JointFault, STOPS};
+use wire::{Fault, Protection, Scaling};
 
 use crate::board::{AcquisitionError, AdcCode, DacCode};
+use crate::control::{SETTLED_TICKS, TickClock, UNCLOCKED_PERIOD_S};
+use crate::faults::black_box::BlackBox;
 use crate::monitors::persistence::InARow;
 use crate::output::{self, Output};
-use crate::report::FIRMWARE_VERSION;
-use crate::scaling::{COMMAND, PRESSURE, VENT};
+use crate::scaling::{COMMAND, VENT};
+use crate::timing::{TickEnd, Timing};
+pub use orders::{JointNode, carry_out};
 use start::Start;
 use watch::Watch;
 
@@ -69,6 +68,15 @@ pub struct JointSamples {
     pub pressures: [AdcCode; 2],
     /// Of the angle.
     pub angle: AdcCode,
+    /// Pressure before both valves.
+    pub supply: AdcCode,
+    /// Temperature of the processor.
+    pub temperature: AdcCode,
+    /// The voltages at both outputs, the same numbers as those of the [`DacCode`]s which make them;
+    /// none on a board that does not read them back.
+    pub outputs: Option<[AdcCode; 2]>,
+    /// The reference voltage, as a typical processor would read it; none on a board without one.
+    pub reference: Option<AdcCode>,
 }
 
 /// Sensors and valves of a joint.
@@ -101,6 +109,16 @@ pub struct JointTask {
     silent_ticks: u32,
     /// How long a start is still taken.
     armed_ticks: u16,
+    last: JointOutcome,
+    /// None: ticks come when the host wants them, at whatever period the configuration says.
+    clock: Option<TickClock>,
+    /// None where nothing ends the program.
+    black_box: Option<&'static mut BlackBox>,
+    timing: Timing,
+    noted: Option<Fault>,
+    stop: InARow,
+    /// The dump valve's coil has a voltage, and its output rests.
+    held: InARow,
 }
 
 /// A joint that was validated.
@@ -130,10 +148,12 @@ pub struct JointOutcome {
     pub is_limited: bool,
 }
 
+/// The outcome of a tick that does not drive the valves.
+const VENTED: JointOutcome = JointOutcome { codes: [VENT; 2], command: None, is_limited: false };
+
 impl JointTask {
-    /// A task without a joint, vented.
+    /// A task without a joint, vented, whose ticks come when a host wants them.
     pub fn new(protection: Protection) -> Self {
-        const UNCLOCKED_PERIOD_S: f32 = 1e-3;
         Self {
             state: JointBoardState::Off,
             fault: None,
@@ -148,7 +168,24 @@ impl JointTask {
             ticks: 0,
             silent_ticks: 0,
             armed_ticks: 0,
+            last: VENTED,
+            clock: None,
+            black_box: None,
+            timing: Timing::default(),
+            noted: None,
+            stop: InARow::default(),
+            held: InARow::default(),
         }
+    }
+
+    /// That of a real board, whose ticks have a clock; at fault, if the black box says that it has
+    /// started after one.
+    pub fn on_board(protection: Protection, clock: TickClock, black_box: &'static mut BlackBox) -> Self {
+        let mut task = Self::new(protection);
+        let fault = black_box.fault_at_start();
+        (task.clock, task.black_box) = (Some(clock), Some(black_box));
+        fault.into_iter().for_each(|fault| task.report_of_board(fault));
+        task
     }
 
     /// The board's state.
@@ -159,29 +196,6 @@ impl JointTask {
     /// The fault that is latched.
     pub fn fault(&self) -> Option<JointFault> {
         self.fault
-    }
-
-    /// Takes what the joint is to do, a sign of life of the host. One that is no number is a fault.
-    pub fn aim(&mut self, target: JointTarget<f32>) {
-        self.silent_ticks = 0;
-        if (target.angle + target.stiffness + target.load).is_finite() {
-            self.target = target;
-        } else {
-            self.report(JointFault::OfBoard(Fault::Reference));
-        }
-    }
-
-    /// Carries a request out. A tick does not come this way: [`Self::tick`].
-    pub fn carry_out(&mut self, request: &JointRequest) -> JointResponse {
-        match request {
-            JointRequest::Identify => JointResponse::Hello(self.hello()),
-            JointRequest::Configure(configuration) => self.configure(configuration),
-            JointRequest::Arm => self.arm(),
-            JointRequest::Start(stiffness) => self.start(*stiffness),
-            JointRequest::Stop => self.stop(),
-            JointRequest::Acknowledge => self.acknowledge(),
-            JointRequest::Tick(_) => JointResponse::Refused(Refusal::NotHere),
-        }
     }
 
     /// One tick: samples, computes, drives.
@@ -205,15 +219,72 @@ impl JointTask {
         }
         board.drive(codes);
         let is_limited = codes != asked || command.is_some_and(|command| command.limited);
-        JointOutcome { codes, command, is_limited }
+        self.last = JointOutcome { codes, command, is_limited };
+        if self.ticks == SETTLED_TICKS {
+            self.black_box.iter_mut().for_each(|black_box| black_box.settle());
+        }
+        self.last
     }
 
-    /// Takes a fault: both muscles are vented from this tick on.
+    /// Ticks since the start.
+    pub fn ticks(&self) -> u32 {
+        self.ticks
+    }
+
+    /// Takes a fault: both muscles are vented from this tick on. The first one is latched, until it
+    /// is acknowledged; one that nothing but power-off ends takes its place.
     pub fn report(&mut self, fault: JointFault) {
-        if self.state != JointBoardState::Fault {
+        let outlasts = is_for_good(&fault) && !self.is_for_good();
+        if self.state != JointBoardState::Fault || outlasts {
             self.fault = Some(fault);
             self.leave(JointBoardState::Fault);
         }
+    }
+
+    /// The same of a fault of the board as a whole.
+    pub fn report_of_board(&mut self, fault: Fault) {
+        self.report(JointFault::OfBoard(fault));
+    }
+
+    /// Takes a fault that is only to be known of; the first one is told.
+    pub fn note(&mut self, fault: Fault) {
+        self.noted = self.noted.or(Some(fault));
+    }
+
+    /// Whether nothing but power-off ends the fault that is latched.
+    fn is_for_good(&self) -> bool {
+        self.fault.as_ref().is_some_and(is_for_good)
+    }
+
+    /// Takes how long the tick has taken, by a clock of the image.
+    pub fn close_tick(&mut self, end: TickEnd) {
+        let deadline = self.clock.map_or(u32::MAX, |clock| clock.deadline_cycles);
+        if self.timing.take(end, deadline) && self.state.is_driven() {
+            self.report_of_board(Fault::Deadline);
+        }
+    }
+
+    /// Takes what the emergency stop reads back: whether its contacts are open. One sample may be a
+    /// spark.
+    pub fn hear_stop(&mut self, is_open: bool) {
+        if self.stop.holds_for(STOP_TICKS, is_open) {
+            self.report_of_board(Fault::EmergencyStop);
+        }
+    }
+
+    /// Takes whether the dump valve's coil has a voltage, which it must not have where the output
+    /// that holds it rests.
+    pub fn hear_coil(&mut self, has_voltage: bool) {
+        if self.held.holds_for(DUMP_TICKS, has_voltage && !self.keeps_dump_closed()) {
+            self.report_of_board(Fault::DumpHeld);
+        }
+    }
+
+    /// Whether the dump valve behind the regulators is to be kept closed, tick by tick. It opens
+    /// without that: at a fault, before a joint is configured, where its coil is looked at, and
+    /// with a program that stands still.
+    pub fn keeps_dump_closed(&self) -> bool {
+        !matches!(self.state, JointBoardState::Off | JointBoardState::Fault)
     }
 
     /// What the samples of a tick lead to; none where nothing is driven.
@@ -224,13 +295,16 @@ impl JointTask {
         if self.missing.holds_for(MISSING_IN_A_ROW, samples.is_err()) {
             return Err(JointFault::OfBoard(Fault::Acquisition));
         }
-        let driven = self.outputs.map(|output| COMMAND.value(output.code().0));
-        let is_driven = self.state.is_driven();
-        if matches!(self.state, JointBoardState::Off | JointBoardState::Fault) {
-            self.watch.look(samples.ok());
+        self.watch.look(samples.ok());
+        let out = self.outputs.map(|output| output.code());
+        if self.state == JointBoardState::Fault {
             return Ok(None);
         }
-        let measured = self.watch.take(samples.ok(), is_driven.then_some(driven))?;
+        self.watch.look_at_own(out)?;
+        if self.state == JointBoardState::Off {
+            return Ok(None);
+        }
+        let measured = self.watch.take(out, self.state.is_driven())?;
         let (Some(installed), Some(running)) = (&self.installed, &mut self.running) else {
             return Ok(None);
         };
@@ -259,105 +333,12 @@ impl JointTask {
         Ok(Some(command))
     }
 
-    fn hello(&self) -> JointHello {
-        JointHello {
-            version: JOINT_VERSION,
-            firmware: FIRMWARE_VERSION,
-            state: self.state,
-            fault: self.fault,
-            pressure: PRESSURE,
-            angle: ANGLE,
-            command: COMMAND,
-            ticks: self.ticks,
-        }
-    }
-
-    fn configure(&mut self, configuration: &JointConfiguration) -> JointResponse {
-        if !matches!(self.state, JointBoardState::Off | JointBoardState::Ready) {
-            return JointResponse::WrongState(self.state);
-        }
-        if configuration.version != JOINT_VERSION {
-            return JointResponse::Refused(Refusal::Version(JOINT_VERSION));
-        }
-        match Installed::try_new(&configuration.control) {
-            Ok(installed) => {
-                let protection = self.protection.for_period(installed.period_s);
-                self.limits = output::Limits::new(&protection, &COMMAND, installed.period_s);
-                self.watch = Watch::new(&protection, installed.period_s);
-                self.installed = Some(installed);
-                self.leave(JointBoardState::Ready);
-                JointResponse::Accepted
-            }
-            Err(refusal) => JointResponse::Refused(refusal),
-        }
-    }
-
-    fn arm(&mut self) -> JointResponse {
-        if self.state != JointBoardState::Ready {
-            return JointResponse::WrongState(self.state);
-        }
-        self.armed_ticks = ARMED_TICKS;
-        JointResponse::Accepted
-    }
-
-    fn start(&mut self, stiffness: f32) -> JointResponse {
-        let Some(installed) = self.installed.as_ref().filter(|_| self.state == JointBoardState::Ready) else {
-            return JointResponse::WrongState(self.state);
-        };
-        if self.armed_ticks == 0 {
-            return JointResponse::Refused(Refusal::NotArmed);
-        }
-        if !(stiffness > 0.0 && stiffness.is_finite()) {
-            let refusal =
-                Refusal::parameter(format_args!("stiffness is {stiffness} N m/rad, must be above 0"));
-            return JointResponse::Refused(refusal);
-        }
-        let angles = installed.control.joint().angles();
-        let middle = 0.5 * (angles.min() + angles.max());
-        let start = Start::new((angles.min(), angles.max()), stiffness, installed.period_s);
-        self.running = Some(Running { state: installed.control.rest_state(middle), start: Some(start) });
-        self.watch.start_anew();
-        self.state = JointBoardState::Starting;
-        self.silent_ticks = 0;
-        self.armed_ticks = 0;
-        JointResponse::Accepted
-    }
-
-    fn stop(&mut self) -> JointResponse {
-        if self.state.is_driven() {
-            self.leave(JointBoardState::Ready);
-        }
-        JointResponse::Accepted
-    }
-
-    fn acknowledge(&mut self) -> JointResponse {
-        if self.state == JointBoardState::Fault {
-            self.fault = None;
-            self.watch.start_anew();
-            let has_joint = self.installed.is_some();
-            self.leave(if has_joint { JointBoardState::Ready } else { JointBoardState::Off });
-        }
-        JointResponse::Accepted
-    }
-
     /// Goes to a state in which nothing is driven. The next write, in this tick if it is still to
     /// come, vents.
     fn leave(&mut self, state: JointBoardState) {
         self.state = state;
         self.running = None;
         self.armed_ticks = 0;
-    }
-}
-
-impl Installed {
-    fn try_new(parameters: &BoardJointParameters) -> Result<Self, Refusal> {
-        let none = PidParameters { kp: 0.0, ki: 0.0, kd: 0.0, ..parameters.pid };
-        let open = BoardJointParameters { pid: none, ..parameters.clone() };
-        Ok(Self {
-            control: BoardJointControl::try_new(parameters)?,
-            open: BoardJointControl::try_new(&open)?,
-            period_s: parameters.period_s,
-        })
     }
 }
 
@@ -374,6 +355,11 @@ pub fn joint_step(
     angle: f32,
 ) -> Result<JointCommand<f32>, model_core::InputError> {
     control.step(state, target, angle)
+}
+
+/// Whether nothing but power-off ends a fault.
+fn is_for_good(fault: &JointFault) -> bool {
+    matches!(fault, JointFault::OfBoard(fault) if fault.outlasts_acknowledgement())
 }
 
 /// The code of a command in bar.

@@ -1,12 +1,18 @@
-//! What tells a fault of a joint's sensors, valves and muscles from the samples of each tick.
+//! What tells a fault of a joint's sensors, valves and muscles, of its supply and of the board
+//! itself, from the samples of each tick. What watches each of them is that of a board with one
+//! muscle ([`crate::monitors`]).
 
 use wire::joint::{Channel, JointFault};
 use wire::{Fault, Protection};
 
 use super::{ANGLE, JointSamples};
+use crate::board::DacCode;
 use crate::monitors::following::{self, Following};
+use crate::monitors::own::Own;
 use crate::monitors::sensor::{self, Sensor};
-use crate::scaling::PRESSURE;
+use crate::monitors::slow::{self, Slow};
+use crate::monitors::venting::{self, Venting};
+use crate::scaling::{COMMAND, PRESSURE, SUPPLY};
 
 /// No joint turns by as much from one tick of 1 ms to the next: at 0.1 rad it would turn by 16
 /// revolutions in a second. Unit: rad.
@@ -29,9 +35,17 @@ pub struct Watch {
     /// Unit: bar.
     overpressure_bar: f32,
     following: following::Limits,
+    venting: venting::Limits,
+    supply: slow::Limits,
+    temperature: slow::Limits,
     sensors: [Sensor; 2],
     angle_sensor: Sensor,
     valves: [Following; 2],
+    vented: [Venting; 2],
+    /// Of the supply and the temperature.
+    slow: [Slow; 2],
+    /// Of both outputs; the first one looks at the reference voltage, too.
+    own: [Own; 2],
     last: JointSamples,
 }
 
@@ -56,29 +70,51 @@ impl Watch {
                 band_bar: protection.following_band_bar,
                 limit: protection.following_limit_bar_s / period_s,
             },
+            venting: venting::Limits::new(protection, &PRESSURE),
+            supply: slow::Limits::of_supply(protection, SUPPLY),
+            temperature: slow::Limits::of_temperature(protection),
             sensors: [Sensor::default(); 2],
             angle_sensor: Sensor::default(),
             valves: [Following::default(); 2],
+            vented: [Venting::default(); 2],
+            slow: [Slow::default(); 2],
+            own: [Own::default(); 2],
             last: JointSamples::default(),
         }
     }
 
-    /// Keeps samples that nothing is concluded from.
+    /// The last samples as they were read, good or not.
+    pub fn samples(&self) -> JointSamples {
+        self.last
+    }
+
+    /// Takes the samples of a tick, none where there are none: the last ones stand then.
     pub fn look(&mut self, samples: Option<JointSamples>) {
         self.last = samples.unwrap_or(self.last);
     }
 
-    /// Takes the samples of a tick, none where there are none: the last ones stand then. `driven`:
-    /// what both outputs have had until now, where they are driven. Unit: bar.
+    /// Looks at what the board reads back of itself. `out`: what both outputs have had until now.
+    ///
+    /// # Errors
+    /// An output is not what was written, or the reference voltage is out of its range.
+    pub fn look_at_own(&mut self, out: [DacCode; 2]) -> Result<(), JointFault> {
+        let JointSamples { outputs, reference, .. } = self.last;
+        let [of_a, of_b] = &mut self.own;
+        let [read_a, read_b] = outputs.map_or([None; 2], |codes| codes.map(Some));
+        let [out_a, out_b] = out;
+        of_a.take(read_a, reference, out_a).map_err(|fault| match fault {
+            Fault::ReferenceVoltage => JointFault::OfBoard(fault),
+            _ => JointFault::OfChannel(Channel::A, fault),
+        })?;
+        of_b.take(read_b, None, out_b).map_err(|fault| JointFault::OfChannel(Channel::B, fault))
+    }
+
+    /// Looks at the last samples. `out`: what both outputs have had until now; `is_driven`: whether
+    /// they are driven.
     ///
     /// # Errors
     /// The fault that they show.
-    pub fn take(
-        &mut self,
-        samples: Option<JointSamples>,
-        driven: Option<[f32; 2]>,
-    ) -> Result<Measured, JointFault> {
-        self.look(samples);
+    pub fn take(&mut self, out: [DacCode; 2], is_driven: bool) -> Result<Measured, JointFault> {
         let mut measured = Measured::default();
         let codes = self.last.pressures.iter().zip(&mut self.sensors).zip(&mut measured.pressures);
         for (channel, ((code, sensor), bar)) in Channel::BOTH.into_iter().zip(codes) {
@@ -94,11 +130,17 @@ impl Watch {
             _ => JointFault::AngleSensor,
         })?;
         measured.angle = ANGLE.value(angle);
-        let valves = self.valves.iter_mut().zip(driven.into_iter().flatten()).zip(measured.pressures);
-        for (channel, ((valve, command), pressure)) in Channel::BOTH.into_iter().zip(valves) {
-            valve
-                .take(&self.following, command, pressure)
-                .map_err(|fault| JointFault::OfChannel(channel, fault))?;
+        let [supply, temperature] = &mut self.slow;
+        supply.take(&self.supply, self.last.supply.0).map_err(JointFault::OfBoard)?;
+        temperature.take(&self.temperature, self.last.temperature.0).map_err(JointFault::OfBoard)?;
+        let valves = self.valves.iter_mut().zip(&mut self.vented).zip(self.last.pressures);
+        let of_both = valves.zip(out).zip(measured.pressures);
+        for (channel, ((((valve, vented), code), out), bar)) in Channel::BOTH.into_iter().zip(of_both) {
+            let mut found = vented.take(&self.venting, is_driven, code.0);
+            if is_driven {
+                found = found.and_then(|()| valve.take(&self.following, COMMAND.value(out.0), bar));
+            }
+            found.map_err(|fault| JointFault::OfChannel(channel, fault))?;
         }
         Ok(measured)
     }
@@ -107,5 +149,6 @@ impl Watch {
     pub fn start_anew(&mut self) {
         self.sensors.iter_mut().chain([&mut self.angle_sensor]).for_each(Sensor::start_anew);
         self.valves = [Following::default(); 2];
+        self.slow = [Slow::default(); 2];
     }
 }

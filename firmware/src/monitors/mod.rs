@@ -32,7 +32,7 @@ use wire::fault::times::{AUTHORITY_TICKS, IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
 use wire::{Fault, Protection, Scaling};
 
 use crate::board::{AcquisitionError, DacCode, Samples};
-use crate::scaling::{Scalings, TEMPERATURE};
+use crate::scaling::{Scalings, level};
 use following::Following;
 use own::Own;
 use persistence::{Average, InARow};
@@ -195,7 +195,7 @@ impl Monitors {
     /// The output is not what was written, or the reference voltage is out of its range.
     #[inline(always)]
     pub fn watch_own(&mut self, out: DacCode) -> Result<(), Fault> {
-        self.own.take(&self.last, out)
+        self.own.take(self.last.output, self.last.reference, out)
     }
 
     /// Looks at the feedback (bar) beside a feed-forward; 0 where there are not both.
@@ -235,8 +235,6 @@ impl Limits {
         let Scalings { pressure, contraction, supply, command, .. } = *scalings;
         // A difference of infinite size saturates at a code that no converter has.
         let codes = |scaling: &Scaling, difference: f32| (difference * scaling.codes_per_unit) as u16;
-        let level =
-            |scaling: &Scaling, value: f32| (scaling.zero_code + value * scaling.codes_per_unit) as u16;
         let of =
             |scaling: Scaling, jump, faults| sensor::Limits { scaling, jump: codes(&scaling, jump), faults };
         Self {
@@ -252,24 +250,11 @@ impl Limits {
             ),
             command,
             stuck: codes(&command, protection.stuck_command_bar),
-            supply: slow::Limits {
-                scaling: supply,
-                lowest: level(&supply, protection.supply_min_bar),
-                highest: u16::MAX,
-                faults: [Fault::SupplySensor, Fault::SupplyLow],
-            },
-            temperature: slow::Limits {
-                scaling: TEMPERATURE,
-                lowest: 0,
-                highest: level(&TEMPERATURE, protection.temperature_max_c),
-                faults: [Fault::Temperature; 2],
-            },
+            supply: slow::Limits::of_supply(protection, supply),
+            temperature: slow::Limits::of_temperature(protection),
             overpressure_hard: level(&pressure, protection.overpressure_hard_bar),
             overpressure_soft: level(&pressure, protection.overpressure_soft_bar),
-            venting: venting::Limits {
-                zero: level(&pressure, 0.0),
-                vented: level(&pressure, protection.vented_bar),
-            },
+            venting: venting::Limits::new(protection, &pressure),
             following: following::Limits {
                 band_bar: protection.following_band_bar,
                 limit: protection.following_limit_bar_s / period_s,

@@ -8,7 +8,7 @@ use wire::Fault;
 use wire::fault::times::STRAY_TICKS;
 
 use super::persistence::InARow;
-use crate::board::{AdcCode, DacCode, Samples};
+use crate::board::{AdcCode, DacCode};
 use crate::scaling::{REFERENCE_CODE, VENT};
 
 /// How far a sound output may read from its code: offset 12, gain 20 and linearity 4 of the
@@ -33,18 +33,24 @@ pub struct Own {
 }
 
 impl Own {
-    /// Takes the samples of a tick. `out`: what was written before they were taken.
+    /// Takes the samples of a tick, none of what the board does not read. `out`: what was written
+    /// before they were taken.
     ///
     /// # Errors
     /// One of the two has been wrong for [`STRAY_TICKS`].
     #[inline(always)]
-    pub fn take(&mut self, samples: &Samples, out: DacCode) -> Result<(), Fault> {
-        let is_stray = samples.output.is_some_and(|read| !is_written(out, read));
+    pub fn take(
+        &mut self,
+        output: Option<AdcCode>,
+        reference: Option<AdcCode>,
+        out: DacCode,
+    ) -> Result<(), Fault> {
+        let is_stray = output.is_some_and(|read| !is_written(out, read));
         if self.output.holds_for(STRAY_TICKS, is_stray) {
             return Err(Fault::OutputStray);
         }
         let [lowest, highest] = REFERENCE;
-        let is_off = samples.reference.is_some_and(|read| read.0 < lowest || read.0 > highest);
+        let is_off = reference.is_some_and(|read| read.0 < lowest || read.0 > highest);
         if self.reference.holds_for(STRAY_TICKS, is_off) { Err(Fault::ReferenceVoltage) } else { Ok(()) }
     }
 }
@@ -75,9 +81,8 @@ mod tests {
     fn a_supply_that_is_off_by_more_than_six_percent_is_a_fault_after_three_ticks() {
         for (volts, is_good) in [(3.3_f32, true), (3.12, true), (3.48, true), (3.09, false), (3.52, false)] {
             let reference = Some(AdcCode((REFERENCE_CODE * 3.3 / volts + 0.5) as u16));
-            let samples = Samples { reference, ..Samples::default() };
             let mut own = Own::default();
-            let seen = [0; 3].map(|_| own.take(&samples, VENT));
+            let seen = [0; 3].map(|_| own.take(None, reference, VENT));
             let third = if is_good { Ok(()) } else { Err(Fault::ReferenceVoltage) };
             assert_eq!(seen, [Ok(()), Ok(()), third], "{volts} V");
         }

@@ -1,9 +1,10 @@
 //! A quantity that changes slowly, the supply or a temperature: its average against limits.
 
 use wire::fault::times::BAD_IN_A_ROW;
-use wire::{Fault, Scaling};
+use wire::{Fault, Protection, Scaling};
 
 use super::persistence::{Average, InARow};
+use crate::scaling::{TEMPERATURE, level};
 
 /// What is good.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,28 @@ pub struct Limits {
     pub highest: u16,
     /// What implausible codes and an average outside are.
     pub faults: [Fault; 2],
+}
+
+impl Limits {
+    /// Of the pressure before the valve.
+    pub fn of_supply(protection: &Protection, scaling: Scaling) -> Self {
+        Self {
+            scaling,
+            lowest: level(&scaling, protection.supply_min_bar),
+            highest: u16::MAX,
+            faults: [Fault::SupplySensor, Fault::SupplyLow],
+        }
+    }
+
+    /// Of the processor's temperature.
+    pub fn of_temperature(protection: &Protection) -> Self {
+        Self {
+            scaling: TEMPERATURE,
+            lowest: 0,
+            highest: level(&TEMPERATURE, protection.temperature_max_c),
+            faults: [Fault::Temperature; 2],
+        }
+    }
 }
 
 /// What is remembered of the codes.

@@ -4,8 +4,10 @@
 //! pressure is looked at: in each [`VENTING_TICKS`] it has to reach what counts as vented, or to
 //! lose a fifth of what it was. A muscle that empties with a time constant of up to 1.3 s does.
 
-use wire::Fault;
 use wire::fault::times::VENTING_TICKS;
+use wire::{Fault, Protection, Scaling};
+
+use crate::scaling::level;
 
 /// What the codes are compared with. Unit: ADC code.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +16,13 @@ pub struct Limits {
     pub zero: u16,
     /// Up to this the muscle is vented.
     pub vented: u16,
+}
+
+impl Limits {
+    /// The protection's limit in codes of a pressure.
+    pub fn new(protection: &Protection, pressure: &Scaling) -> Self {
+        Self { zero: level(pressure, 0.0), vented: level(pressure, protection.vented_bar) }
+    }
 }
 
 /// What is remembered of the codes since a window began.

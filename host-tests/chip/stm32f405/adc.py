@@ -8,7 +8,7 @@ CONVERSION = 12
 # Unit: Hz.
 MOST_HZ = 36e6
 TEMPERATURE, REFERENCE = 16, 17
-PINS = {0: "PA0", 1: "PA1", 4: "PA4", 10: "PC0"}
+PINS = {0: "PA0", 1: "PA1", 4: "PA4", 5: "PA5", 10: "PC0", 11: "PC1"}
 # Least time to sample the sensor of the temperature and the reference. Unit: s.
 INTERNAL_S = 10e-6
 # Time from switching on to the first conversion. Unit: s.

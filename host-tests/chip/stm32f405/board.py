@@ -9,8 +9,8 @@ GAIN, TO_GROUND_OHM = 3.03, 6.8e3
 PUMP_S = 0.010
 # Unit: bit/s.
 BUS_BAUD, LINK_BAUD = 115_200, 460_800
-# The channel of PA4, the valve's output.
-OUTPUT = 4
+# The channels of PA4 and PA5, the valves' outputs, and the channels of the converter that makes them.
+OUTPUTS = {4: 1, 5: 2}
 # Pins with a resistor to ground, by which they are low in a reset.
 TO_GROUND = "PA6", "PA8", "PB13"
 # Codes at 3.3 V, by channel: 25 °C, the reference, 8 bar of supply, no pressure, no contraction.
@@ -48,8 +48,8 @@ class Board:
         # Of each conversion, one standard deviation. Unit: code.
         self.noise_codes = 0.0
         self._chance = random.Random(1)
-        # What else drives PA4, through a resistor, where the converter has let go of it. Unit: V.
-        self.foreign_v = 0.0
+        # What else drives PA4, through a resistor, where the converter has let go of it; and PA5. Unit: V.
+        self.foreign_v, self.second_foreign_v = 0.0, 0.0
         # Follows the valve's output, as a muscle's pressure does; None: `voltages` alone.
         self.plant = None
         self.bus, self.link = Line(BUS_BAUD), Line(LINK_BAUD)
@@ -119,21 +119,21 @@ class Board:
 
     def code(self, channel):
         """What the converter makes of the voltage at a channel."""
-        volts = self.output_v() if channel == OUTPUT else self.voltages.get(channel)
+        volts = self.output_v(OUTPUTS[channel]) if channel in OUTPUTS else self.voltages.get(channel)
         if volts is None:
             self.chip.violation(f"board: nothing is at channel {channel}")
             return 0
         noise = self._chance.gauss(0.0, self.noise_codes) if self.noise_codes else 0.0
         return min(max(round(volts / self.chip.supply_v * 4095 + noise), 0), 4095)
 
-    def output_v(self):
-        """The voltage at PA4. A resistor to ground makes it 0 where nothing drives the pin."""
-        volts = self.chip.dac.output(TO_GROUND_OHM)
-        return self.foreign_v if volts is None else volts
+    def output_v(self, channel=1):
+        """The voltage at PA4, or PA5. A resistor to ground makes it 0 where nothing drives the pin."""
+        volts = self.chip.dac.output(TO_GROUND_OHM, channel)
+        return volts if volts is not None else self.foreign_v if channel == 1 else self.second_foreign_v
 
-    def output_bar(self):
+    def output_bar(self, channel=1):
         """What the regulator is asked for, 1 bar per V behind the amplifier."""
-        return self.output_v() * GAIN
+        return self.output_v(channel) * GAIN
 
     def asked_bar(self):
         """What the valve is asked for, which is a regulator unless a test has another."""

@@ -36,9 +36,9 @@ class ChipCase(unittest.TestCase):
     def setUp(self):
         self.chips = []
 
-    def chip(self, **what):
+    def chip(self, make=Chip, **what):
         """A chip, not yet powered; `what`: attributes of its peripherals, as `rcc__hse_works=False`."""
-        chip = Chip()
+        chip = make()
         self.chips.append(chip)
         for path, value in what.items():
             *parts, last = path.split("__")

@@ -14,12 +14,15 @@ use std::sync::{Arc, Mutex};
 
 use board_client::emulator::image;
 use board_models::extended_parameters;
+use board_models::joint::joint_parameters;
 use firmware::store::ParameterStore;
 use host_tests::flash::MockFlash;
 use host_tests::store::{numbered, paper_set};
 use libtest_mimic::{Arguments, Conclusion, Failed, Trial};
 use model_core::Mode;
+use model_core::joint::JointTarget;
 use wire::image::{BoardKind, Linked, Place};
+use wire::joint::{JOINT_VERSION, JointBoardState, JointConfiguration, JointRequest, JointResponse};
 use wire::{Configuration, FRAME_BYTES, Protection, Refusal, Request, Response, State, VERSION};
 
 /// The environment variable that names a Python which has Unicorn.
@@ -35,6 +38,8 @@ const IMAGES: &str = "MGPI_CHIP_IMAGES";
 /// The one that names a program of the model to be run in place of the tests: `mutants.py`,
 /// `long_runs.py`.
 const PROGRAM: &str = "MGPI_CHIP_PROGRAM";
+/// At which a joint is started. Unit: N m/rad.
+const STIFFNESS: f32 = 40.0;
 /// Unit: byte.
 const SECTOR: usize = 16 * 1024;
 /// More than both sectors have room for.
@@ -114,7 +119,41 @@ fn frames() -> Result<String, Failed> {
     ] {
         text += &framed(name, wire::encode(&response, &mut buffer)?);
     }
-    Ok(text)
+    for (name, request) in [
+        (
+            "joint_configure",
+            JointRequest::Configure(JointConfiguration {
+                version: JOINT_VERSION,
+                control: joint_parameters(),
+            }),
+        ),
+        ("joint_arm", JointRequest::Arm),
+        ("joint_start", JointRequest::Start(STIFFNESS)),
+        ("joint_stop", JointRequest::Stop),
+        ("joint_acknowledge", JointRequest::Acknowledge),
+        ("joint_identify", JointRequest::Identify),
+        ("joint_aim", JointRequest::Aim(Some(JointTarget { angle: 0.25, stiffness: STIFFNESS, load: 0.0 }))),
+    ] {
+        text += &framed(name, wire::encode(&request, &mut buffer)?);
+    }
+    for (name, response) in [
+        ("joint_accepted", JointResponse::Accepted),
+        ("joint_not_armed", JointResponse::Refused(Refusal::NotArmed)),
+        ("joint_at_fault", JointResponse::WrongState(JointBoardState::Fault)),
+    ] {
+        text += &framed(name, wire::encode(&response, &mut buffer)?);
+    }
+    Ok(text + &framed("joint_numbers", &joint_numbers()))
+}
+
+/// What the model's plant has to know of the joint: torques of a bar and passive torque over the
+/// angle, lag, both ends, and the knee of the drive.
+fn joint_numbers() -> Vec<u8> {
+    let joint = joint_parameters().joint;
+    let [a, b] = &joint.muscles;
+    let others = [a.valve_lag_s, joint.angles.0, joint.angles.1, a.knee];
+    let all = a.arm.iter().chain(&b.arm).chain(&joint.passive).chain(&others);
+    all.flat_map(|number| number.to_le_bytes()).collect()
 }
 
 /// Sectors that are both full, and so erased by the next save.

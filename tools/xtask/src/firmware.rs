@@ -16,6 +16,8 @@ use crate::run;
 const PRODUCTION: &str = "stm32f405";
 const OTHER_PLACE: &str = "stm32f405_b";
 const OF_COIL: &str = "stm32f405_coil";
+/// The production image of two channels at a joint, which has the same starter.
+const OF_JOINT: &str = "stm32f405_joint";
 /// The key that images are signed with where nobody says another: everybody has it.
 const TEST_KEY: &str = "firmware/keys/tests-only.key";
 /// What the images are built from.
@@ -38,7 +40,7 @@ pub fn build_for(compiler: &BoardCompiler, key: Option<&Path>) -> Result<()> {
     let had_images = ["emulated", "emulated_joint"].iter().all(|image| elf(image).exists());
     let public = key.map(read_key).transpose()?.map(|(_, public)| public);
     run::step("firmware", || {
-        build_with(compiler, "emulated,emulated_joint,stm32f405,bring_up", public.as_deref())
+        build_with(compiler, "emulated,emulated_joint,stm32f405,stm32f405_joint,bring_up", public.as_deref())
     })?;
     if !had_images {
         // `mgpi` takes the images in, and cannot watch files that are not there.
@@ -96,10 +98,12 @@ pub fn build_images(compiler: &BoardCompiler, features: &str) -> Result<()> {
 /// The same with the public half of a key, that of the tests where there is none.
 fn build_with(compiler: &BoardCompiler, features: &str, key: Option<&str>) -> Result<()> {
     run::succeed(command(compiler, features, key).arg("--bins"))?;
-    if features.split(',').any(|feature| feature == PRODUCTION) {
-        [PRODUCTION, OTHER_PLACE].iter().try_for_each(|image| seal(&elf(image)))?;
-    }
-    Ok(())
+    let sealed = |feature| match feature {
+        PRODUCTION => [Some(PRODUCTION), Some(OTHER_PLACE)],
+        OF_JOINT => [Some(OF_JOINT), None],
+        _ => [None; 2],
+    };
+    features.split(',').flat_map(sealed).flatten().try_for_each(|image| seal(&elf(image)))
 }
 
 /// What builds images; those that are meant are still to be said.

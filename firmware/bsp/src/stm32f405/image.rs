@@ -14,21 +14,27 @@ use wire::image::{BoardKind, HEAD_WORDS, Head, LINKED_WORDS, Linked};
 use super::flash::Flash;
 use super::image_flash::running;
 
+/// What a board with one channel is, by how its valve is driven.
+pub const ONE_CHANNEL: BoardKind =
+    if cfg!(feature = "solenoid") { BoardKind::Coil } else { BoardKind::Regulator };
+
 /// What this firmware is for. There is but one board of each kind yet, whatever revision its maker
 /// has written.
-const LINKED: Linked = Linked {
-    kind: if cfg!(feature = "solenoid") { BoardKind::Coil } else { BoardKind::Regulator }.number(),
-    revisions: [0, u16::MAX],
-    release: FIRMWARE_VERSION,
-    wire: wire::VERSION,
-    layout: LAYOUT,
-    is_modified: SOURCE.is_modified,
-    commit: SOURCE.commit,
-};
+const fn linked(kind: BoardKind) -> Linked {
+    Linked {
+        kind: kind.number(),
+        revisions: [0, u16::MAX],
+        release: FIRMWARE_VERSION,
+        wire: wire::VERSION,
+        layout: LAYOUT,
+        is_modified: SOURCE.is_modified,
+        commit: SOURCE.commit,
+    }
+}
 
-/// The words of a head that nobody has sealed yet.
-pub const fn head() -> [u32; HEAD_WORDS] {
-    let (linked, mut words, mut index) = (LINKED.words(), [!0; HEAD_WORDS], 0);
+/// The words of a head that nobody has sealed yet, of an image for a kind of board.
+pub const fn head(kind: BoardKind) -> [u32; HEAD_WORDS] {
+    let (linked, mut words, mut index) = (linked(kind).words(), [!0; HEAD_WORDS], 0);
     while index < LINKED_WORDS {
         words[index] = linked[index];
         index += 1;
@@ -36,14 +42,33 @@ pub const fn head() -> [u32; HEAD_WORDS] {
     words
 }
 
-/// Puts the head into an image.
+/// Puts the head into an image for a kind of board.
 #[macro_export]
 macro_rules! put_head {
-    () => {
+    ($kind:expr) => {
         // SAFETY: the section is one of memory.x, and used for nothing else.
         #[used]
         #[unsafe(link_section = ".image_head")]
-        static IMAGE_HEAD: [u32; wire::image::HEAD_WORDS] = $crate::stm32f405::image::head();
+        static IMAGE_HEAD: [u32; wire::image::HEAD_WORDS] = $crate::stm32f405::image::head($kind);
+    };
+}
+
+/// Puts what is flashed with an image for the place A into it.
+#[macro_export]
+macro_rules! put_starter {
+    () => {
+        /// Room for the starter, which `cargo xtask firmware` puts in.
+        // SAFETY: the section is one of place.x, and used for nothing else.
+        #[used]
+        #[unsafe(link_section = ".starter")]
+        static STARTER: [u8; 16 * 1024] = [0xFF; 16 * 1024];
+
+        /// The first word of the starter's log: a board that is flashed runs what was flashed,
+        /// whatever stood there.
+        // SAFETY: as above.
+        #[used]
+        #[unsafe(link_section = ".start_log")]
+        static START_LOG: u32 = firmware::update::log::Entry::ForGood(wire::image::Place::A).word();
     };
 }
 

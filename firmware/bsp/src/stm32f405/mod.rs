@@ -4,9 +4,11 @@
 //! | file | what it drives |
 //! |---|---|
 //! | [`clock`] | crystal, multiplier, buses |
-//! | [`scan`] | the analogue inputs |
+//! | [`start`], [`restart`] | what an image that drives valves begins with, and how it ends |
+//! | [`scan`] | the analogue inputs; `scan/joint.rs` those of two channels |
 //! | [`output`] | the valve: `analog.rs` by a voltage, or `pulses.rs` with the feature `solenoid` |
-//! | [`valve`] | the safe value of either by raw registers |
+//! | [`joint`] | sensors and valves of two channels |
+//! | [`valve`] | the safe value of all by raw registers |
 //! | [`factory`] | the processor's temperature and reference by its factory values |
 //! | [`image`] | the head of the firmware, and its checksum |
 //! | [`memory_test`] | the test of the RAM |
@@ -24,6 +26,7 @@ pub mod factory;
 pub mod flash;
 pub mod image;
 pub mod image_flash;
+pub mod joint;
 pub mod memory;
 pub mod memory_test;
 #[cfg_attr(not(feature = "solenoid"), path = "analog.rs")]
@@ -31,7 +34,9 @@ pub mod memory_test;
 pub mod output;
 mod parameter_flash;
 pub mod pins;
+pub mod restart;
 pub mod scan;
+pub mod start;
 pub mod tick;
 pub mod valve;
 pub mod watchdog;

@@ -31,6 +31,13 @@ pub fn route(a: &GPIOA, b: &GPIOB, c: &GPIOC, drives: bool) {
     c.moder().modify(|_, w| w.moder0().analog());
 }
 
+/// Connects what a board with two channels has beyond that: the second set point at PA5, and the
+/// second pressure at PC1.
+pub fn route_second(a: &GPIOA, c: &GPIOC) {
+    a.moder().modify(|_, w| w.moder5().analog());
+    c.moder().modify(|_, w| w.moder1().analog());
+}
+
 /// The status light at PB12, lit when high.
 pub struct Light;
 

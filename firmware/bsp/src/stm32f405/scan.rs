@@ -17,6 +17,8 @@
 //! clocks. 12 more each to convert: 2,712 clocks, 129 µs at 21 MHz, 678 µs at the fall-back's 4
 //! MHz. The mean of the contraction is sampled 4.6 µs after that of the pressure.
 
+pub mod joint;
+
 use core::cell::UnsafeCell;
 
 use firmware::noise::{CONVERSIONS, Conversions};
@@ -42,6 +44,12 @@ const ADC_DIVIDER: u32 = 4;
 const REGULAR: u8 = 2 * CONVERSIONS as u8;
 /// What stands for samples when there are none: no code of 12 bits.
 const NOTHING: u64 = u64::MAX;
+
+/// Which channels are converted, in their order: by the regular group, and by the injected one.
+struct Sequence {
+    regular: [u8; REGULAR as usize],
+    once: [u8; 4],
+}
 
 /// What the DMA writes: contraction in the high half, pressure in the low, in turn.
 #[repr(transparent)]
@@ -72,6 +80,11 @@ impl Scan {
     /// Readies the converter; [`start`](Self::start) lets it run. Converter and DMA have to be
     /// clocked.
     pub fn new(adc: ADC1, common: &ADC_COMMON, dma: DMA2, debug: &DBGMCU) -> Self {
+        let regular = core::array::from_fn(|place| if place % 2 == 0 { PRESSURE } else { CONTRACTION });
+        Self::ready(adc, common, dma, debug, &Sequence { regular, once: ONCE })
+    }
+
+    fn ready(adc: ADC1, common: &ADC_COMMON, dma: DMA2, debug: &DBGMCU, sequence: &Sequence) -> Self {
         let stream = dma.st(0);
         // SAFETY: it moves half words, twice as many as the ring has words, to the ring, which is
         // there for good.
@@ -86,20 +99,19 @@ impl Scan {
         });
         common.ccr().write(|w| w.adcpre().div4().tsvrefe().enabled());
         adc.cr1().write(|w| w.scan().enabled().jauto().enabled());
-        adc.smpr1().write(|w| w.smp16().cycles480().smp17().cycles480().smp10().cycles84());
-        adc.smpr2().write(|w| w.smp0().cycles84().smp1().cycles84().smp4().cycles84());
-        let [first, second, third, fourth] = ONCE;
+        adc.smpr1()
+            .write(|w| w.smp16().cycles480().smp17().cycles480().smp10().cycles84().smp11().cycles84());
+        adc.smpr2().write(|w| w.smp0().cycles84().smp1().cycles84().smp4().cycles84().smp5().cycles84());
+        let [first, second, third, fourth] = sequence.once;
         // SAFETY: the channels exist.
         unsafe {
-            let in_turn = |count: u32| {
-                (0..count).fold(0, |bits, place| {
-                    let channel = if place % 2 == 0 { PRESSURE } else { CONTRACTION };
-                    bits | u32::from(channel) << (5 * place)
-                })
+            let in_turn = |from: usize| {
+                let channels = sequence.regular.iter().skip(from).take(6).zip(0_u32..);
+                channels.fold(0, |bits, (channel, place)| bits | u32::from(*channel) << (5 * place))
             };
-            adc.sqr3().write(|w| w.bits(in_turn(6)));
+            adc.sqr3().write(|w| w.bits(in_turn(0)));
             adc.sqr2().write(|w| w.bits(in_turn(6)));
-            adc.sqr1().write(|w| w.bits(in_turn(4) | u32::from(REGULAR - 1) << 20));
+            adc.sqr1().write(|w| w.bits(in_turn(12) | u32::from(REGULAR - 1) << 20));
             adc.jsqr().write(|w| {
                 w.jl().set(3).jsq1().bits(first).jsq2().bits(second).jsq3().bits(third).jsq4().bits(fourth)
             });
@@ -161,19 +173,28 @@ impl Scan {
 #[unsafe(no_mangle)]
 #[inline(never)]
 extern "C" fn adc_scan(adc: &ADC1, dma: &DMA2) -> u64 {
-    if adc.sr().read().jeoc().bit_is_clear() || dma.lisr().read().tcif0().bit_is_clear() {
+    if !is_complete(adc, dma) {
         return NOTHING;
     }
-    // The bits of the first register are cleared by zeros and kept by ones, those of the other by
-    // ones.
-    adc.sr().modify(|_, w| w.jeoc().clear_bit());
-    dma.lifcr().write(|w| w.ctcif0().clear());
     // Eight codes of 12 bits stay within their half of a word.
     let [a, b, c, d, e, f, g, h] = [0, 1, 2, 3, 4, 5, 6, 7].map(|place| RING.word(place));
     let sums = (a + b) + (c + d) + ((e + f) + (g + h));
     let mean = |sum: u32| u64::from((sum + CONVERSIONS as u32 / 2) / CONVERSIONS as u32);
     let code = |register: usize| u64::from(adc.jdr(register).read().jdata().bits());
     code(0) | code(2) << 16 | mean(sums & 0xFFFF) << 32 | mean(sums >> 16) << 48
+}
+
+/// Whether a scan has been converted since the last call, all of it.
+#[inline(always)]
+fn is_complete(adc: &ADC1, dma: &DMA2) -> bool {
+    if adc.sr().read().jeoc().bit_is_clear() || dma.lisr().read().tcif0().bit_is_clear() {
+        return false;
+    }
+    // The bits of the first register are cleared by zeros and kept by ones, those of the other by
+    // ones.
+    adc.sr().modify(|_, w| w.jeoc().clear_bit());
+    dma.lifcr().write(|w| w.ctcif0().clear());
+    true
 }
 
 const _: () = assert!(CONVERSIONS == 8, "a sum of more does not stay within its half, of fewer is left out");

@@ -1,11 +1,12 @@
-//! The safe value of the valve's output, by raw registers.
+//! The safe value of the valves' outputs, by raw registers.
 //!
-//! Safe is what a reset makes: the converter has let go of its pin, which a resistor pulls to 0 V,
+//! Safe is what a reset makes: the converter has let go of its pins, which resistors pull to 0 V,
 //! and no pulse is made. A converter that puts out code 0 would not do: its buffer reaches 0.2 V at
 //! worst (data sheet DS8626, "DAC characteristics"), which is 0.6 bar behind the amplifier. Nor
 //! would it do for a converter that is stuck.
 //!
-//! Both outputs of the board take it, whichever is used, since what hangs on them is not known.
+//! All outputs of the board take it, both channels of the converter and the pulses, whichever are
+//! used, since what hangs on them is not known.
 
 use firmware::scaling::VENT;
 use stm32f4::stm32f405::{DAC, TIM3};
@@ -15,6 +16,6 @@ pub fn vent() {
     // SAFETY: each store is atomic, and puts out what every owner may put out at any time.
     let (converter, pulses) = unsafe { (&*DAC::ptr(), &*TIM3::ptr()) };
     converter.dhr12r1().write(|w| w.daccdhr().set(VENT.0));
-    converter.cr().write(|w| w.en1().disabled());
+    converter.cr().write(|w| w.en1().disabled().en2().disabled());
     pulses.ccr1().write(|w| w.ccr().set(VENT.0));
 }

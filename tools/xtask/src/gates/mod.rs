@@ -74,6 +74,9 @@ pub fn gates(compiler: &BoardCompiler, bless: bool) -> Result<()> {
     let emulated_joint = Image::read(&images::elf("emulated_joint"))?;
     figures.extend(run::step("two channels", || joint::figures(&emulated_joint, &plugin))?);
     figures.extend(sizes("stm32f405", &stm32f405));
+    let of_joint = Image::read(&images::elf("stm32f405_joint"))?;
+    figures.push(production::stack_of_joint(&of_joint)?);
+    figures.extend(sizes("stm32f405_joint", &of_joint));
     figures.extend(run::step("longest ways", || longest_ways(&linked))?);
     if bless {
         run::step("instructions of each model", || costs::write(&plugin, &emulated, &samples))?;

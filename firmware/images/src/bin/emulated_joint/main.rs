@@ -11,8 +11,8 @@
 //! ([`firmware::joint`]).
 //!
 //! # Limits
-//! Those of that image; and there is no bus, nothing is stored, and there is no image of a joint
-//! for a real board yet.
+//! Those of that image; and there is no bus, and nothing is stored. A real board has the image
+//! `stm32f405_joint`.
 #![no_std]
 #![no_main]
 
@@ -34,7 +34,7 @@ bsp::end_safely!(Failure);
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
-    use bsp::link::{LinkBuffers, LinkLine};
+    use bsp::link::{LinkBuffers, LinkLine, log_change};
     use bsp::ports;
     use bsp::serial::{self, Mover, Port};
     use firmware::joint::lock_step::LockStepJoint;
@@ -117,11 +117,7 @@ mod app {
             Err(_) => JointResponse::Refused(Refusal::Unreadable),
         };
         bsp::link::send(link_port, frame, &response);
-        let state = lock_step.lock(|shared| shared.joint.task().state());
-        if state != *logged {
-            defmt::info!("state {}", defmt::Debug2Format(&state));
-            *logged = state;
-        }
+        log_change(logged, lock_step.lock(|shared| shared.joint.task().state()));
     }
 
     /// Lays the samples in and lets the tick's task run, which happens before the next statement.

@@ -58,7 +58,7 @@ fn main() -> ! {
     loop {
         tick(unknown());
         validate(unknown());
-        unknown::<JointTask>().tick(&mut Unknown);
+        tick_of_joint(unknown());
         validate_joint(unknown());
         black_box(sized::tanh_step(unknown(), unknown(), black_box(0.0)).is_ok());
         black_box(sized::piecewise_step(unknown(), unknown(), black_box(0.0)).is_ok());
@@ -71,6 +71,14 @@ fn main() -> ! {
 fn tick(control: &mut Control) {
     control.tick(&mut Unknown);
     control.close_tick(black_box(TickEnd { elapsed_cycles: 0, is_overrun: false }));
+}
+
+/// With what a board tells of itself around it.
+fn tick_of_joint(task: &mut JointTask) {
+    task.hear_stop(black_box(false));
+    task.hear_coil(black_box(false));
+    task.tick(&mut Unknown);
+    task.close_tick(black_box(TickEnd { elapsed_cycles: 0, is_overrun: false }));
 }
 
 /// A model before it controls, and its state at rest.

@@ -33,43 +33,17 @@
 
 use core::sync::atomic::AtomicBool;
 
-use bsp::safe_end::SafeEnd;
-use bsp::stm32f405::{memory, valve};
+use bsp::stm32f405::image;
 use defmt_rtt as _;
 use firmware::watchdog::CheckIns;
-use wire::Fault;
 
 /// Where the tasks check in.
 static CHECK_INS: CheckIns = CheckIns::new();
 /// Whether the board's slot on the bus is near: it begins between two ticks.
 static IS_SLOT_NEAR: AtomicBool = AtomicBool::new(false);
 
-/// Vents, records what happened, and resets the processor.
-enum Restart {}
-
-impl SafeEnd for Restart {
-    fn make_safe() {
-        valve::vent();
-    }
-
-    fn end(fault: Fault, detail: u32) -> ! {
-        memory::seal(fault, detail);
-        cortex_m::peripheral::SCB::sys_reset()
-    }
-}
-
-bsp::end_safely!(Restart);
-bsp::put_head!();
-bsp::test_memory!();
-
-/// The crystal has stopped: the internal oscillator has taken over, and all that measures time is
-/// wrong.
-#[cortex_m_rt::exception]
-unsafe fn NonMaskableInt() -> ! {
-    cortex_m::interrupt::disable();
-    Restart::make_safe();
-    Restart::end(Fault::Clock, 0)
-}
+bsp::end_by_restart!();
+bsp::put_head!(image::ONE_CHANNEL);
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
@@ -79,14 +53,13 @@ mod app {
     use bsp::link::{LinkBuffers, LinkLine, answer, log_change};
     use bsp::ports;
     use bsp::serial::{self, Line, Mover, Port};
-    use bsp::stm32f405::clock::{self, Source};
     use bsp::stm32f405::flash::Flash;
-    use bsp::stm32f405::image::{self, Image};
     use bsp::stm32f405::pins::{self, BusDriver, DumpValve, Light, VoltageDetector};
     use bsp::stm32f405::scan::Scan;
+    use bsp::stm32f405::start::{self, Started};
     use bsp::stm32f405::tick::{TICKS_PER_SECOND, Tick, moment_us};
     use bsp::stm32f405::watchdog::HardwareWatchdog;
-    use bsp::stm32f405::{SensorsAndValve, memory, memory_test, output};
+    use bsp::stm32f405::{SensorsAndValve, memory, output};
     use firmware::bus::{Bus, Timing};
     use firmware::identity::Identity;
     use firmware::node::{Node, apply};
@@ -94,7 +67,7 @@ mod app {
     use firmware::store::{ParameterStore, Parameters, SaveError};
     use firmware::update::Images;
     use firmware::watchdog::{Task, Watchdog};
-    use firmware::{Capture, Control, led};
+    use firmware::{Capture, Control, TickClock, led};
     use rtic::Mutex;
     use stm32f4::stm32f405::{Interrupt, USART1, USART2};
     use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State, registers};
@@ -279,21 +252,11 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         ports::hold();
         let device = cx.device;
-        clock::feed_peripherals(&device.RCC);
-        let hardware_watchdog = HardwareWatchdog::start(device.IWDG, &device.DBGMCU);
-        let reset = memory::reset_cause(&device.RCC);
-        let voltage = VoltageDetector::start(device.PWR, &device.EXTI);
-        let is_supplied = voltage.wait();
-        let clocks = clock::start(&device.RCC, &device.FLASH, &device.DBGMCU, is_supplied);
+        let started =
+            start::begin(&device.RCC, device.IWDG, device.PWR, device.FLASH, &device.EXTI, &device.DBGMCU);
+        let clocks = started.clocks;
         defmt::info!("valve board, messages version {=u16}, {}", wire::VERSION, clocks);
-        let lacks_brown_out_reset = memory::lacks_brown_out_reset(&device.FLASH);
-        let flash = Flash::new(device.FLASH);
-        let (image, has_memory) = (image::check(&flash), memory_test::has_passed());
-        let is_sound = image != Image::Damaged && has_memory;
-        if !is_sound {
-            clock::hold_outputs(&device.RCC);
-        }
-        pins::route(&device.GPIOA, &device.GPIOB, &device.GPIOC, is_sound);
+        pins::route(&device.GPIOA, &device.GPIOB, &device.GPIOC, started.is_sound());
         let valve = output::vented(device.DAC, device.TIM3, clocks.timer_hz);
         let board = SensorsAndValve::new(
             Scan::new(device.ADC1, &device.ADC_COMMON, device.DMA2, &device.DBGMCU),
@@ -301,29 +264,8 @@ mod app {
         );
         Scan::start(&device.TIM2, &clocks, TICKS_PER_SECOND);
         let clock = Tick::start(cx.core.SYST, clocks.core_hz);
-        let mut control = Control::new(
-            Protection::STANDARD,
-            Some(clock.clock()),
-            memory::black_box(reset),
-            cx.local.capture,
-        );
-        if !is_supplied {
-            control.report(Fault::BrownOut);
-        } else if clocks.source == Source::Internal {
-            control.note(Fault::Clock);
-        }
-        match image {
-            Image::Whole => {}
-            Image::Damaged => control.report(Fault::ImageDamaged),
-            Image::Unchecked => control.note(Fault::ImageDamaged),
-        }
-        if !has_memory {
-            control.report(Fault::MemoryDamaged);
-        }
-        if lacks_brown_out_reset {
-            defmt::warn!("the brown-out reset is off: set it by the option bytes");
-            control.note(Fault::BrownOut);
-        }
+        let mut control = control_of(&started, clock.clock(), cx.local.capture);
+        let Started { hardware_watchdog, voltage, flash, .. } = started;
         let (link_mover, link_port) =
             serial::open(device.USART2, clocks.slow_bus_hz, LinkLine, cx.local.link_buffers);
         let bus_line = BusLine(BusDriver::listening(device.GPIOA));
@@ -349,6 +291,22 @@ mod app {
             noise_tick: 0,
         };
         (Shared { control, kept }, local)
+    }
+
+    /// The control, with what the start has found.
+    // Not inlined: `init` would need the stack all the time.
+    #[inline(never)]
+    fn control_of(started: &Started, clock: TickClock, capture: &'static mut Capture) -> Control {
+        let black_box = memory::black_box(started.reset);
+        let mut control = Control::new(Protection::STANDARD, Some(clock), black_box, capture);
+        let [latched, known] = started.faults();
+        for fault in latched.into_iter().flatten() {
+            control.report(fault);
+        }
+        for fault in known.into_iter().flatten() {
+            control.note(fault);
+        }
+        control
     }
 
     /// The supervisor. The tick wakes it.

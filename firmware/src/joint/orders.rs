@@ -1,0 +1,194 @@
+//! The requests of the host, carried out between ticks: by link on a real board, in lock-step in
+//! the emulator and on a host.
+
+use model_core::joint::JointTarget;
+use model_core::pid::PidParameters;
+use wire::fault::times::LOOP_RESETS;
+use wire::joint::{
+    BoardJointControl, BoardJointParameters, JOINT_VERSION, JointBoardState, JointConfiguration, JointFault,
+    JointHello, JointReport, JointRequest, JointResponse, JointTickReply,
+};
+use wire::registers::ARMED_TICKS;
+use wire::{Fault, Refusal};
+
+use super::start::Start;
+use super::watch::Watch;
+use super::{ANGLE, Installed, JointTask, Running};
+use crate::output;
+use crate::report::FIRMWARE_VERSION;
+use crate::scaling::{COMMAND, PRESSURE};
+
+/// What has a joint's task.
+pub trait JointNode {
+    /// Works on the task, between two ticks; a tick that is due waits meanwhile.
+    fn task<R>(&mut self, work: impl FnOnce(&mut JointTask) -> R) -> R;
+}
+
+impl JointNode for JointTask {
+    fn task<R>(&mut self, work: impl FnOnce(&mut JointTask) -> R) -> R {
+        work(self)
+    }
+}
+
+/// Carries a request out. The long work, a joint's validation, is done outside of the task's lock.
+/// A tick does not come this way: [`JointTask::tick`].
+// Not inlined: what it needs of the stack is then not needed by its callers' other work.
+#[inline(never)]
+pub fn carry_out(node: &mut impl JointNode, request: &JointRequest) -> JointResponse {
+    match request {
+        JointRequest::Identify => JointResponse::Hello(node.task(|task| task.hello())),
+        JointRequest::Configure(configuration) => match Installed::prepare(configuration) {
+            Ok(installed) => node.task(|task| task.install(installed)),
+            Err(refusal) => JointResponse::Refused(refusal),
+        },
+        JointRequest::Arm => node.task(JointTask::arm),
+        JointRequest::Start(stiffness) => node.task(|task| task.start(*stiffness)),
+        JointRequest::Stop => node.task(JointTask::stop),
+        JointRequest::Acknowledge => node.task(JointTask::acknowledge),
+        JointRequest::Aim(target) => node.task(|task| {
+            target.iter().for_each(|target| task.aim(*target));
+            JointResponse::Report(task.tell())
+        }),
+        JointRequest::Tick(_) => JointResponse::Refused(Refusal::NotHere),
+    }
+}
+
+impl JointTask {
+    /// Takes what the joint is to do, a sign of life of the host. One that is no number is a fault.
+    pub fn aim(&mut self, target: JointTarget<f32>) {
+        self.silent_ticks = 0;
+        if (target.angle + target.stiffness + target.load).is_finite() {
+            self.target = target;
+        } else {
+            self.report(JointFault::OfBoard(Fault::Reference));
+        }
+    }
+
+    /// What the last tick has come to.
+    pub fn reply(&self) -> JointTickReply {
+        let command = self.last.command;
+        JointTickReply {
+            dac_codes: self.outputs.map(|output| output.code().0),
+            state: self.state,
+            fault: self.fault,
+            due_rad: command.map_or(0.0, |command| command.due),
+            stiffness: command.map_or(0.0, |command| command.stiffness),
+            feedback_nm: command.map_or(0.0, |command| command.feedback),
+            is_limited: self.last.is_limited,
+            is_as_stiff: command.is_none_or(|command| command.is_as_stiff),
+        }
+    }
+
+    fn tell(&self) -> JointReport {
+        let samples = self.watch.samples();
+        JointReport {
+            ticks: self.ticks,
+            pressure_codes: samples.pressures.map(|code| code.0),
+            angle_code: samples.angle.0,
+            supply_code: samples.supply.0,
+            late_ticks: self.timing.late,
+            noted: self.noted,
+            tick: self.reply(),
+        }
+    }
+
+    fn hello(&self) -> JointHello {
+        JointHello {
+            version: JOINT_VERSION,
+            firmware: FIRMWARE_VERSION,
+            state: self.state,
+            fault: self.fault,
+            pressure: PRESSURE,
+            angle: ANGLE,
+            command: COMMAND,
+            ticks: self.ticks,
+        }
+    }
+
+    fn install(&mut self, installed: Installed) -> JointResponse {
+        if !matches!(self.state, JointBoardState::Off | JointBoardState::Ready) {
+            return JointResponse::WrongState(self.state);
+        }
+        if let Err(refusal) = self.clock.map_or(Ok(()), |clock| clock.demand(installed.period_s)) {
+            return JointResponse::Refused(refusal);
+        }
+        let protection = self.protection.for_period(installed.period_s);
+        self.limits = output::Limits::new(&protection, &COMMAND, installed.period_s);
+        self.watch = Watch::new(&protection, installed.period_s);
+        self.installed = Some(installed);
+        self.leave(JointBoardState::Ready);
+        JointResponse::Accepted
+    }
+
+    fn arm(&mut self) -> JointResponse {
+        if self.state != JointBoardState::Ready {
+            return JointResponse::WrongState(self.state);
+        }
+        self.armed_ticks = ARMED_TICKS;
+        JointResponse::Accepted
+    }
+
+    fn start(&mut self, stiffness: f32) -> JointResponse {
+        let Some(installed) = self.installed.as_ref().filter(|_| self.state == JointBoardState::Ready) else {
+            return JointResponse::WrongState(self.state);
+        };
+        if self.armed_ticks == 0 {
+            return JointResponse::Refused(Refusal::NotArmed);
+        }
+        if !(stiffness > 0.0 && stiffness.is_finite()) {
+            let refusal =
+                Refusal::parameter(format_args!("stiffness is {stiffness} N m/rad, must be above 0"));
+            return JointResponse::Refused(refusal);
+        }
+        let angles = installed.control.joint().angles();
+        let middle = 0.5 * (angles.min() + angles.max());
+        let start = Start::new((angles.min(), angles.max()), stiffness, installed.period_s);
+        self.running = Some(Running { state: installed.control.rest_state(middle), start: Some(start) });
+        self.watch.start_anew();
+        self.state = JointBoardState::Starting;
+        self.silent_ticks = 0;
+        self.armed_ticks = 0;
+        JointResponse::Accepted
+    }
+
+    fn stop(&mut self) -> JointResponse {
+        if self.state.is_driven() {
+            self.leave(JointBoardState::Ready);
+        }
+        JointResponse::Accepted
+    }
+
+    fn acknowledge(&mut self) -> JointResponse {
+        if self.state == JointBoardState::Fault {
+            let resets = self.black_box.as_ref().map_or(0, |black_box| black_box.resets());
+            if self.is_for_good() || resets >= LOOP_RESETS {
+                return JointResponse::WrongState(self.state);
+            }
+            self.fault = None;
+            self.black_box.iter_mut().for_each(|black_box| black_box.reopen());
+            self.watch.start_anew();
+            let has_joint = self.installed.is_some();
+            self.leave(if has_joint { JointBoardState::Ready } else { JointBoardState::Off });
+        }
+        JointResponse::Accepted
+    }
+}
+
+impl Installed {
+    /// A joint that is valid.
+    // Not inlined: it needs much stack, and only while it runs.
+    #[inline(never)]
+    fn prepare(configuration: &JointConfiguration) -> Result<Self, Refusal> {
+        if configuration.version != JOINT_VERSION {
+            return Err(Refusal::Version(JOINT_VERSION));
+        }
+        let parameters = &configuration.control;
+        let none = PidParameters { kp: 0.0, ki: 0.0, kd: 0.0, ..parameters.pid };
+        let open = BoardJointParameters { pid: none, ..parameters.clone() };
+        Ok(Self {
+            control: BoardJointControl::try_new(parameters)?,
+            open: BoardJointControl::try_new(&open)?,
+            period_s: parameters.period_s,
+        })
+    }
+}

@@ -89,6 +89,11 @@ impl Candidate {
         self.is_damped() && !self.causes.contains(&Cause::ViscousLag)
     }
 
+    /// Whether it names a cause: a mass that hardly overshoots has the viscosity in it that damps it.
+    pub fn comes_to(&self, cause: Cause) -> bool {
+        self.causes.contains(&cause) || cause == Cause::ViscousLag && self.comes_to_more()
+    }
+
     /// What it has to be better by than what its causes contain. A mass that overshoots has more in it than a lag.
     fn containment(&self) -> f64 {
         if self.rings() { 0.0 } else { self.causes.iter().map(|cause| cause.containment()).sum() }

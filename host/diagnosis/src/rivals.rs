@@ -99,7 +99,8 @@ pub fn not_told_apart(
 /// Whether a rival with no more causes is not told apart from the chosen set: its error on blocks that no fit has seen is larger by no
 /// more than the standard error of that difference; or, where it comes to fewer names, by less than the misfit of the chosen set, which is
 /// its error beyond the noise: a model that is so far from the muscle does not show that the simpler form is wrong, however small the noise
-/// is. A damped mass is one cause under two names: that a delay has one makes it the simpler one, and no proof.
+/// is. A damped mass is one cause under two names: that a delay has one makes it the simpler one, and no proof. But it is no rival of
+/// the lag that it has in it.
 pub(super) fn is_untold(
     search: &Search<'_>,
     (set, named): (&Candidate, &[Cause]),
@@ -108,7 +109,7 @@ pub(super) fn is_untold(
     let is_rival = rival.shows
         && rival.outlasts
         && rival.causes.len() <= set.causes.len()
-        && !has_all(named, rival)
+        && !named.iter().all(|cause| rival.comes_to(*cause))
         && !has_all(&rival.causes, set);
     let is_by_chance = || rival.score.gain(&set.score) <= rival.score.gain_error(&set.score);
     let is_simpler = || {

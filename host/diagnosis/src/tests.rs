@@ -5,12 +5,14 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::anatomy::axis::Axis;
+use super::candidate::Candidate;
 use super::cause::Cause;
 use super::effect::{Effect, Form, Parameter};
 use super::equivalent::Arrived;
 use super::extend::{Extender, Plain};
 use super::proven::{Proven, proven};
 use super::reject::Unexplained;
+use super::rivals::is_untold;
 use super::search::Search;
 use super::signals::Signals;
 use super::valve::examine;
@@ -313,6 +315,23 @@ fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     let better = erring(0.5);
     assert_eq!(without(&[vec![better.clone()]]), better.score.mean());
     assert!(better.score.mean() < alone);
+}
+
+#[test]
+fn a_damped_mass_that_fits_as_well_is_a_rival_of_a_delay_and_none_of_the_lag_that_it_has_in_it() {
+    let plant = Plant::new();
+    let mut signals = Signals::new(&plant.recorded(&hysteresis(&plant.pressure)));
+    let search = Search::new(&mut signals, Vec::new(), 0.0).expect("a baseline");
+    let of =
+        |cause, damping_ratio| Candidate { causes: vec![cause], damping_ratio, ..search.baseline.clone() };
+    let rivals = |cause, mass: &Candidate| {
+        let set = of(cause, None);
+        is_untold(&search, (&set, &set.causes), mass)
+    };
+    let (damped, ringing) = (of(Cause::Inertia, Some(1.0)), of(Cause::Inertia, Some(0.1)));
+    assert!(rivals(Cause::TransportDelay, &damped));
+    assert!(!rivals(Cause::ViscousLag, &damped));
+    assert!(rivals(Cause::ViscousLag, &ringing));
 }
 
 /// What is proven of the first of two causes and of both of them, where the search could look for both.

@@ -89,9 +89,10 @@ impl Candidate {
         self.is_damped() && !self.causes.contains(&Cause::ViscousLag)
     }
 
-    /// Whether it names a cause: a mass that hardly overshoots has the viscosity in it that damps it.
-    pub fn comes_to(&self, cause: Cause) -> bool {
-        self.causes.contains(&cause) || cause == Cause::ViscousLag && self.comes_to_more()
+    /// The causes that it names: a mass that hardly overshoots has the viscosity in it that damps it.
+    pub fn names(&self) -> Vec<Cause> {
+        let damping = self.comes_to_more().then_some(Cause::ViscousLag);
+        self.causes.iter().copied().chain(damping).collect()
     }
 
     /// What it has to be better by than what its causes contain. A mass that overshoots has more in it than a lag.

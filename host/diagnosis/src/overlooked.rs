@@ -52,7 +52,7 @@ pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extende
     }
     Some(Overlooked {
         set: fast[best].clone(),
-        alternatives: others.into_iter().map(|other| fast[other].causes.clone()).collect(),
+        alternatives: others.into_iter().map(|other| fast[other].names()).collect(),
         evidence: format!(
             "simulated, the operator model with it is off by {} instead of {} {} over all rows",
             legible(errors[best], 3),

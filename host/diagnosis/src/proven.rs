@@ -118,7 +118,7 @@ fn not_excluded(
     };
     let gains = |wider: Candidate| {
         let model = extender.extend(&wider, valve, given, &|_| ())?;
-        extender.gains_over(&model, extended).then_some(wider.causes)
+        extender.gains_over(&model, extended).then(|| wider.names())
     };
     let others: Vec<Cause> =
         search.examinable.iter().copied().filter(|cause| !set.causes.contains(cause)).collect();

@@ -70,7 +70,7 @@ pub fn settled(
         };
         Settled {
             set: best.clone(),
-            alternatives: alike.iter().filter(is_as_good).map(|set| set.causes.clone()).collect(),
+            alternatives: alike.iter().filter(is_as_good).map(|set| set.names()).collect(),
             evidence: None,
         }
     });
@@ -93,7 +93,7 @@ pub fn not_told_apart(
     let untold =
         |rival: &&Candidate| is_untold(search, (set, named), rival) || is_better((set, named), rival);
     let untold = sizes.iter().flatten().filter(|_| !named.is_empty()).filter(untold);
-    untold.map(|rival| rival.causes.clone()).collect()
+    untold.map(Candidate::names).collect()
 }
 
 /// Whether a rival with no more causes is not told apart from the chosen set: its error on blocks that no fit has seen is larger by no
@@ -109,7 +109,7 @@ pub(super) fn is_untold(
     let is_rival = rival.shows
         && rival.outlasts
         && rival.causes.len() <= set.causes.len()
-        && !named.iter().all(|cause| rival.comes_to(*cause))
+        && !named.iter().all(|cause| rival.names().contains(cause))
         && !has_all(&rival.causes, set);
     let is_by_chance = || rival.score.gain(&set.score) <= rival.score.gain_error(&set.score);
     let is_simpler = || {
@@ -172,7 +172,7 @@ fn running_free(
     let next = others.min_by(|&one, &other| errors[one].total_cmp(&errors[other]))?;
     Some(Settled {
         set: set.clone(),
-        alternatives: as_good.into_iter().map(|other| alike[other].causes.clone()).collect(),
+        alternatives: as_good.into_iter().map(|other| alike[other].names()).collect(),
         evidence: Some(format!(
             "simulated, the operator model with {} is off by {} over all rows, with {} by {} {}",
             names(set),

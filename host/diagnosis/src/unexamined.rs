@@ -46,7 +46,7 @@ pub fn unexamined(
     } else {
         None
     };
-    found.map(|found| found.causes).filter(|causes| causes.iter().any(is_new))
+    found.map(|found| found.names()).filter(|causes| causes.iter().any(is_new))
 }
 
 /// The nearest set with a rival in the place of one of the causes that is not told apart from the set; None where there is none.

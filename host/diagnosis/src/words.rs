@@ -92,12 +92,12 @@ fn described_poorly(Poor { rmse, percent_of_stroke, better, limit }: &Poor, unit
 
 /// What causes would do that the recording cannot show; None where there are none.
 pub fn unexamined(diagnosis: &Diagnosis) -> Option<String> {
-    let Diagnosis { alternatives, unexamined, examinable, .. } = diagnosis;
+    let Diagnosis { unexplained, unexamined, examinable, .. } = diagnosis;
     let is_unseen =
         |cause: &&Cause| examinable.iter().any(|judged| judged.cause == **cause && !judged.examinable);
     let unseen: Vec<&str> = unexamined.iter().filter(is_unseen).map(|cause| cause.name()).collect();
     let all: Vec<&str> = unexamined.iter().map(|cause| cause.name()).collect();
-    let does = match alternatives.contains(unexamined) {
+    let does = match unexplained.is_none() {
         true => "would do as well as what is named, or better",
         false => "would leave nothing unexplained, perhaps others like it too",
     };

@@ -18,7 +18,7 @@ use super::search::Search;
 const LARGEST: usize = 2;
 
 /// The set with causes that are not examinable which does better than the named ones, one exchanged for a rival, or as well, or leaves
-/// nothing of what these leave. None where there is none, where everything is examinable, or what is left is the sensor's.
+/// nothing of what these leave. None if no set does, if everything is examinable, or if what is left comes from the sensor.
 pub fn unexamined(
     search: &Search<'_>,
     (set, sizes): (&Candidate, &[Vec<Candidate>]),
@@ -49,7 +49,7 @@ pub fn unexamined(
     found.map(|found| found.names()).filter(|causes| causes.iter().any(is_new))
 }
 
-/// The nearest set with a rival in the place of one of the causes that is not told apart from the set; None where there is none.
+/// Of the sets in which a rival replaces one of the causes, the best that is not told apart from `set`; None if all are.
 fn as_good(others: &Search<'_>, set: &Candidate, without: &[Option<Candidate>]) -> Option<Candidate> {
     let places = set.causes.iter().zip(without).filter_map(|(cause, kept)| Some((cause, kept.as_ref()?)));
     let exchanged = places.flat_map(|(cause, kept)| {

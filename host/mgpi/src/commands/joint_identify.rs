@@ -44,9 +44,12 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
     let (lowest, highest) = found.parameters.angles;
     let degrees = |angle: f64| angle * 180.0 / PI;
     let range_deg = degrees(highest - lowest);
-    let (soft, stiff) = found.joint.stiffness_range(0.5 * (lowest + highest));
+    let [(soft, of_soft), (stiff, of_stiff)] = known.stiffness;
     let identification = &found.identification;
-    let estimate = |JointEstimate { name, unit, value, standard_error }: &JointEstimate| json!({ "name": name, "unit": unit, "value": value, "standard_error": standard_error });
+    let estimate = |estimate: &JointEstimate| {
+        let JointEstimate { name, unit, value, standard_error } = estimate;
+        json!({ "name": name, "unit": unit, "value": value, "standard_error": standard_error })
+    };
     let parameters: Vec<Value> = known.estimates.iter().map(estimate).collect();
     if let Some(file) = json {
         let value = json!({
@@ -56,8 +59,8 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
             "scored_rows": identification.scored_rows,
             "softest_nm_per_rad": soft,
             "stiffest_nm_per_rad": stiff,
-            "softest_standard_error": known.stiffness_errors[0],
-            "stiffest_standard_error": known.stiffness_errors[1],
+            "softest_standard_error": of_soft,
+            "stiffest_standard_error": of_stiff,
             "parameters": parameters,
         });
         outputs.stage(file, format!("{value:#}\n").as_bytes())?;
@@ -72,7 +75,6 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
         Some(error) => format!("{value:.1} ± {}", significant(error)),
         None => format!("{value:.1}"),
     };
-    let [of_soft, of_stiff] = known.stiffness_errors;
     say!(
         "stiffness     {} to {} N m/rad in the middle (± standard errors), for a swing of {swing_deg} degrees to either side",
         sure(soft, of_soft),

@@ -126,16 +126,15 @@ pub fn to_html(found: &IdentifiedJoint, recording: &JointRecording) -> String {
             vec![format!("{name} ({unit})"), legible(*value, 4), or_dash(*standard_error)].into()
         })
         .collect();
-    let middle = file.joint.stiffness_range(0.5 * (first + last));
-    let stiffness = [("least", middle.0), ("largest", middle.1)];
+    let stiffness = ["least", "largest"].into_iter().zip(known.stiffness);
     let name = recording.source.file.rsplit(['/', '\\']).next().unwrap_or_default();
     let body = html! {
         p.verdict { "Simulated, the angle is off by " (legible(*heldout_rmse_deg, 3)) " degrees, "
             (format!("{:.2}", 100.0 * heldout_rmse_deg / range_deg)) " % of its range, in rows that the model has not seen." }
         (table(&FIGURES.map(str::to_owned), &figures))
         p { (scored_rows) " rows count, at angles of " (format!("{:.2} to {:.2}", first * DEGREES, last * DEGREES)) " degrees." }
-        ul { @for ((which, value), error) in stiffness.iter().zip(known.stiffness_errors) {
-            li { "In the middle of the angles the " (which) " stiffness is " (legible(*value, 2)) " N m/rad"
+        ul { @for (which, (value, error)) in stiffness {
+            li { "In the middle of the angles the " (which) " stiffness is " (legible(value, 2)) " N m/rad"
                 @match error {
                     Some(error) => { ", standard error " (significant(error)) " N m/rad." }
                     None => { "; the recording does not tell how sure that is." }

@@ -17,6 +17,7 @@
 //! | `follower` | what follows a goal by a linear law, exactly |
 //! | [`free_run`], `swing` | the same without the measured contraction, and tuned to run free |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
+//! | `chance` | what may be by chance of it |
 //! | `ordinary` | the regulator's own lag where the command alone was recorded |
 //! | [`search`] | what is searched, and how a set is judged |
 //! | [`screen`], [`race`], [`beam`] | which sets are tried |
@@ -49,6 +50,7 @@ pub mod basis;
 pub mod beam;
 pub mod candidate;
 pub mod cause;
+mod chance;
 mod design;
 pub mod diagnosed;
 pub mod effect;
@@ -171,6 +173,8 @@ impl Columns {
     }
 }
 
+/// The share of the work behind which causes without an excitation are asked.
+const AGAIN_FROM: f64 = 0.9;
 /// Seed of what the anatomy measures chance with.
 const ANATOMY_SEED: u64 = 1;
 
@@ -265,6 +269,36 @@ pub fn diagnose_and_extend(
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<(Diagnosis, Extended), DiagnosisError> {
     check(columns)?;
+    let shown = among((columns, given), Asked::Excited, progress)?;
+    let (verdict, beyond) = (shown.0.verdict, &shown.0.unexamined);
+    if verdict != Verdict::Unexplained || beyond.is_empty() {
+        return Ok(shown);
+    }
+    // What would leave nothing unexplained is asked in earnest, with all its rivals.
+    let again = |share, what: &str| progress(AGAIN_FROM + (1.0 - AGAIN_FROM) * share, what);
+    let (mut all, extended) = among((columns, given), Asked::All, &again)?;
+    if !matches!(all.verdict, Verdict::Explained | Verdict::Confounded) {
+        return Ok(shown);
+    }
+    unexamined::admit(&mut all);
+    Ok((all, extended))
+}
+
+/// Which causes of the muscle are searched for.
+#[derive(Clone, Copy, PartialEq)]
+enum Asked {
+    /// Those that the recording has an excitation for.
+    Excited,
+    /// Those too that it only has the columns for.
+    All,
+}
+
+/// A diagnosis of a recording that was checked.
+fn among(
+    (columns, given): (&Columns, Option<&Operator>),
+    asked: Asked,
+    progress: &(dyn Fn(f64, &str) + Sync),
+) -> Result<(Diagnosis, Extended), DiagnosisError> {
     progress(0.0, "preparing");
     let mut signals = Signals::new(columns);
     let scored = Scored::of(columns);
@@ -279,7 +313,9 @@ pub fn diagnose_and_extend(
         (None, false) => ValveView::Unseen,
     };
     let examinable = examinable(&excitation, view, columns.input_unit.symbol());
-    let can_show = |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
+    let is_excited =
+        |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
+    let can_show = |cause| is_excited(cause) || asked == Asked::All && unexamined::needs_no_column(cause);
     let muscle = Cause::ALL
         .into_iter()
         .filter(|&cause| can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command));

@@ -3,11 +3,15 @@
 use super::DiagnosisError;
 use super::candidate::Candidate;
 use super::cause::Cause;
+use super::chance::{NOT_EXCLUDED, standard_errors};
 use super::extend::{Extended, Extender, Operator};
 use super::reject::{Unexplained, no_gain, unexplained};
 use super::valve::ValveFit;
 use identification::IdentificationError;
 use rayon::prelude::*;
+
+/// The search, and the simulated models.
+const JUDGES: i32 = 2;
 
 /// The model that is simulated, and what it says of the named causes.
 pub struct Proven {
@@ -94,7 +98,8 @@ fn holding(
                 Some((without, model))
             })
             .collect();
-        let needless = without.into_iter().filter(|(_, without)| !extender.gains_over(&extended, without));
+        let needless =
+            without.into_iter().filter(|(_, without)| extender.gain_over(&extended, without).is_none());
         let least = needless.min_by(|(_, one), (_, other)| one.extended_rmse.total_cmp(&other.extended_rmse));
         let Some(least) = least else { break };
         (set, extended) = least;
@@ -102,7 +107,7 @@ fn holding(
     (set, extended)
 }
 
-/// The sets with one cause more which two judges find better, each by more than its own standard error: the search, on blocks of time
+/// The sets with one cause more which two judges find better, each by more of its own standard errors than is by chance: the search, on blocks of time
 /// that no fit has seen, and the simulated models. The search does not name that cause, since it is not worth its place; but to call a
 /// recording explained says that nothing else is in it, and both of them see something else.
 fn not_excluded(
@@ -112,16 +117,18 @@ fn not_excluded(
     (sizes, given): (&[Vec<Candidate>], Option<&Operator>),
 ) -> Vec<Vec<Cause>> {
     let search = extender.search;
+    let others: Vec<Cause> =
+        search.examinable.iter().copied().filter(|cause| !set.causes.contains(cause)).collect();
+    let beyond_chance = standard_errors(NOT_EXCLUDED, others.len(), JUDGES);
     let is_better = |wider: &Candidate| {
         let (gain, error) = (set.score.gain(&wider.score), set.score.gain_error(&wider.score));
-        wider.shows && wider.outlasts && gain > error
+        wider.shows && wider.outlasts && gain > beyond_chance * error
     };
     let gains = |wider: Candidate| {
         let model = extender.extend(&wider, valve, given, &|_| ())?;
-        extender.gains_over(&model, extended).then(|| wider.names())
+        let gain = extender.gain_over(&model, extended)?;
+        gain.is_beyond(beyond_chance).then(|| wider.names())
     };
-    let others: Vec<Cause> =
-        search.examinable.iter().copied().filter(|cause| !set.causes.contains(cause)).collect();
     others
         .par_iter()
         .filter_map(|&cause| search.with(set, cause, sizes))

@@ -16,6 +16,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::cause::Cause;
+use super::chance::{FOUND, standard_errors};
 use super::extend::Extender;
 use super::race::is_same;
 use super::search::Search;
@@ -37,9 +38,6 @@ pub(super) const TRUSTED: f64 = 1.1;
 const APART: f64 = 0.04;
 /// A rival has at least this share of the evidence of the best set.
 const SAYS: f64 = 0.7;
-
-/// A larger set is better by more than so many standard errors: of the eight or so that are looked at, one in a hundred is by chance.
-const BEYOND_CHANCE: f64 = 3.0;
 
 /// The set that is left, and those that are not told apart from it.
 pub struct Settled {
@@ -76,12 +74,41 @@ pub fn settled(
     });
     let Settled { set, alternatives, .. } = &mut settled;
     let untold = not_told_apart(search, (set, &set.causes), sizes);
-    untold.into_iter().for_each(|rival| {
+    let nearer = nearer_when_simulated(set, sizes, extender);
+    untold.into_iter().chain(nearer).for_each(|rival| {
         if !alternatives.iter().any(|other| is_same(other, &rival)) {
             alternatives.push(rival);
         }
     });
     settled
+}
+
+/// The rivals of a chosen set, no larger than it, with which the simulated operator model is nearer to the muscle: two judges that are
+/// for different sets tell neither of them.
+fn nearer_when_simulated(
+    set: &Candidate,
+    sizes: &[Vec<Candidate>],
+    extender: &Extender<'_>,
+) -> Vec<Vec<Cause>> {
+    if set.causes.is_empty() {
+        return Vec::new();
+    }
+    let is_rival = |rival: &&Candidate| {
+        rival.shows
+            && rival.outlasts
+            && rival.count() <= set.count()
+            && !is_within(rival, set)
+            && !is_within(set, rival)
+    };
+    let mut rivals: Vec<&Candidate> = sizes.iter().flatten().filter(is_rival).collect();
+    rivals.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
+    rivals.truncate(MOST);
+    let sets: Vec<&Candidate> = [set].into_iter().chain(rivals).collect();
+    let errors: Vec<Option<f64>> = sets.par_iter().map(|set| extender.with(set)).collect();
+    let Some((own, others)) = errors.split_first() else { return Vec::new() };
+    let own = own.unwrap_or(f64::INFINITY);
+    let nearer = sets[1..].iter().zip(others).filter(|(_, error)| error.is_some_and(|error| error < own));
+    nearer.map(|(rival, _)| rival.names()).collect()
 }
 
 /// The sets that the search does not tell apart from a chosen one, of whose causes these are named: none where none is.
@@ -90,8 +117,13 @@ pub fn not_told_apart(
     (set, named): (&Candidate, &[Cause]),
     sizes: &[Vec<Candidate>],
 ) -> Vec<Vec<Cause>> {
-    let untold =
-        |rival: &&Candidate| is_untold(search, (set, named), rival) || is_better((set, named), rival);
+    let asked = sizes.iter().flatten().filter(|larger| is_larger((set, named), larger)).count();
+    let beyond_chance = standard_errors(FOUND, asked, 1);
+    let is_better = |larger: &Candidate| {
+        let gain = set.score.gain(&larger.score);
+        is_larger((set, named), larger) && gain > beyond_chance * set.score.gain_error(&larger.score)
+    };
+    let untold = |rival: &&Candidate| is_untold(search, (set, named), rival) || is_better(rival);
     let untold = sizes.iter().flatten().filter(|_| !named.is_empty()).filter(untold);
     untold.map(Candidate::names).collect()
 }
@@ -120,14 +152,13 @@ pub(super) fn is_untold(
     is_rival && (is_by_chance() || is_simpler())
 }
 
-/// Whether a set with more causes than those named is better by far more than chance, though not worth each of them.
-fn is_better((set, named): (&Candidate, &[Cause]), larger: &Candidate) -> bool {
-    let gain = set.score.gain(&larger.score);
+/// Whether a set has all named causes and more.
+fn is_larger((set, named): (&Candidate, &[Cause]), larger: &Candidate) -> bool {
     larger.shows
         && larger.outlasts
         && larger.causes.len() > named.len()
         && has_all(named, larger)
-        && gain > BEYOND_CHANCE * set.score.gain_error(&larger.score)
+        && !is_same(&set.causes, &larger.causes)
 }
 
 /// Whether the squared error of a rival exceeds that of a set by less than the set's own squared error exceeds the noise's. All are

@@ -1,12 +1,13 @@
 //! What causes would do that the recording cannot show.
 //!
-//! A cause without an excitation of its own is never named: whatever the model lacks may look like it. But what is named in its
-//! place would be a guess. So where a cause that is not examinable does better than a close rival of it that is named, or as well within
+//! A cause without an excitation of its own is named only where nothing else explains the recording, and it does, in a search among all
+//! causes: else whatever the model lacks may look like it. But what is named in its place would be a guess. So where a cause that is not examinable does better than a close rival of it that is named, or as well within
 //! the standard error, neither is told from the other; and where such a cause leaves nothing of what is unexplained, that is said.
 //!
 //! What goes with time or travel alone is no such rival: where nothing is repeated it can take the place of any slow cause that the
 //! recording does show. A creep without a hold cannot: it follows from the input.
 
+use super::Diagnosis;
 use super::anatomy::examinable::Examinable;
 use super::candidate::Candidate;
 use super::cause::Cause;
@@ -60,8 +61,19 @@ fn as_good(others: &Search<'_>, set: &Candidate, without: &[Option<Candidate>]) 
     untold.min_by(|one, other| one.cost().total_cmp(&other.cost()))
 }
 
+/// Says of the named causes without an excitation why they are named all the same.
+pub fn admit(diagnosis: &mut Diagnosis) {
+    let named = |cause: Cause| diagnosis.causes.iter().any(|named| named.cause == cause);
+    for judged in diagnosis.examinable.iter_mut().filter(|judged| !judged.examinable && named(judged.cause)) {
+        judged.examinable = true;
+        judged.why.push_str(
+            "; but no cause that it has an excitation for explains the recording, and this one does",
+        );
+    }
+}
+
 /// Whether it can be fitted to any recording of input and output.
-fn needs_no_column(cause: Cause) -> bool {
+pub fn needs_no_column(cause: Cause) -> bool {
     match cause {
         Cause::TransportDelay
         | Cause::ViscousLag

@@ -47,7 +47,12 @@ impl HeldOutGain {
 
     /// Whether it is more than its standard error.
     pub fn is_sure(&self) -> bool {
-        self.before.rmse - self.after.rmse > self.gain_error
+        self.is_beyond(1.0)
+    }
+
+    /// Whether it is more than so many standard errors.
+    pub fn is_beyond(&self, standard_errors: f64) -> bool {
+        self.before.rmse - self.after.rmse > standard_errors * self.gain_error
     }
 }
 

@@ -400,12 +400,13 @@ impl<'a> Extender<'a> {
         Some(operator)
     }
 
-    /// Whether a model of the recording gains something over another one that has less.
-    pub fn gains_over(&self, extended: &Extended, less: &Extended) -> bool {
-        let seen = extended.seen_from(self.columns);
+    /// What a model of the recording gains over another one that has less causes of the muscle, if that is clear: from the pressure where
+    /// that was recorded, since what the valve is off by would hide it.
+    pub fn gain_over(&self, extended: &Extended, less: &Extended) -> Option<HeldOutGain> {
         let models = (&less.counted.extended, &extended.counted.extended);
-        let heldout = heldout::gain(&seen, &self.split, models, extended.heldout.noise_floor);
-        heldout.is_some_and(|heldout| heldout.is_clear(less.extended_rmse, extended.extended_rmse))
+        let heldout = heldout::gain(self.columns, &self.split, models, extended.heldout.noise_floor)?;
+        let [before, after] = [less, extended].map(|extended| extended.model.rmse(self.columns));
+        heldout.is_clear(before, after).then_some(heldout)
     }
 
     /// Extends the operator model by each of a few sets; a set with which no model can be simulated is left out.

@@ -25,14 +25,35 @@ fn swinging(time_s: f64) -> f64 {
 }
 
 #[test]
-fn a_drift_that_a_recording_cannot_show_is_not_named_and_not_excluded() {
+fn a_drift_without_swings_alike_is_named_where_nothing_else_explains_the_recording() {
     let plant = under(falling);
     let drifting: Vec<f64> =
         hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, t)| y + 0.04 * t).collect();
     let columns = Columns { command: None, ..plant.recorded(&drifting) };
     let diagnosis = diagnosed(&columns);
-    assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{:?}", names(&diagnosis));
-    assert_eq!(diagnosis.unexamined, [Cause::Drift]);
+    assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Explained, vec![Cause::Drift]));
+    let drift = diagnosis.examinable.iter().find(|judged| judged.cause == Cause::Drift);
+    let why = &drift.expect("judged").why;
+    assert!(why.starts_with("no two swings are alike") && why.ends_with("and this one does"), "{why}");
+}
+
+#[test]
+fn a_sound_recording_without_swings_alike_has_no_drift() {
+    let plant = under(falling);
+    let columns = Columns { command: None, ..plant.recorded(&hysteresis(&plant.pressure)) };
+    let diagnosis = diagnosed(&columns);
+    assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Adequate, vec![]));
+    assert!(diagnosis.examinable.iter().any(|judged| judged.cause == Cause::Drift && !judged.examinable));
+}
+
+#[test]
+fn what_would_leave_nothing_unexplained_is_said_with_the_experiment_that_would_show_it() {
+    let plant = Plant::new();
+    let mut diagnosis = diagnosed(&plant.recorded(&hysteresis(&plant.pressure)));
+    diagnosis.verdict = Verdict::Unexplained;
+    diagnosis.unexplained = Some(Unexplained::NotRepeatable { pure_error: 0.1, tones_hz: Vec::new() });
+    diagnosis.unexamined = vec![Cause::Drift];
+    diagnosis.examinable.iter_mut().for_each(|judged| judged.examinable &= judged.cause != Cause::Drift);
     let words = unexamined(&diagnosis).expect("words");
     assert!(words.starts_with("drift would leave nothing unexplained"), "{words}");
     assert_eq!(experiment(&diagnosis).as_deref(), Some("mgpi plan --causes drift -o plan.csv"));

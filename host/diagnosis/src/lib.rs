@@ -119,7 +119,7 @@ use recording::drop_out::DropOut;
 use recording::noise::{self, NoiseFloor};
 use recording::numbers::{range, root_mean_square};
 use recording::unit::Unit;
-use reject::{Unexplained, no_gain, not_repeatable, unexplained as unexplained_by};
+use reject::{Unexplained, is_repeatable, no_gain, not_repeatable, unexplained as unexplained_by};
 use rivals::{Settled, not_told_apart, settled};
 use scored::Scored;
 use search::Search;
@@ -277,7 +277,7 @@ pub fn diagnose_and_extend(
     // What would leave nothing unexplained is asked in earnest, with all its rivals.
     let again = |share, what: &str| progress(AGAIN_FROM + (1.0 - AGAIN_FROM) * share, what);
     let (mut all, extended) = among((columns, given), Asked::All, &again)?;
-    if !matches!(all.verdict, Verdict::Explained | Verdict::Confounded) {
+    if all.verdict == Verdict::Unexplained {
         return Ok(shown);
     }
     unexamined::admit(&mut all);
@@ -315,7 +315,8 @@ fn among(
     let examinable = examinable(&excitation, view, columns.input_unit.symbol());
     let is_excited =
         |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
-    let can_show = |cause| is_excited(cause) || asked == Asked::All && unexamined::needs_no_column(cause);
+    let needs_none = |cause| unexamined::needs_no_column(cause) || cause == Cause::ValveLag;
+    let can_show = |cause| is_excited(cause) || asked == Asked::All && needs_none(cause);
     let muscle = Cause::ALL
         .into_iter()
         .filter(|&cause| can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command));
@@ -383,15 +384,17 @@ fn among(
         }
     }
     let named = if is_named { &best } else { &search.baseline };
-    // A step is rejected where the simulated model is nearer without it: it made up for a misfit of the search's own model.
-    let is_needless_step = |seen: &Unexplained| {
-        best.causes.is_empty()
-            && matches!(seen, Unexplained::ZeroStep { left, .. } if extended.extended_rmse < *left)
+    // What the simulated model does not see is not there: the search's own model was farther off.
+    let is_needless_step = |seen: &Unexplained| matches!(seen, Unexplained::ZeroStep { left, .. } if extended.extended_rmse < *left);
+    let is_alike = |seen: &Unexplained| {
+        matches!(seen, Unexplained::NotRepeatable { .. })
+            && is_repeatable(&search, &extended.errors(columns, &scored_rows))
     };
     let unexplained = match unexplained {
-        Some(step) if is_needless_step(&step) => left(&best, not_repeatable),
+        Some(step) if best.causes.is_empty() && is_needless_step(&step) => left(&best, not_repeatable),
         seen => seen,
     };
+    let unexplained = unexplained.filter(|seen| !best.causes.is_empty() || !is_alike(seen));
     let unexplained = unexplained.or(refuted);
     let is_third_order = !is_needless && named.is_third_order();
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);

@@ -21,10 +21,12 @@ use super::effect::Effect;
 use super::extend::Extended;
 use super::fit::fit;
 use super::poor::Poor;
+use super::pure_error::pure_error;
 use super::screen::Screen;
 use super::search::Search;
 use super::signals::Signals;
 use super::stuck::{Stuck, stuck};
+use recording::numbers::root_mean_square;
 
 /// Times at which a step is looked for, and how near the ends of the record, as a share of it: a step at the beginning
 /// is one with the unknown memory of the muscle.
@@ -182,6 +184,22 @@ pub fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplaine
     let tones_hz = search.signals.tones(&set.residual, 3);
     let pure_error = if left.acts_now_and_then() { left.rare.1 } else { after };
     left.is_too_much().then_some(Unexplained::NotRepeatable { pure_error, tones_hz })
+}
+
+/// Whether visits to the same state are alike after all by a model without causes, whose errors at the scored rows these are: it may know
+/// better than the search's baseline what a state is.
+pub fn is_repeatable(search: &Search<'_>, errors: &[f64]) -> bool {
+    let seen = &search.baseline.fit.seen;
+    let Some(pure) = pure_error(search.signals, &search.basis, seen, errors) else { return false };
+    let left = Left {
+        pure_error: pure.square.sqrt(),
+        removed: None,
+        rare: (pure.usual, pure.rare),
+        heldout: root_mean_square(errors),
+        least: search.signals.least_error,
+        fades: false,
+    };
+    !left.is_too_much()
 }
 
 /// What a set of causes leaves. Errors in the output's unit.

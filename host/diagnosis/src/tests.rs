@@ -11,8 +11,8 @@ use super::effect::{Effect, Form, Parameter};
 use super::equivalent::Arrived;
 use super::extend::{Extender, Plain};
 use super::proven::{Proven, proven};
-use super::reject::Unexplained;
-use super::rivals::is_untold;
+use super::reject::{Unexplained, is_repeatable};
+use super::rivals::{is_untold, settled};
 use super::search::Search;
 use super::signals::Signals;
 use super::valve::examine;
@@ -332,6 +332,42 @@ fn a_damped_mass_that_fits_as_well_is_a_rival_of_a_delay_and_none_of_the_lag_tha
     assert!(rivals(Cause::TransportDelay, &damped));
     assert!(!rivals(Cause::ViscousLag, &damped));
     assert!(rivals(Cause::ViscousLag, &ringing));
+}
+
+#[test]
+fn a_set_with_which_the_simulated_model_is_nearer_is_not_told_from_the_one_that_the_search_is_for() {
+    let plant = Plant::new();
+    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let columns = plant.recorded(&hysteresis(&late));
+    let causes = vec![Cause::TransportDelay, Cause::ViscousLag];
+    let mut signals = Signals::new(&columns);
+    let search = Search::new(&mut signals, causes.clone(), 0.0).expect("a baseline");
+    let [delay, mut lag] = [0, 1].map(|i| search.with(&search.baseline, causes[i], &[]).expect("a fit"));
+    let plain = Plain::new(&columns, &search.signals.scored()).expect("a model");
+    let extender = Extender::new(&columns, &search, plain);
+    let rivals = |set: &Candidate, other: &Candidate| {
+        settled(&search, (set, &[vec![set.clone(), other.clone()]]), &extender).alternatives
+    };
+    assert!(rivals(&delay, &lag).is_empty());
+    // Were the search wrong about both of them, and far apart, the simulated models would still be for the delay.
+    lag.score.blocks.iter_mut().zip(&delay.score.blocks).for_each(|(block, other)| *block = 0.1 * other);
+    assert_eq!(rivals(&lag, &delay), [[Cause::TransportDelay]]);
+}
+
+#[test]
+fn states_are_repeatable_where_a_model_without_causes_leaves_alike_errors_at_each_visit() {
+    let plant = Plant::new();
+    let mut signals = Signals::new(&plant.recorded(&hysteresis(&plant.pressure)));
+    let search = Search::new(&mut signals, Vec::new(), 0.0).expect("a baseline");
+    let rows = &search.signals.rows;
+    let of_shape: Vec<f64> = rows.iter().map(|row| 0.1 * search.signals.input[row.at]).collect();
+    assert!(is_repeatable(&search, &of_shape));
+    let half_s = 0.5 * search.signals.duration_s();
+    let of_time = rows.iter().zip(&of_shape).map(|(row, e)| {
+        let is_later = search.signals.time_s[row.at] > half_s;
+        e + if is_later { 1.0 } else { -1.0 }
+    });
+    assert!(!is_repeatable(&search, &of_time.collect::<Vec<_>>()));
 }
 
 /// What is proven of the first of two causes and of both of them, where the search could look for both.

@@ -230,6 +230,11 @@ impl Extended {
         })
     }
 
+    /// What it is off by at some rows of the recording. Output unit.
+    pub(super) fn errors(&self, columns: &Columns, rows: &[usize]) -> Vec<f64> {
+        rows.iter().map(|&row| columns.output[row] - self.simulated[row]).collect()
+    }
+
     /// What other extensions gain in the place of those that were found, the operator fitted anew beside them, counted as
     /// [`Self::heldout`] is. `other` makes them from the model that the rows before the split have taught: [`Self::model`] has seen
     /// those that the gain is counted on. None where there are none, or no model runs through the recording.

@@ -20,6 +20,10 @@ const FIRST: &str = "pressure_a_bar";
 const RAD: &str = "rad";
 const TORQUE: &str = "newton_metre";
 
+/// All columns: the first line of a recording.
+pub const COLUMNS: &str = "time_s,command_a_bar,command_b_bar,pressure_a_bar,pressure_b_bar,angle_deg,\
+                           torque_newton_metre,valid";
+
 /// A recording of a joint.
 #[derive(Clone, Debug)]
 pub struct JointRecording {

@@ -62,13 +62,6 @@ pub enum JointBoardError {
     Stopped,
 }
 
-impl JointBoardError {
-    /// Whether the user has interrupted.
-    pub fn is_stop(&self) -> bool {
-        matches!(self, Self::Stopped)
-    }
-}
-
 /// A fault with its number, cause and cure.
 fn in_full(fault: &JointFault) -> String {
     let Advice { cause, cure } = fault.advice();

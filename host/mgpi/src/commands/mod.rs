@@ -25,9 +25,12 @@ pub mod gateway;
 pub mod identify;
 pub mod import;
 mod instructions;
+mod joint_capture;
 mod joint_identify;
 #[cfg(unix)]
 mod joint_pil;
+mod joint_run;
+mod joint_track;
 mod learnt;
 pub mod man;
 mod number;

@@ -76,6 +76,11 @@ impl Wired {
     pub fn new(seed: u64, wrong: Wrong) -> Self {
         Self { joint: RigJoint::new(seed, true), last_s: 0.0, wrong }
     }
+
+    /// Puts a torque (N m) on the joint from now on, towards larger angles.
+    pub fn put_on(&mut self, load_nm: f64) {
+        self.joint.put_on(load_nm);
+    }
 }
 
 impl JointPlant for Wired {

@@ -62,7 +62,10 @@ mod tests {
             for (ticks, share) in [(1, 0.25), (2, 0.5), (3, 0.75), (4, 1.0), (5, 1.0), (60_000, 1.0)] {
                 let JointTarget { angle, stiffness, load } = aimed.at(tick(ticks));
                 let found = [angle, (stiffness - 40.0) / 10.0, load / -2.0];
-                assert!(found.iter().all(|found| (found - share).abs() < 1e-6), "{begin}, {ticks}: {found:?}");
+                assert!(
+                    found.iter().all(|found| (found - share).abs() < 1e-6),
+                    "{begin}, {ticks}: {found:?}"
+                );
             }
         }
     }

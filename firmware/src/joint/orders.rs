@@ -5,8 +5,8 @@ use model_core::joint::JointTarget;
 use model_core::pid::PidParameters;
 use wire::fault::times::LOOP_RESETS;
 use wire::joint::{
-    BoardJointControl, BoardJointParameters, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration, JointFault,
-    JointHello, JointReport, JointRequest, JointResponse, JointTickReply,
+    BoardJointControl, BoardJointParameters, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration,
+    JointFault, JointHello, JointReport, JointRequest, JointResponse, JointTickReply,
 };
 use wire::registers::{ARMED_TICKS, HIGHEST_BAR};
 use wire::{Fault, Refusal};

@@ -145,5 +145,6 @@ fn update(files: &Files) -> Result<(), Failed> {
 
 /// Whether the other images are there, too.
 pub fn has_images() -> bool {
-    ["bring_up", "stm32f405_joint"].iter().all(|name| image_file().with_file_name(name).is_file()) && Path::new(&mgpi()).is_file()
+    ["bring_up", "stm32f405_joint"].iter().all(|name| image_file().with_file_name(name).is_file())
+        && Path::new(&mgpi()).is_file()
 }

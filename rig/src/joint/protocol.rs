@@ -43,7 +43,8 @@ impl JointRange {
     fn levels_bar(&self) -> Option<[f64; 5]> {
         let Self { min_bar, max_bar, swing } = self;
         let (lowest, highest) = (min_bar / (1.0 - swing), max_bar / (1.0 + swing));
-        (lowest < highest).then(|| [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| lowest + share * (highest - lowest)))
+        (lowest < highest)
+            .then(|| [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| lowest + share * (highest - lowest)))
     }
 }
 
@@ -84,8 +85,7 @@ impl JointProtocol {
         let protocol = legs.protocol(counts_from_s);
         let factor = duration_s.map_or(1.0, |duration_s| duration_s / protocol.duration_s());
         let Self { common, difference, load, counts_from_s } = protocol;
-        let [common, difference, load] =
-            [common, difference, load].map(|course| course.stretched(factor));
+        let [common, difference, load] = [common, difference, load].map(|course| course.stretched(factor));
         Some(Self { common, difference, load, counts_from_s: factor * counts_from_s })
     }
 
@@ -193,7 +193,10 @@ mod tests {
             commands.filter(|at| protocol.counts(*at)).flat_map(|at| protocol.commands_bar(at)).collect();
         let (least, most) =
             counted.iter().fold((f64::MAX, f64::MIN), |(least, most), bar| (least.min(*bar), most.max(*bar)));
-        assert!((1.5..1.52).contains(&least) && (4.98..=5.0 + 1e-12).contains(&most), "{least} to {most} bar");
+        assert!(
+            (1.5..1.52).contains(&least) && (4.98..=5.0 + 1e-12).contains(&most),
+            "{least} to {most} bar"
+        );
         assert_eq!(protocol.load_nm(50.0), 0.0);
         let narrow = JointRange { min_bar: 4.0, max_bar: 5.0, swing: 0.2 };
         assert!(JointProtocol::without_weights(&narrow, None).is_none());

@@ -85,7 +85,9 @@ impl JointFault {
                 cause: "a blocked joint, a sensor that stands still, a muscle without air",
                 cure: "look at joint, sensor and supply",
             },
-            Self::Crossed => Advice { cause: "pressure sensors or regulators swapped", cure: "swap the plugs" },
+            Self::Crossed => {
+                Advice { cause: "pressure sensors or regulators swapped", cure: "swap the plugs" }
+            }
             Self::Another(_) => Advice {
                 cause: "the model is of another joint, or muscles were changed",
                 cure: "`mgpi identify --joint` on a new recording",
@@ -109,7 +111,10 @@ const OF_JOINTS: [(Fault, Advice); 7] = [
     (Fault::SupplyLow, SUPPLY),
     (
         Fault::BusSilent,
-        Advice { cause: "the host's program has ended or hangs, or the cable is out", cure: "start it again" },
+        Advice {
+            cause: "the host's program has ended or hangs, or the cable is out",
+            cure: "start it again",
+        },
     ),
     (Fault::Temperature, Advice { cause: "no cooling", cure: "cool it, look for a short" }),
     (Fault::ReferenceVoltage, Advice { cause: "the 3.3 V", cure: "measure the 3.3 V" }),
@@ -206,9 +211,9 @@ mod tests {
     #[test]
     fn the_page_has_cause_and_cure_of_every_fault_that_is_a_joints_own() {
         let page = include_str!("../../../docs/joint.md");
-        let of_joints = OF_JOINTS.iter().flat_map(|(fault, _)| {
-            [JointFault::OfBoard(*fault), JointFault::OfChannel(Channel::A, *fault)]
-        });
+        let of_joints = OF_JOINTS
+            .iter()
+            .flat_map(|(fault, _)| [JointFault::OfBoard(*fault), JointFault::OfChannel(Channel::A, *fault)]);
         for fault in of_joints.chain(PAIR) {
             let Advice { cause, cure } = fault.advice();
             let row = format!("| {cause} | {cure} |");

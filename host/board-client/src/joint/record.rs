@@ -49,7 +49,9 @@ impl JointRow {
         let Self { time_s, commands_bar: [a, b], measured, torque_nm, is_valid } = self;
         let JointMeasured { pressures_bar: [pressure_a, pressure_b], angle_deg } = measured;
         let valid = u8::from(*is_valid);
-        format!("{time_s:.6},{a:.4},{b:.4},{pressure_a:.4},{pressure_b:.4},{angle_deg:.4},{torque_nm},{valid}\n")
+        format!(
+            "{time_s:.6},{a:.4},{b:.4},{pressure_a:.4},{pressure_b:.4},{angle_deg:.4},{torque_nm},{valid}\n"
+        )
     }
 }
 

@@ -71,12 +71,12 @@ impl<'a> Run<'a> {
         done: &[JointBoardState],
     ) -> Result<Self, JointBoardError> {
         link.order(&JointRequest::Arm, &[])?;
-        if let Err(error) = link.order(start, done) {
-            // It may have been heard.
+        let started = link.order(start, done).and_then(|()| link.report(&JointRequest::Aim(None)));
+        if started.is_err() {
+            // It may have been heard; a board that is gone vents by itself.
             let _ = link.order(&JointRequest::Stop, &[]);
-            return Err(error);
         }
-        let begin = link.report(&JointRequest::Aim(None))?;
+        let begin = started?;
         Ok(Self { link, stop, begin, last: begin, moved: Instant::now() })
     }
 
@@ -208,6 +208,8 @@ mod tests {
         let mut all = Rows::new(1);
         assert_eq!([0, 4, 5, 9].map(|tick| all.takes(tick)), [true; 4]);
         assert_eq!(all.recorded.missed, 0);
-        assert!(rows.recorded.in_words().contains("2 rows missed, the link was too slow: --every 20 is easier"));
+        assert!(
+            rows.recorded.in_words().contains("2 rows missed, the link was too slow: --every 20 is easier")
+        );
     }
 }

@@ -57,11 +57,11 @@ impl Rows {
         let step_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
         let half = |s: f64| (s / step_s).round() as usize;
         // What was not recorded in one go has no speed in between.
-        let each = |of: &dyn Fn(&[f64], &[f64]) -> Vec<f64>| -> Vec<f64> {
-            recording.parts().flat_map(|part| of(&time_s[part.clone()], &angle_rad[part])).collect()
-        };
-        let smoothed = each(&|_, angles| averaged(angles, half(SMOOTHED_S)));
-        let speed = each(&|times, angles| slopes(times, angles, half(SPEED_S).max(1)));
+        let smoothed: Vec<f64> =
+            recording.parts().flat_map(|part| averaged(&angle_rad[part], half(SMOOTHED_S))).collect();
+        let part_speed =
+            |part: Range<usize>| slopes(&time_s[part.clone()], &angle_rad[part], half(SPEED_S).max(1));
+        let speed = recording.parts().flat_map(part_speed).collect();
         let at = |row: &usize| scored[*row];
         let rows = || (0..time_s.len()).filter(at);
         let first = rows().map(|row| smoothed[row]).fold(f64::INFINITY, f64::min);

@@ -176,7 +176,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     if arguments.joint {
         let choice = arguments.columns.choice();
         let (swing_deg, report, json) = (arguments.swing_deg, report.as_deref(), json.as_deref());
-        let joint = joint_identify::Arguments { recordings: files, choice, swing_deg, model_file, report, json };
+        let joint =
+            joint_identify::Arguments { recordings: files, choice, swing_deg, model_file, report, json };
         return joint_identify::run(&joint, outputs);
     }
     let (recordings, other) = arguments.columns.read(files, held_out.validate.as_deref())?;

@@ -38,12 +38,7 @@ impl<'a> Asked<'a> {
     /// # Errors
     /// A file is not what it should be, an angle is outside of those of the model, or a stiffness
     /// is none.
-    pub fn read(
-        model: &'a Path,
-        reference: &'a Path,
-        choice: &Choice,
-        rate_hz: f64,
-    ) -> Result<Self, Error> {
+    pub fn read(model: &'a Path, reference: &'a Path, choice: &Choice, rate_hz: f64) -> Result<Self, Error> {
         let file = JointFile::read(model)?;
         let table = choice.table(reference)?;
         let of = |column| Reference::of(&table, column, choice.clone(), rate_hz);

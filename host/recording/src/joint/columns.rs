@@ -88,10 +88,9 @@ impl JointRecording {
         self.source.file += &format!(", {}", other.source.file);
         self.source.sha256 += &format!(", {}", other.source.sha256);
         self.time_s.extend(other.time_s.iter().map(|time_s| time_s + shift_s));
-        for (mine, others) in [
-            (&mut self.commands_bar, other.commands_bar),
-            (&mut self.pressures_bar, other.pressures_bar),
-        ] {
+        for (mine, others) in
+            [(&mut self.commands_bar, other.commands_bar), (&mut self.pressures_bar, other.pressures_bar)]
+        {
             mine.iter_mut().zip(others).for_each(|(mine, others)| mine.extend(others));
         }
         self.angle_rad.extend(other.angle_rad);

@@ -1,5 +1,6 @@
-//! `mgpi capture --joint` and `mgpi track --joint` at a serial port behind which the firmware of two
-//! channels drives a joint of the rig: the whole way from a recording to a run, and what goes wrong.
+//! `mgpi capture --joint` and `mgpi track --joint` at a serial port behind which the firmware of
+//! two channels drives a joint of the rig: the whole way from a recording to a run, and what goes
+//! wrong.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -139,6 +140,33 @@ fn a_recording_has_the_boards_time_the_pressures_that_were_held_and_what_was_mis
         assert!(row[1..=2].iter().all(|bar| (1.79..=6.01).contains(bar)), "{row:?}");
         assert!((row[3] - row[1]).abs() < 1.0 && (row[4] - row[2]).abs() < 1.0, "{row:?}");
     }
+}
+
+/// The mean torque of the feedback of a run, in a log. Unit: N m.
+fn fed_back(log: &str) -> f64 {
+    let torques: Vec<f64> = (log.lines().skip(1))
+        .map(|line| line.split(',').nth(8).expect("a field").parse().expect("a number"))
+        .collect();
+    torques.iter().sum::<f64>() / torques.len() as f64
+}
+
+#[test]
+fn a_torque_that_the_reference_tells_is_fed_forward() {
+    let desk = with_model(Setting { load_nm: 4.0, ..Setting::sound(SEED) }, SEED);
+    let known: String = REFERENCE
+        .lines()
+        .map(|line| {
+            let field = if line.starts_with("time_s") { "torque_newton_metre" } else { "4" };
+            format!("{line},{field}\n")
+        })
+        .collect();
+    std::fs::write(desk.file("known.csv"), known).expect("written");
+    desk.succeeds("track --joint --model joint.toml --reference known.csv -o known.log");
+    let known = fed_back(&std::fs::read_to_string(desk.file("known.log")).expect("a log"));
+    assert!(known.abs() < 1.0, "{known} N m");
+    // Who does not tell it has a joint that is not the model's.
+    let said = desk.refuses(TRACK);
+    assert!(said.contains("fault 306"), "{said}");
 }
 
 #[test]

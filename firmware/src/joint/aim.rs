@@ -24,6 +24,11 @@ impl Aimed {
         self.aim = aim;
     }
 
+    /// The torque from outside that it is to reckon with at last. Unit: N m.
+    pub(super) fn load(&self) -> f32 {
+        self.aim.target.load
+    }
+
     /// What it is to do in this tick; called once in each.
     pub(super) fn at(&mut self, tick: u32) -> JointTarget<f32> {
         let JointAim { target, by_tick } = self.aim;

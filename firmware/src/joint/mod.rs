@@ -337,7 +337,8 @@ impl JointTask {
             return Ok(None);
         };
         let (control, target) = match &mut running.start {
-            Some(start) => (&installed.open, start.target()),
+            // A weight that the host knows of hangs there already.
+            Some(start) => (&installed.open, JointTarget { load: self.aimed.load(), ..start.target() }),
             None => (&installed.control, self.aimed.at(self.ticks)),
         };
         let command = joint_step(black_box(control), &mut running.state, &target, measured.angle)
@@ -353,7 +354,7 @@ impl JointTask {
             self.state = JointBoardState::Tracking;
             // Until the host says otherwise it stays where the start has left it.
             let angle = running.state.due();
-            self.aimed = Aimed::still(JointTarget { angle, stiffness: target.stiffness, load: 0.0 });
+            self.aimed = Aimed::still(JointTarget { angle, ..target });
         }
         Ok(Some(Asked { commands: command.commands, command: Some(command) }))
     }

@@ -11,6 +11,7 @@ use wire::joint::{
 use wire::registers::{ARMED_TICKS, HIGHEST_BAR};
 use wire::{Fault, Refusal};
 
+use super::aim::Aimed;
 use super::start::Start;
 use super::watch::Watch;
 use super::{ANGLE, Installed, JointTask, Running};
@@ -179,6 +180,7 @@ impl JointTask {
         let middle = 0.5 * (angles.min() + angles.max());
         let start = Start::new((angles.min(), angles.max()), stiffness, installed.period_s);
         self.running = Some(Running { state: installed.control.rest_state(middle), start: Some(start) });
+        self.aimed = Aimed::still(JointTarget { angle: middle, stiffness, load: 0.0 });
         self.watch.start_anew();
         self.state = JointBoardState::Starting;
         self.silent_ticks = 0;

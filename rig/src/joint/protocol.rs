@@ -4,8 +4,8 @@
 //! It begins with a full swing, which the friction's memory of what was before does not survive;
 //! until it is over rows do not count. Then come triangles of falling height at five levels of the
 //! common pressure, small swings at three angles of each, random ramps of both, and weights at the
-//! joint: without a known torque a recording does not tell how strong a joint is. A real joint has no
-//! weight that comes and goes: it is recorded once without and once with it
+//! joint: without a known torque a recording does not tell how strong a joint is. A real joint has
+//! no weight that comes and goes: it is recorded once without and once with it
 //! ([`JointProtocol::without_weights`]).
 
 use crate::draw::{Draw, Stream};

@@ -43,7 +43,7 @@ pub enum JointRequest {
     /// [`crate::registers::ARMED_TICKS`], and not without.
     Arm,
     /// Fill both muscles, try the joint with a small motion and a swing, at this stiffness; then
-    /// track. Unit: N m/rad.
+    /// track. Of the targets that come meanwhile the torque from outside counts. Unit: N m/rad.
     Start(f32),
     /// Vent both.
     Stop,

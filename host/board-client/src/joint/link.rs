@@ -2,11 +2,11 @@
 //!
 //! # Lost and damaged frames
 //! A request whose answer does not come, or comes damaged, and one that the board could not read,
-//! is sent again: [`SILENT_TRIES`] times where nothing comes, [`TRIES`] in all. Whatever was sent
+//! is sent again: three times where nothing comes, twelve in all. Whatever was sent
 //! leads to the same state however often it is heard, but for what starts: a start that was heard,
 //! though its answer was lost, is refused by the state that it has led to, which is taken for the
-//! answer. Before each request what has come in is forgotten, and behind one that was sent more than
-//! once what is late: so no answer is taken for another's.
+//! answer. Before each request what has come in is forgotten, and behind one that was sent more
+//! than once what is late: so no answer is taken for another's.
 //!
 //! # Timing
 //! A request and its answer are some 70 bytes, 1.5 ms at 460,800 bit/s, and what the adapter adds:
@@ -62,8 +62,8 @@ impl JointLink {
     /// seen to.
     ///
     /// # Errors
-    /// The port cannot be used, nobody answers, or not a board of a joint and of this version; it is
-    /// at fault, or driven.
+    /// The port cannot be used, nobody answers, or not a board of a joint and of this version; it
+    /// is at fault, or driven.
     pub fn open(address: Address, acknowledges: bool) -> Result<Self, JointBoardError> {
         let line = Line { baud: address.baud, parity: Parity::None };
         let mut port = Port::open(&address.port, line)?;

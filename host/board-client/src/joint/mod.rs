@@ -97,6 +97,8 @@ pub struct JointWanted {
     pub angle_deg: f64,
     /// Unit: N m/rad.
     pub stiffness: f64,
+    /// Torque that is known to act on it from outside, towards larger angles. Unit: N m.
+    pub torque_nm: f64,
 }
 
 /// A tick of a run.
@@ -204,7 +206,7 @@ impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
             target: Some(JointTarget {
                 angle: (wanted.angle_deg / DEGREES) as f32,
                 stiffness: wanted.stiffness as f32,
-                load: 0.0,
+                load: wanted.torque_nm as f32,
             }),
             pressure_codes: [
                 code(pressure, "pressure a", a, (1.0, "bar"))?,

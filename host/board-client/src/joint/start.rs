@@ -15,15 +15,15 @@ pub(super) const APPROACH_S: f64 = 4.0;
 pub(super) const LONGEST_S: f64 = 60.0;
 
 impl<B: JointBoard, P: JointPlant> Loop<'_, B, P> {
-    /// Starts the joint at a stiffness (N m/rad).
+    /// Starts the joint at the stiffness that is wanted first, under the torque that is known then.
     ///
     /// # Errors
     /// The joint is not that of the model ([`PilError::Joint`]), or board or plant do not answer as
     /// they should.
-    pub fn start(&mut self, stiffness: f64) -> Result<(), PilError> {
+    pub fn start(&mut self, first: &JointWanted) -> Result<(), PilError> {
         demand(self.board, &JointRequest::Arm)?;
-        demand(self.board, &JointRequest::Start(stiffness as f32))?;
-        let wanted = JointWanted { angle_deg: self.due_deg, stiffness };
+        demand(self.board, &JointRequest::Start(first.stiffness as f32))?;
+        let wanted = JointWanted { angle_deg: self.due_deg, ..*first };
         let most = (LONGEST_S / self.period_s) as u64;
         for _ in 0..most {
             if self.tick(&wanted)?.reply.state == JointBoardState::Tracking {

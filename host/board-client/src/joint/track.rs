@@ -2,9 +2,9 @@
 //!
 //! # How time is kept
 //! By the board: each answer carries the number of its tick, from which the reference is looked up.
-//! A target is sent for a tick ahead, by as many as two answers take, and the board goes there along
-//! a straight line ([`wire::joint::JointAim`]): so the course is smooth however slow the link is, as
-//! long as an answer comes within [`LONGEST_AHEAD`] ticks.
+//! A target is sent for a tick ahead, by as many as two answers take, and the board goes there
+//! along a straight line ([`wire::joint::JointAim`]): so the course is smooth however slow the link
+//! is, as long as an answer comes within 100 ticks.
 
 use std::f64::consts::PI;
 
@@ -134,7 +134,7 @@ fn aim(wanted: &JointWanted, by_tick: u32) -> JointRequest {
     let target = JointTarget {
         angle: (wanted.angle_deg * PI / 180.0) as f32,
         stiffness: wanted.stiffness as f32,
-        load: 0.0,
+        load: wanted.torque_nm as f32,
     };
     JointRequest::Aim(Some(JointAim { target, by_tick }))
 }

@@ -4,8 +4,8 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
+use super::duration_bar::bar;
 use super::joint_capture::{self, JointArguments};
 use super::number::positive;
 use super::port::PortArguments;
@@ -156,13 +156,6 @@ fn head(board: &Board, excitation: &str) -> [String; 2] {
         format!("recorded by {TOOL} from a board, firmware {major}.{minor}.{patch}"),
         format!("excitation: {excitation}"),
     ]
-}
-
-/// A bar over so many seconds.
-pub(super) fn bar(duration_s: f64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {eta} left");
-    ProgressBar::new((1e3 * duration_s) as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 /// What was recorded, for people.

@@ -67,8 +67,8 @@ pub struct Arguments {
     held_out: HeldOutArguments,
     #[command(flatten)]
     effort: Effort,
-    /// The recording is one of two muscles at a joint: commands, pressures, angle, torque; of several
-    /// one has a known torque that the others have not
+    /// The recording is one of two muscles at a joint: commands, pressures, angle, torque; of
+    /// several one has a known torque that the others have not
     #[arg(
         long,
         conflicts_with_all = ["model", "plays", "weights", "dead_zones", "envelope", "knots", "loss",

@@ -1,5 +1,5 @@
-//! `mgpi capture --joint`: both pressures through a board with two channels, and a recording of what
-//! the joint does.
+//! `mgpi capture --joint`: both pressures through a board with two channels, and a recording of
+//! what the joint does.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use clap::Args;
 use recording::TOOL;
 use rig::joint::protocol::{JointProtocol, JointRange};
 
-use super::capture::bar;
+use super::duration_bar::bar;
 use super::number::{positive, share};
 use crate::Error;
 use crate::output::Outputs;

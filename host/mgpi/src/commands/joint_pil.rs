@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
     let mut board = Emulator::start_joint(&image, &stop).map_err(PilError::from)?;
     let mut joint = Loop::new(&parameters, &mut board, &mut process, stop)?;
     let first = asked.wanted[0];
-    joint.start(first.stiffness)?;
+    joint.start(&first)?;
     joint.approach(&first)?;
     let samples = joint.follow(asked.wanted.iter().copied(), |_, _| ())?;
     if *verbose {

@@ -18,6 +18,8 @@ use crate::output::Outputs;
 /// The columns of a reference.
 const ANGLE: &str = "reference_deg";
 const STIFFNESS: &str = "stiffness_nm_per_rad";
+/// And one that may be missing: a torque from outside that is known beforehand.
+const TORQUE: &str = "torque_newton_metre";
 
 /// What a joint is to do.
 #[derive(Debug)]
@@ -43,6 +45,7 @@ impl<'a> Asked<'a> {
         let table = choice.table(reference)?;
         let of = |column| Reference::of(&table, column, choice.clone(), rate_hz);
         let (angle, stiffness) = (of(ANGLE)?, of(STIFFNESS)?);
+        let torque = table.find(TORQUE)?.map(|_| of(TORQUE)).transpose()?;
         angle.say_notes(reference);
         let angles = file.parameters.angles;
         let (lowest, highest) = (angles.0.to_degrees(), angles.1.to_degrees());
@@ -64,8 +67,9 @@ impl<'a> Asked<'a> {
             let asked = stiffness.range().0;
             return refused(STIFFNESS, format!("{asked} N m/rad is no stiffness, which is above 0"));
         }
-        let wanted = (angle.points(0.0).zip(stiffness.points(0.0)))
-            .map(|(angle_deg, stiffness)| JointWanted { angle_deg, stiffness })
+        let torques = torque.iter().flat_map(|torque| torque.points(0.0)).chain(std::iter::repeat(0.0));
+        let wanted = (angle.points(0.0).zip(stiffness.points(0.0)).zip(torques))
+            .map(|((angle_deg, stiffness), torque_nm)| JointWanted { angle_deg, stiffness, torque_nm })
             .collect();
         Ok(Self { model, reference, file, wanted, range_deg: highest - lowest })
     }

@@ -11,7 +11,7 @@ use board_client::part::Part;
 use board_client::stop::Stop;
 use recording::Choice;
 
-use super::capture::bar;
+use super::duration_bar::bar;
 use super::joint_run::Asked;
 use crate::Error;
 use crate::output::Outputs;

@@ -15,6 +15,7 @@ pub mod completions;
 pub mod deploy;
 pub mod diagnose;
 mod diagnosed_summary;
+mod duration_bar;
 #[cfg(unix)]
 pub mod emulate;
 pub mod export;

@@ -29,8 +29,8 @@ pub struct PortArguments {
     /// Parity
     #[arg(long, default_value = "none")]
     parity: Parity,
-    /// Longest time for an answer in s; a lost one is asked for again [default: 0.15; at the service
-    /// link 0.12]
+    /// Longest time for an answer in s; a lost one is asked for again [default: 0.15; at the
+    /// service link 0.12]
     #[arg(long, value_name = "S", value_parser = positive)]
     timeout_s: Option<f64>,
 }

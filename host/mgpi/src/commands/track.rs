@@ -7,7 +7,8 @@ use clap::{Args, ValueEnum};
 use model_core::{Hysteresis, Mode, Surroundings};
 
 use super::board_model;
-use super::capture::{bar, in_words};
+use super::capture::in_words;
+use super::duration_bar::bar;
 use super::joint_track;
 use super::learnt::{self, Learning};
 use super::port::PortArguments;
@@ -34,6 +35,7 @@ const TRACK: usize = 30;
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// What to track: time_s, reference_mm; of a joint time_s, reference_deg, stiffness_nm_per_rad
+    /// and, if it is known, torque_newton_metre
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
     #[command(flatten)]

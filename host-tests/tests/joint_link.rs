@@ -51,25 +51,42 @@ fn was_never_driven(desk: &JointDesk) -> bool {
 }
 
 /// Records a joint under a torque, on a desk of its own, since somebody hangs the weight there.
-fn recorded(load_nm: f64, name: &str, options: &str) -> JointDesk {
+fn recorded(load_nm: f64, name: &str, duration_s: Option<f64>) -> JointDesk {
     let desk = JointDesk::new(Setting { load_nm, ..Setting::sound(SEED) });
+    let options = duration_s.map_or(String::new(), |duration_s| format!("--duration-s {duration_s}"));
     let said = desk.succeeds(&format!(
         "capture --joint --max-bar 6 --torque-newton-metre {load_nm} -o {name} {options} {PATIENT}"
     ));
     assert!(said.contains("one each 10 ms") && !said.contains("missed"), "{said}");
     assert!(is_vented(&desk));
+    let range = JointRange { min_bar: 1.8, max_bar: 6.0, swing: 0.22 };
+    let excitation = JointProtocol::without_weights(&range, duration_s).expect("room for a swing");
+    let rows = rows(&desk.file(name));
+    // What a row says was put out is what was asked for at the row before, until then.
+    for pair in rows.windows(2).filter(|pair| pair[0][7] == 1.0) {
+        let asked = excitation.commands_bar(pair[0][0] + 1e-3);
+        let is_held = asked.iter().zip(&pair[1][1..=2]).all(|(asked, held)| (asked - held).abs() < 0.002);
+        assert!(is_held, "{asked:?} bar were asked for before {:?}", pair[1]);
+    }
     desk
+}
+
+/// The rows of a recording.
+fn rows(file: &Path) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(file).expect("a recording");
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    assert_eq!(lines.next(), Some(recording::joint::columns::COLUMNS));
+    let numbers = |line: &str| line.split(',').map(|field| field.parse().expect("a number")).collect();
+    lines.map(numbers).collect()
 }
 
 #[test]
 fn a_joint_is_recorded_over_its_link_identified_and_tracked_with() {
     let desk = JointDesk::new(Setting::sound(SEED));
-    for (load_nm, name, options) in [
-        (0.0, "joint.csv", ""),
-        (4.0, "to-larger.csv", "--duration-s 120"),
-        (-4.0, "to-smaller.csv", "--duration-s 120"),
-    ] {
-        let from = recorded(load_nm, name, options);
+    for (load_nm, name, duration_s) in
+        [(0.0, "joint.csv", None), (4.0, "to-larger.csv", Some(120.0)), (-4.0, "to-smaller.csv", Some(120.0))]
+    {
+        let from = recorded(load_nm, name, duration_s);
         assert_eq!(from.files(), [name], "the part goes");
         std::fs::copy(from.file(name), desk.file(name)).expect("copied");
     }
@@ -126,11 +143,7 @@ fn a_recording_has_the_boards_time_the_pressures_that_were_held_and_what_was_mis
     assert!(torque.lines().last().is_some_and(|row| row.ends_with(",-2,1")), "its torque is in each row");
     let said = desk.succeeds(&format!("{capture} --every 20 --force"));
     assert!(!said.contains("missed"), "{said}");
-    let text = std::fs::read_to_string(desk.file("joint.csv")).expect("a recording");
-    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
-    assert_eq!(lines.next(), Some(recording::joint::columns::COLUMNS));
-    let rows: Vec<Vec<f64>> =
-        lines.map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect()).collect();
+    let rows = rows(&desk.file("joint.csv"));
     assert!(rows.windows(2).all(|pair| (0.010..0.040).contains(&(pair[1][0] - pair[0][0]))));
     assert!(rows.len() > 1900 && rows[rows.len() - 1][0] > 39.9, "{} rows", rows.len());
     let counted = rows.iter().position(|row| row[7] == 1.0).expect("rows that count");
@@ -139,14 +152,6 @@ fn a_recording_has_the_boards_time_the_pressures_that_were_held_and_what_was_mis
     );
     // Filled in 2 and swung in 9 of some 311 seconds, here of 40.
     assert!((1.3..1.6).contains(&rows[counted][0]), "counts from {} s", rows[counted][0]);
-    // The commands of a row are those that were asked for at the row before.
-    let range = JointRange { min_bar: 1.8, max_bar: 6.0, swing: 0.22 };
-    let excitation = JointProtocol::without_weights(&range, Some(40.0)).expect("room for a swing");
-    for pair in rows[counted..].windows(2) {
-        let asked = excitation.commands_bar(pair[0][0] + 1e-3);
-        let is_held = asked.iter().zip(&pair[1][1..=2]).all(|(asked, held)| (asked - held).abs() < 0.002);
-        assert!(is_held, "{asked:?} bar were asked for before {:?}", pair[1]);
-    }
     for row in &rows[counted..] {
         assert!(row[1..=2].iter().all(|bar| (1.79..=6.01).contains(bar)), "{row:?}");
         assert!((row[3] - row[1]).abs() < 1.0 && (row[4] - row[2]).abs() < 1.0, "{row:?}");

@@ -3,8 +3,8 @@
 //! # How time is kept
 //! By the board: each answer carries the number of its tick, from which the pressures are looked up
 //! and by which a row has its time. What is asked for changes with each row and is held until the
-//! next, so that a row's commands are those that were held since the row before; between two rows
-//! it is said again, a sign of life.
+//! next, so that a row's commands are those that were held since the row before, but for the time
+//! that a request takes to the board; between two rows it is said again, a sign of life.
 
 use recording::joint::columns::COLUMNS;
 use wire::joint::{JointBoardState, JointRequest};

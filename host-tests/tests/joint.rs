@@ -127,6 +127,19 @@ fn a_recording_that_does_not_tell_enough_is_refused_with_what_is_missing() {
 }
 
 #[test]
+fn each_of_several_recordings_is_filled_and_simulated_from_where_it_counts_on() {
+    let one = recording(&csv(1).expect("recorded")).expect("a recording");
+    let counts_from = one.scored.iter().position(|scored| *scored).expect("rows that count");
+    let rows = one.time_s.len();
+    let both = one.clone().followed_by(one);
+    let found = identify_joint(&both, SWING_RAD).expect("a joint");
+    let is_measured = |row: usize| found.simulated_rad[row] == both.angle_rad[row];
+    assert!((rows..rows + counts_from).all(is_measured), "it is where it was measured while it is filled");
+    let simulated = (rows + counts_from + 1..2 * rows).filter(|row| !is_measured(*row)).count();
+    assert!(simulated > (rows - counts_from) * 9 / 10, "{simulated} rows");
+}
+
+#[test]
 fn a_short_recording_is_held_out_in_blocks_too() {
     let mut short = recording(&csv(1).expect("recorded")).expect("a recording");
     // As if all had gone faster, in less than the five blocks of a long recording.

@@ -35,7 +35,7 @@ pub fn is_lit_of_joint(state: JointBoardState, fault: Option<JointFault>, tick: 
     let state = match state {
         JointBoardState::Off => State::Off,
         JointBoardState::Ready => State::Ready,
-        JointBoardState::Starting => State::Service,
+        JointBoardState::Starting | JointBoardState::Service => State::Service,
         JointBoardState::Tracking => State::Tracking,
         JointBoardState::Fault => State::Fault,
     };

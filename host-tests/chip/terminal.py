@@ -1,8 +1,9 @@
 """The chip at a serial port of this machine, for programs that know nothing of a model.
 
-    MGPI_CHIP_IMAGE=… terminal.py bus|bring-up
+    MGPI_CHIP_IMAGE=… terminal.py bus|bring-up|joint
 
-The board with its production image at its bus, or one with the bring-up image at its service link. Prints the path of the
+The board with its production image at its bus, or one with the bring-up image, or with that of two channels and a joint, at its
+service link. Prints the path of the
 terminal that a program opens once it listens, then runs until its standard input is closed, no faster than time passes.
 """
 
@@ -13,7 +14,7 @@ import sys
 import time
 import tty
 
-from stm32f405 import Chip, bring_up
+from stm32f405 import Chip, bring_up, joint
 
 # How long the chip runs between two looks at the port. Unit: s.
 STEP_S = 1e-3
@@ -21,6 +22,11 @@ STEP_S = 1e-3
 
 def powered(kind):
     """A chip that listens, and the port that is meant."""
+    if kind == "joint":
+        chip, plant = joint.joint_chip()
+        bring_up.begin(chip)
+        plant.step()
+        return chip, chip.usart2
     is_new = kind == "bring-up"
     chip = bring_up.chip() if is_new else Chip()
     bring_up.begin(chip)

@@ -7,7 +7,7 @@ from stm32f405.case import LINK_TASK, VENTED_V, ChipCase, prepared
 from stm32f405.flash import PLACE_A
 from stm32f405.fork import in_a_fork
 from stm32f405.joint import (
-    ANGLE, FAULT, IMAGE, OFF, PRESSURES, READY, STARTING, SUPPLY, TRACKING, aim, joint_chip,
+    ANGLE, FAULT, IMAGE, OFF, PRESSURES, READY, SERVICE, STARTING, SUPPLY, TRACKING, aim, joint_chip, press,
 )
 
 TICK_S = 1e-3
@@ -104,6 +104,8 @@ class Joint(JointCase):
     def test_the_frames_of_the_model_are_those_of_the_messages(self):
         _, joint = self.begun()
         self.assertEqual(aim(0.25), joint.link.frames["joint_aim"])
+        self.assertEqual(aim(0.25, by_tick=70_000), joint.link.frames["joint_aim_by"])
+        self.assertEqual(press(2.5, 1.5), joint.link.frames["joint_press"])
 
     # What is measured, and what is put out.
 
@@ -162,11 +164,76 @@ class Joint(JointCase):
         self.assertEqual((chip.core_hz, report.state, report.noted), (16e6, STARTING, 30))
         self.assertEqual(report.late_ticks, 0)
 
+    # Pressures from the host.
+
+    def served(self):
+        """A board in service without a joint, both muscles filled by different pressures."""
+        chip, joint = self.begun()
+        joint.step()
+        for name in ("joint_arm", "joint_service"):
+            self.assertTrue(joint.order(name), name)
+        for _ in range(8):
+            joint.ask(press(2.5, 1.5))
+            chip.run(0.1)
+        self.assertEqual(joint.ask(press(2.5, 1.5)).state, SERVICE)
+        self.assert_driven(chip)
+        return chip, joint
+
+    def test_each_output_is_its_pressure_in_service_behind_two_steps_and_without_a_joint(self):
+        chip, joint = self.begun()
+        self.assertEqual(joint.link.ask("joint_press"), joint.link.response("joint_is_off"))
+        self.assertEqual(joint.link.ask("joint_service"), joint.link.response("joint_not_armed"))
+        chip.run(5 * TICK_S)
+        self.assert_vented(chip)
+        chip, joint = self.served()
+        self.assertFalse(chip.board.is_dumping())
+        self.assertEqual(joint.ask(press(2.5, 1.5)).dac_codes, [1024, 614])
+        for channel, bar in enumerate((2.5, 1.5), 1):
+            self.assertAlmostEqual(chip.board.output_bar(channel), bar, delta=0.03)
+            self.assertAlmostEqual(joint.bar[channel - 1], bar, delta=0.1)
+        # More than it may have changes nothing, nor does what has no place here.
+        joint.link.ask("joint_press_too_much")
+        for name in ("joint_aim", "joint_configure", "joint_start", "joint_arm"):
+            self.assertEqual(joint.link.ask(name), joint.link.response("joint_in_service"), name)
+        chip.run(3 * TICK_S)
+        report = joint.ask(press(2.5, 1.5))
+        self.assertEqual((report.dac_codes, report.fault, report.late_ticks), ([1024, 614], 0, 0))
+        self.assertTrue(joint.order("joint_stop"))
+        chip.run(12 * TICK_S)
+        self.assert_vented(chip)
+        self.assertEqual(joint.ask().state, OFF)
+        self.assertTrue(chip.board.is_dumping())
+
+    def test_half_a_second_without_pressures_vents_both_valves_in_service_whatever_else_is_asked(self):
+        chip, joint = self.served()
+        begin = chip.now
+        while chip.now - begin < 0.7 and max(self.outputs(chip)) > VENTED_V:
+            joint.ask()
+            joint.link.ask("joint_aim")
+            joint.link.ask("joint_press_too_much")
+            chip.run(0.02)
+        self.assertAlmostEqual(chip.now - begin, 0.5, delta=0.1)
+        self.assert_vented(chip)
+        self.assertEqual((joint.ask().state, joint.ask().fault), (FAULT, 21))
+
+    def test_a_fault_of_one_channel_vents_both_valves_in_service(self):
+        burst = (409.5 + 327.6 * 8.0) * TO_3V3
+        cases = [
+            (211, self.held(PRESSURES[1], burst), 1.2 * TICK_S),
+            (102, self.held(PRESSURES[0], 0.0)),
+            (301, self.held(ANGLE, 0.0)),
+            (134, lambda chip, _: chip.dac.stuck.update({1: 2.9})),
+            (5, lambda chip, _: chip.board.voltages.update({SUPPLY: 0.0})),
+            (32, lambda chip, _: setattr(chip.board, "is_stop_closed", False)),
+        ]
+        self.each(cases, self.served(), ("joint_service", press(2.0, 2.0)))
+
     # What vents both.
 
-    def each(self, cases):
-        """A case from the same beginning each: what is done to a chip that starts a joint, and by which fault it vents."""
-        chip, joint = self.starting()
+    def each(self, cases, begun=None, again=("joint_start", aim(0.1))):
+        """A case from the same beginning each: what is done to a chip that starts a joint, or one that is `begun`, and by
+        which fault it vents."""
+        chip, joint = begun or self.starting()
         self.assert_driven(chip)
         for fault, work, *most_s in cases:
 
@@ -175,8 +242,10 @@ class Joint(JointCase):
                 self.assert_vented_by(chip, joint, fault, *most_s)
                 # Neither orders nor targets open a valve.
                 joint.link.ask("joint_arm")
-                self.assertNotEqual(joint.link.ask("joint_start"), joint.link.response("joint_accepted"))
-                joint.ask(aim(0.1))
+                start, goes_on = again
+                self.assertNotEqual(joint.link.ask(start), joint.link.response("joint_accepted"))
+                joint.link.exchange(goes_on)
+                chip.run(3 * TICK_S)
                 self.assert_vented(chip)
 
             with self.subTest(fault=fault):

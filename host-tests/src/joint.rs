@@ -76,6 +76,11 @@ impl Wired {
     pub fn new(seed: u64, wrong: Wrong) -> Self {
         Self { joint: RigJoint::new(seed, true), last_s: 0.0, wrong }
     }
+
+    /// Puts a torque (N m) on the joint from now on, towards larger angles.
+    pub fn put_on(&mut self, load_nm: f64) {
+        self.joint.put_on(load_nm);
+    }
 }
 
 impl JointPlant for Wired {
@@ -168,7 +173,7 @@ pub fn tried(seed: u64, frequencies_hz: &[f64]) -> Result<Tried> {
             // As on a board with muscles: what protects them must not disturb sound control.
             let mut board = HostJoint::new(Protection::STANDARD);
             let mut joint = Loop::new(&parameters, &mut board, &mut plant, Stop::default())?;
-            joint.start(wanted(0.0).stiffness)?;
+            joint.start(&wanted(0.0))?;
             joint.approach(&wanted(0.0))?;
             let ticks = (duration_s / PERIOD_S).round() as usize;
             let (mut squares, mut largest, mut tick) = (0.0, 0.0_f64, 0);
@@ -200,12 +205,16 @@ pub fn tried(seed: u64, frequencies_hz: &[f64]) -> Result<Tried> {
     let mut rmse_percent = Vec::new();
     for frequency_hz in frequencies_hz {
         let angle = |time_s: f64| middle + AMPLITUDE * range * (TAU * frequency_hz * time_s).cos();
-        let wanted = |time_s| JointWanted { angle_deg: degrees(angle(time_s)), stiffness: at(0.5) };
+        let wanted =
+            |time_s| JointWanted { angle_deg: degrees(angle(time_s)), stiffness: at(0.5), torque_nm: 0.0 };
         let (rmse, _) = run(&wanted, 2.0 / frequency_hz, 250)?;
         rmse_percent.push(percent(rmse));
     }
     let level = |time_s: f64| LEVELS[((time_s / LEVEL_S) as usize).min(LEVELS.len() - 1)];
-    let wanted = |time_s| JointWanted { angle_deg: degrees(middle), stiffness: at(level(time_s)) };
+    let wanted = |time_s| {
+        let (angle_deg, stiffness) = (degrees(middle), at(level(time_s)));
+        JointWanted { angle_deg, stiffness, torque_nm: 0.0 }
+    };
     // A stiffness is looked at when it has been reached.
     let (_, largest) = run(&wanted, LEVEL_S * LEVELS.len() as f64, (LEVEL_S / PERIOD_S) as usize)?;
     let cross_talk_percent = percent(largest);

@@ -13,6 +13,7 @@ pub mod desk_commands;
 pub mod flash;
 pub mod game;
 pub mod joint;
+pub mod joint_desk;
 pub mod single;
 pub mod store;
 

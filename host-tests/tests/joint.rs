@@ -1,7 +1,7 @@
 //! Two muscles at a joint: angle, stiffness and cross-talk over joints that are drawn, and what is
 //! recognised of a joint that is wired wrongly or is another one.
 
-use board_client::joint::{Loop, parameters};
+use board_client::joint::{JointWanted, Loop, parameters};
 use board_client::pil::PilError;
 use board_client::stop::Stop;
 use host_tests::joint::{HostJoint, Tried, Wired, Wrong, csv, identified, recording, tried};
@@ -43,7 +43,8 @@ fn started(file: &JointFile, seed: u64, wrong: Wrong) -> Result<(), PilError> {
     let mut plant = Wired::new(seed, wrong);
     let (soft, _) = file.joint.stiffness_range(0.0);
     let mut board = HostJoint::new(Protection::STANDARD);
-    Loop::new(&parameters, &mut board, &mut plant, Stop::default())?.start(1.2 * soft)
+    let wanted = JointWanted { angle_deg: 0.0, stiffness: 1.2 * soft, torque_nm: 0.0 };
+    Loop::new(&parameters, &mut board, &mut plant, Stop::default())?.start(&wanted)
 }
 
 #[test]
@@ -62,6 +63,31 @@ fn what_is_wired_wrongly_is_recognised_at_the_first_motion() {
         };
         assert!(is_named, "{wrong:?}: {fault}");
     }
+}
+
+/// The torque that feedback takes up where a torque is on a joint, of which so much is known. Unit:
+/// N m, in the mean over two seconds at rest.
+fn fed_back(torque_nm: f64, known_nm: f64) -> f64 {
+    let file = identified(1).expect("identified");
+    let parameters = parameters(&file.parameters, 1e-3).expect("a joint in single precision");
+    let mut plant = Wired::new(1, Wrong::Nothing);
+    plant.put_on(torque_nm);
+    let mut board = HostJoint::new(Protection::STANDARD);
+    let mut joint = Loop::new(&parameters, &mut board, &mut plant, Stop::default()).expect("configured");
+    let wanted = JointWanted { angle_deg: 0.0, stiffness: 55.0, torque_nm: known_nm };
+    joint.start(&wanted).expect("the joint of the model");
+    joint.approach(&wanted).expect("it follows");
+    let samples = joint.follow([wanted; 2000].into_iter(), |_, _| ()).expect("it follows");
+    samples.iter().map(|sample| f64::from(sample.reply.feedback_nm)).sum::<f64>() / samples.len() as f64
+}
+
+#[test]
+fn a_torque_that_is_known_is_fed_forward_and_one_that_is_not_is_left_to_feedback() {
+    // Where friction has left the joint differs from start to start by some of it.
+    let [unknown, known, large] =
+        [(2.0, 0.0), (2.0, 2.0), (4.0, 4.0)].map(|(torque, known)| fed_back(torque, known));
+    assert!((-3.0..-1.0).contains(&(unknown - known)), "{unknown} and {known} N m");
+    assert!(known.abs() < 1.0 && large.abs() < 1.0, "{known} and {large} N m");
 }
 
 /// Why nothing is identified from a recording that was changed.
@@ -98,6 +124,19 @@ fn a_recording_that_does_not_tell_enough_is_refused_with_what_is_missing() {
     assert!(still.contains("angle_deg moves by 0.000 degrees only"), "{still}");
     let short = refused(|recording| recording.scored[100..].fill(false));
     assert!(short.contains("rows count, at least"), "{short}");
+}
+
+#[test]
+fn each_of_several_recordings_is_filled_and_simulated_from_where_it_counts_on() {
+    let one = recording(&csv(1).expect("recorded")).expect("a recording");
+    let counts_from = one.scored.iter().position(|scored| *scored).expect("rows that count");
+    let rows = one.time_s.len();
+    let both = one.clone().followed_by(one);
+    let found = identify_joint(&both, SWING_RAD).expect("a joint");
+    let is_measured = |row: usize| found.simulated_rad[row] == both.angle_rad[row];
+    assert!((rows..rows + counts_from).all(is_measured), "it is where it was measured while it is filled");
+    let simulated = (rows + counts_from + 1..2 * rows).filter(|row| !is_measured(*row)).count();
+    assert!(simulated > (rows - counts_from) * 9 / 10, "{simulated} rows");
 }
 
 #[test]

@@ -7,8 +7,8 @@ use firmware::joint::lock_step::LockStepJoint;
 use firmware::scaling::{COMMAND, PRESSURE};
 use model_core::joint::JointTarget;
 use wire::joint::{
-    Channel, JOINT_VERSION, JointBoardState, JointConfiguration, JointFault, JointRequest, JointResponse,
-    JointTickReply, JointTickRequest,
+    Channel, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration, JointFault, JointReport,
+    JointRequest, JointResponse, JointTickReply, JointTickRequest,
 };
 use wire::{Fault, Protection, Refusal};
 
@@ -139,11 +139,47 @@ fn a_silent_host_and_a_target_that_is_no_number_vent_both_muscles() {
     assert_eq!(nonsense, (1, JointFault::OfBoard(Fault::Reference)));
 }
 
-#[test]
-fn a_target_without_samples_acts_in_the_next_tick_and_a_question_is_no_sign_of_life() {
-    let aim = |joint: &mut Obedient, target| match joint.board.answer(&JointRequest::Aim(target)) {
+fn reported(response: JointResponse) -> JointReport {
+    match response {
         JointResponse::Report(report) => report,
         other => panic!("{other:?}"),
+    }
+}
+
+/// A host that sends where the joint is to be some ticks ahead, each 20 ticks, makes the course
+/// that one makes which says it in every tick.
+#[test]
+fn targets_of_some_ticks_ahead_make_a_smooth_course() {
+    let course = |tick: u32| 0.2 * (tick as f32 * 1e-3 * core::f32::consts::TAU * 0.25).sin();
+    let mut joint = Obedient::tracking();
+    let target = |tick| JointTarget { angle: course(tick), ..WANTED };
+    for _ in 0..1000 {
+        joint.tick(|samples| samples.target = Some(target(0)));
+    }
+    let begin = reported(joint.board.answer(&JointRequest::Aim(None))).ticks;
+    let (mut farthest, mut limited, ahead) = (0.0_f32, 0, 40);
+    for tick in 0..4000 {
+        if tick % 20 == 0 {
+            let aim = JointAim { target: target(tick + ahead), by_tick: begin + tick + ahead };
+            joint.board.answer(&JointRequest::Aim(Some(aim)));
+        }
+        let reply = joint.tick(|samples| samples.target = None);
+        // The first tick behind an order is the next.
+        if tick > ahead {
+            farthest = farthest.max((reply.due_rad - course(tick + 1)).abs());
+        }
+        // From rest it begins with a jump of the speed.
+        limited += u32::from(reply.is_limited && tick > ahead);
+    }
+    assert!(farthest < 1e-3, "{farthest} rad");
+    assert_eq!(limited, 0, "the slew rate cuts off what the lead asks for");
+}
+
+#[test]
+fn a_target_without_samples_acts_in_the_next_tick_and_a_question_is_no_sign_of_life() {
+    let aim = |joint: &mut Obedient, target: Option<JointTarget<f32>>| {
+        let aim = target.map(|target| JointAim { target, by_tick: 0 });
+        reported(joint.board.answer(&JointRequest::Aim(aim)))
     };
     let mut joint = Obedient::tracking();
     let before = aim(&mut joint, Some(JointTarget { angle: -0.2, ..WANTED }));
@@ -185,9 +221,9 @@ fn a_fault_stays_until_it_is_acknowledged_and_no_order_opens_a_valve_meanwhile()
 #[test]
 fn a_start_needs_a_joint_an_arming_and_a_stiffness_and_a_stop_vents_at_once() {
     let mut off = LockStepJoint::new(Protection::STANDARD);
-    for order in [JointRequest::Arm, JointRequest::Start(STIFFNESS)] {
-        assert_eq!(off.answer(&order), JointResponse::WrongState(JointBoardState::Off));
-    }
+    assert_eq!(off.answer(&JointRequest::Arm), JointResponse::Accepted);
+    let without_joint = JointResponse::WrongState(JointBoardState::Off);
+    assert_eq!(off.answer(&JointRequest::Start(STIFFNESS)), without_joint);
     let other = JointConfiguration { version: JOINT_VERSION + 1, control: joint_parameters() };
     let refused = JointResponse::Refused(Refusal::Version(JOINT_VERSION));
     assert_eq!(off.answer(&JointRequest::Configure(other)), refused);

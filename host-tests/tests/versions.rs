@@ -6,6 +6,7 @@ fn the_changelog_has_every_version_apart() {
     for (what, version) in [
         ("release", env!("CARGO_PKG_VERSION").to_owned()),
         ("messages and configurations (`wire::VERSION`)", wire::VERSION.to_string()),
+        ("messages of a joint (`wire::joint::JOINT_VERSION`)", wire::joint::JOINT_VERSION.to_string()),
         ("registers (`wire::registers::VERSION`)", wire::registers::VERSION.to_string()),
         ("storage on the board (`firmware::store::LAYOUT`)", firmware::store::LAYOUT.to_string()),
         ("model files (`format`)", recording::model_file::FORMAT.to_string()),

@@ -131,6 +131,12 @@ impl Protocol {
         self.ramp(command_bar, duration_s)
     }
 
+    /// The same course in so many times the time.
+    pub(crate) fn stretched(mut self, factor: f64) -> Self {
+        self.waypoints.iter_mut().for_each(|waypoint| waypoint.0 *= factor);
+        self
+    }
+
     fn last(&self) -> (f64, f64) {
         self.waypoints[self.waypoints.len() - 1]
     }

@@ -1,7 +1,7 @@
 //! A joint's board whose samples come from a host, one tick at a time.
 
 use wire::Protection;
-use wire::joint::{JointRequest, JointResponse, JointTickReply, JointTickRequest};
+use wire::joint::{JointAim, JointRequest, JointResponse, JointTickReply, JointTickRequest};
 
 use super::{JointBoard, JointSamples, JointTask, carry_out};
 use crate::board::{AcquisitionError, AdcCode, DacCode};
@@ -64,7 +64,7 @@ impl LockStepJoint {
         self.samples.0 =
             JointSamples { pressures: pressure_codes.map(AdcCode), angle: AdcCode(angle_code), ..QUIET };
         if let Some(target) = target {
-            self.task.aim(target);
+            self.task.aim(JointAim { target, by_tick: 0 });
         }
     }
 

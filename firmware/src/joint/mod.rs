@@ -2,11 +2,13 @@
 //!
 //! ```text
 //! ADC codes ─▶ watch ─▶ start, or what is asked for ─▶ torque balance + PID ─▶ soft start, slew ─▶ two DAC codes
+//!                       in service: the host's pressures ────────────────────────▲
 //! ```
 //!
 //! | file | what it does |
 //! |---|---|
 //! | this one | the tick, the states, and what a board tells of itself |
+//! | `aim` | straight lines between the targets of the host |
 //! | `orders` | the requests of the host, between ticks ([`carry_out`]) |
 //! | [`start`] | fills the muscles, and tries the joint before it is controlled |
 //! | [`watch`] | what tells a fault of a sensor, a valve or a muscle |
@@ -16,23 +18,27 @@
 //! ```text
 //! Off ─Configure─▶ Ready ─Arm, Start─▶ Starting ─joint is the model's─▶ Tracking
 //!                    ▲───────Stop──────────┴──────────────Stop─────────────┘
+//! Off, Ready ─Arm, Service─▶ Service ─Stop─▶ Ready, or Off without a joint
 //! every state ─fault─▶ Fault ─Acknowledge─▶ Ready, or Off without a joint
 //! ```
 //!
 //! # Contract
 //! One [`JointTask::tick`] each period of the installed joint. It reads the board once and writes
-//! both valves, in every state: the vented code in all but `Starting` and `Tracking`. It takes
-//! bounded time, allocates nothing and does not panic.
+//! both valves, in every state: the vented code in all but `Starting`, `Tracking` and `Service`. It
+//! takes bounded time, allocates nothing and does not panic. A host that drives, and is silent for
+//! [`Protection::bus_silent_ticks`], is a fault.
 //!
 //! # Safety
 //! A fault of either channel, of the angle or of the pair vents **both** muscles, in the tick that
 //! sees it: one that is vented alone would let the other turn the joint to its end. The start is
-//! without feedback, which with a wrong sign would do the same.
+//! without feedback, which with a wrong sign would do the same. In service, without a model, all is
+//! watched that is while tracking but for what the start tries: how the joint turns.
 //!
 //! # Limits
 //! Nothing of a joint is stored, and the bus has no registers for it. The black box keeps what has
 //! ended the program, not a fault of the joint, and no trace.
 
+mod aim;
 pub mod lock_step;
 mod orders;
 pub mod start;
@@ -52,6 +58,7 @@ use crate::monitors::persistence::InARow;
 use crate::output::{self, Output};
 use crate::scaling::{COMMAND, VENT};
 use crate::timing::{TickEnd, Timing};
+use aim::Aimed;
 pub use orders::{JointNode, carry_out};
 use start::Start;
 use watch::Watch;
@@ -99,7 +106,11 @@ pub struct JointTask {
     protection: Protection,
     installed: Option<Installed>,
     running: Option<Running>,
-    target: JointTarget<f32>,
+    aimed: Aimed,
+    /// Asked for in service. Unit: bar.
+    pressures: [f32; 2],
+    /// It has been driven without a joint: `Off` is then watched as `Ready` is.
+    has_served: bool,
     outputs: [Output; 2],
     limits: output::Limits,
     watch: Watch,
@@ -148,6 +159,15 @@ pub struct JointOutcome {
     pub is_limited: bool,
 }
 
+/// What a tick asks of the valves.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    /// Unit: bar.
+    commands: [f32; 2],
+    /// What the controller made of the tick; none in service.
+    command: Option<JointCommand<f32>>,
+}
+
 /// The outcome of a tick that does not drive the valves.
 const VENTED: JointOutcome = JointOutcome { codes: [VENT; 2], command: None, is_limited: false };
 
@@ -159,7 +179,9 @@ impl JointTask {
             fault: None,
             installed: None,
             running: None,
-            target: JointTarget { angle: 0.0, stiffness: 0.0, load: 0.0 },
+            aimed: Aimed::still(JointTarget { angle: 0.0, stiffness: 0.0, load: 0.0 }),
+            pressures: [0.0; 2],
+            has_served: false,
             outputs: [Output::vented(); 2],
             limits: output::Limits::new(&protection, &COMMAND, UNCLOCKED_PERIOD_S),
             watch: Watch::new(&protection, UNCLOCKED_PERIOD_S),
@@ -202,17 +224,15 @@ impl JointTask {
     pub fn tick<B: JointBoard>(&mut self, board: &mut B) -> JointOutcome {
         self.ticks = self.ticks.wrapping_add(1);
         self.armed_ticks = self.armed_ticks.saturating_sub(1);
-        let command = match self.work(board.read()) {
-            Ok(command) => command,
+        let asked = match self.work(board.read()) {
+            Ok(asked) => asked.filter(|_| self.state.is_driven()),
             Err(fault) => {
                 self.report(fault);
                 None
             }
         };
-        let asked = match command.filter(|_| self.state.is_driven()) {
-            Some(command) => command.commands.map(command_code),
-            None => [VENT; 2],
-        };
+        let command = asked.and_then(|asked| asked.command);
+        let asked = asked.map_or([VENT; 2], |asked| asked.commands.map(command_code));
         let mut codes = [VENT; 2];
         for ((code, output), asked) in codes.iter_mut().zip(&mut self.outputs).zip(asked) {
             *code = if self.state.is_driven() { output.drive(&self.limits, asked) } else { output.vent() };
@@ -288,10 +308,7 @@ impl JointTask {
     }
 
     /// What the samples of a tick lead to; none where nothing is driven.
-    fn work(
-        &mut self,
-        samples: Result<JointSamples, AcquisitionError>,
-    ) -> Result<Option<JointCommand<f32>>, JointFault> {
+    fn work(&mut self, samples: Result<JointSamples, AcquisitionError>) -> Result<Option<Asked>, JointFault> {
         if self.missing.holds_for(MISSING_IN_A_ROW, samples.is_err()) {
             return Err(JointFault::OfBoard(Fault::Acquisition));
         }
@@ -301,20 +318,28 @@ impl JointTask {
             return Ok(None);
         }
         self.watch.look_at_own(out)?;
-        if self.state == JointBoardState::Off {
+        // Before it has ever been driven its sensors may hang in the air.
+        if self.state == JointBoardState::Off && !self.has_served {
             return Ok(None);
         }
         let measured = self.watch.take(out, self.state.is_driven())?;
-        let (Some(installed), Some(running)) = (&self.installed, &mut self.running) else {
+        if !self.state.is_driven() {
             return Ok(None);
-        };
+        }
         self.silent_ticks = self.silent_ticks.saturating_add(1);
         if self.silent_ticks > self.protection.bus_silent_ticks {
             return Err(JointFault::OfBoard(Fault::BusSilent));
         }
+        if self.state == JointBoardState::Service {
+            return Ok(Some(Asked { commands: self.pressures, command: None }));
+        }
+        let (Some(installed), Some(running)) = (&self.installed, &mut self.running) else {
+            return Ok(None);
+        };
         let (control, target) = match &mut running.start {
-            Some(start) => (&installed.open, start.target()),
-            None => (&installed.control, self.target),
+            // A weight that the host knows of hangs there already.
+            Some(start) => (&installed.open, JointTarget { load: self.aimed.load(), ..start.target() }),
+            None => (&installed.control, self.aimed.at(self.ticks)),
         };
         let command = joint_step(black_box(control), &mut running.state, &target, measured.angle)
             .map_err(|_| JointFault::OfBoard(Fault::NotFinite))?;
@@ -328,9 +353,10 @@ impl JointTask {
             running.start = None;
             self.state = JointBoardState::Tracking;
             // Until the host says otherwise it stays where the start has left it.
-            self.target = JointTarget { angle: running.state.due(), stiffness: target.stiffness, load: 0.0 };
+            let angle = running.state.due();
+            self.aimed = Aimed::still(JointTarget { angle, ..target });
         }
-        Ok(Some(command))
+        Ok(Some(Asked { commands: command.commands, command: Some(command) }))
     }
 
     /// Goes to a state in which nothing is driven. The next write, in this tick if it is still to
@@ -338,7 +364,13 @@ impl JointTask {
     fn leave(&mut self, state: JointBoardState) {
         self.state = state;
         self.running = None;
+        self.pressures = [0.0; 2];
         self.armed_ticks = 0;
+    }
+
+    /// Where it rests, vented: by whether it has a joint.
+    fn home(&self) -> JointBoardState {
+        if self.installed.is_some() { JointBoardState::Ready } else { JointBoardState::Off }
     }
 }
 

@@ -5,12 +5,13 @@ use model_core::joint::JointTarget;
 use model_core::pid::PidParameters;
 use wire::fault::times::LOOP_RESETS;
 use wire::joint::{
-    BoardJointControl, BoardJointParameters, JOINT_VERSION, JointBoardState, JointConfiguration, JointFault,
-    JointHello, JointReport, JointRequest, JointResponse, JointTickReply,
+    BoardJointControl, BoardJointParameters, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration,
+    JointFault, JointHello, JointReport, JointRequest, JointResponse, JointTickReply,
 };
-use wire::registers::ARMED_TICKS;
+use wire::registers::{ARMED_TICKS, HIGHEST_BAR};
 use wire::{Fault, Refusal};
 
+use super::aim::Aimed;
 use super::start::Start;
 use super::watch::Watch;
 use super::{ANGLE, Installed, JointTask, Running};
@@ -45,23 +46,58 @@ pub fn carry_out(node: &mut impl JointNode, request: &JointRequest) -> JointResp
         JointRequest::Start(stiffness) => node.task(|task| task.start(*stiffness)),
         JointRequest::Stop => node.task(JointTask::stop),
         JointRequest::Acknowledge => node.task(JointTask::acknowledge),
-        JointRequest::Aim(target) => node.task(|task| {
-            target.iter().for_each(|target| task.aim(*target));
-            JointResponse::Report(task.tell())
+        JointRequest::Aim(aim) => node.task(|task| match aim {
+            Some(_) if task.state == JointBoardState::Service => JointResponse::WrongState(task.state),
+            aim => {
+                aim.iter().for_each(|aim| task.aim(*aim));
+                JointResponse::Report(task.tell())
+            }
         }),
+        JointRequest::Service => node.task(JointTask::serve),
+        JointRequest::Press(pressures) => node.task(|task| task.press(*pressures)),
         JointRequest::Tick(_) => JointResponse::Refused(Refusal::NotHere),
     }
 }
 
 impl JointTask {
-    /// Takes what the joint is to do, a sign of life of the host. One that is no number is a fault.
-    pub fn aim(&mut self, target: JointTarget<f32>) {
+    /// Takes where the joint is to go, a sign of life of the host. A target that is no number is a
+    /// fault.
+    pub fn aim(&mut self, aim: JointAim) {
         self.silent_ticks = 0;
-        if (target.angle + target.stiffness + target.load).is_finite() {
-            self.target = target;
+        let JointTarget { angle, stiffness, load } = aim.target;
+        if (angle + stiffness + load).is_finite() {
+            self.aimed.take(aim);
         } else {
             self.report(JointFault::OfBoard(Fault::Reference));
         }
+    }
+
+    /// Takes what the host wants both pressures (bar) to be, a sign of life in service. One that is
+    /// no number is a fault.
+    fn press(&mut self, pressures: [f32; 2]) -> JointResponse {
+        if self.state != JointBoardState::Service {
+            return JointResponse::WrongState(self.state);
+        }
+        let [a, b] = pressures;
+        if !(a + b).is_finite() {
+            self.report(JointFault::OfBoard(Fault::Reference));
+            return JointResponse::Report(self.tell());
+        }
+        let highest = self.highest_bar();
+        if pressures.iter().any(|bar| !(0.0..=highest).contains(bar)) {
+            return JointResponse::Refused(Refusal::parameter(format_args!(
+                "pressures of {a} and {b} bar, must be 0 to {highest} bar"
+            )));
+        }
+        self.silent_ticks = 0;
+        self.pressures = pressures;
+        JointResponse::Report(self.tell())
+    }
+
+    /// The highest pressure that a host may ask for: that at which the mean of a single muscle's
+    /// pressure vents, and what is compiled in. Unit: bar.
+    fn highest_bar(&self) -> f32 {
+        self.protection.overpressure_soft_bar.min(HIGHEST_BAR as f32)
     }
 
     /// What the last tick has come to.
@@ -121,7 +157,7 @@ impl JointTask {
     }
 
     fn arm(&mut self) -> JointResponse {
-        if self.state != JointBoardState::Ready {
+        if !matches!(self.state, JointBoardState::Off | JointBoardState::Ready) {
             return JointResponse::WrongState(self.state);
         }
         self.armed_ticks = ARMED_TICKS;
@@ -144,6 +180,7 @@ impl JointTask {
         let middle = 0.5 * (angles.min() + angles.max());
         let start = Start::new((angles.min(), angles.max()), stiffness, installed.period_s);
         self.running = Some(Running { state: installed.control.rest_state(middle), start: Some(start) });
+        self.aimed = Aimed::still(JointTarget { angle: middle, stiffness, load: 0.0 });
         self.watch.start_anew();
         self.state = JointBoardState::Starting;
         self.silent_ticks = 0;
@@ -151,9 +188,24 @@ impl JointTask {
         JointResponse::Accepted
     }
 
+    /// Lets the host drive both valves by pressures, which begin at 0 bar.
+    fn serve(&mut self) -> JointResponse {
+        if !matches!(self.state, JointBoardState::Off | JointBoardState::Ready) {
+            return JointResponse::WrongState(self.state);
+        }
+        if self.armed_ticks == 0 {
+            return JointResponse::Refused(Refusal::NotArmed);
+        }
+        self.watch.start_anew();
+        self.has_served = true;
+        self.leave(JointBoardState::Service);
+        self.silent_ticks = 0;
+        JointResponse::Accepted
+    }
+
     fn stop(&mut self) -> JointResponse {
         if self.state.is_driven() {
-            self.leave(JointBoardState::Ready);
+            self.leave(self.home());
         }
         JointResponse::Accepted
     }
@@ -167,8 +219,7 @@ impl JointTask {
             self.fault = None;
             self.black_box.iter_mut().for_each(|black_box| black_box.reopen());
             self.watch.start_anew();
-            let has_joint = self.installed.is_some();
-            self.leave(if has_joint { JointBoardState::Ready } else { JointBoardState::Off });
+            self.leave(self.home());
         }
         JointResponse::Accepted
     }

@@ -13,8 +13,8 @@ IMAGE = pathlib.Path(os.environ.get("MGPI_CHIP_IMAGE", "")).with_name("stm32f405
 # Channels of the converter: pressure a, the angle, pressure b, the supply.
 PRESSURES, ANGLE, SUPPLY = (0, 11), 1, 10
 # Places in the messages' enumerations (`wire::joint`), as postcard numbers them.
-AIM, REPORT = 7, 5
-OFF, READY, STARTING, TRACKING, FAULT = range(5)
+AIM, PRESS, REPORT = 7, 9, 5
+OFF, READY, STARTING, TRACKING, FAULT, SERVICE = range(6)
 STIFFNESS = 40.0
 PERIOD_S = 1e-3
 CODES = 4095
@@ -48,9 +48,23 @@ def unframed(frame):
     return content[:-2]
 
 
-def aim(angle, stiffness=STIFFNESS):
-    """The frame by which a joint is told what to do. Unit: rad, N m/rad."""
-    return framed(bytes([AIM, 1]) + struct.pack("<fff", angle, stiffness, 0.0))
+def varint(number):
+    """A whole number as postcard writes it."""
+    content = bytearray()
+    while number >= 0x80:
+        content.append(number & 0x7F | 0x80)
+        number >>= 7
+    return bytes(content) + bytes([number])
+
+
+def aim(angle, stiffness=STIFFNESS, by_tick=0):
+    """The frame by which a joint is told where to go, at once or by a tick. Unit: rad, N m/rad."""
+    return framed(bytes([AIM, 1]) + struct.pack("<fff", angle, stiffness, 0.0) + varint(by_tick))
+
+
+def press(a, b):
+    """The frame by which a joint in service is told both pressures. Unit: bar."""
+    return framed(bytes([PRESS]) + struct.pack("<ff", a, b))
 
 
 # The frame that only asks.

@@ -22,7 +22,9 @@ use libtest_mimic::{Arguments, Conclusion, Failed, Trial};
 use model_core::Mode;
 use model_core::joint::JointTarget;
 use wire::image::{BoardKind, Linked, Place};
-use wire::joint::{JOINT_VERSION, JointBoardState, JointConfiguration, JointRequest, JointResponse};
+use wire::joint::{
+    JOINT_VERSION, JointAim, JointBoardState, JointConfiguration, JointRequest, JointResponse,
+};
 use wire::{Configuration, FRAME_BYTES, Protection, Refusal, Request, Response, State, VERSION};
 
 /// The environment variable that names a Python which has Unicorn.
@@ -100,6 +102,10 @@ fn frames() -> Result<String, Failed> {
         let digits: String = frame.iter().map(|byte| format!("{byte:02x}")).collect();
         format!("{name} {digits}\n")
     };
+    let aim = |by_tick| {
+        let target = JointTarget { angle: 0.25, stiffness: STIFFNESS, load: 0.0 };
+        JointRequest::Aim(Some(JointAim { target, by_tick }))
+    };
     let mut buffer = [0; FRAME_BYTES];
     let mut text = String::new();
     for (name, request) in [
@@ -132,7 +138,11 @@ fn frames() -> Result<String, Failed> {
         ("joint_stop", JointRequest::Stop),
         ("joint_acknowledge", JointRequest::Acknowledge),
         ("joint_identify", JointRequest::Identify),
-        ("joint_aim", JointRequest::Aim(Some(JointTarget { angle: 0.25, stiffness: STIFFNESS, load: 0.0 }))),
+        ("joint_service", JointRequest::Service),
+        ("joint_aim", aim(0)),
+        ("joint_aim_by", aim(70_000)),
+        ("joint_press", JointRequest::Press([2.5, 1.5])),
+        ("joint_press_too_much", JointRequest::Press([7.0, 1.5])),
     ] {
         text += &framed(name, wire::encode(&request, &mut buffer)?);
     }
@@ -140,6 +150,8 @@ fn frames() -> Result<String, Failed> {
         ("joint_accepted", JointResponse::Accepted),
         ("joint_not_armed", JointResponse::Refused(Refusal::NotArmed)),
         ("joint_at_fault", JointResponse::WrongState(JointBoardState::Fault)),
+        ("joint_is_off", JointResponse::WrongState(JointBoardState::Off)),
+        ("joint_in_service", JointResponse::WrongState(JointBoardState::Service)),
     ] {
         text += &framed(name, wire::encode(&response, &mut buffer)?);
     }

@@ -6,8 +6,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
 use board_client::update::Package;
+use board_models::joint::joint_parameters;
 use host_tests::desk_commands::mgpi;
 use libtest_mimic::{Failed, Trial};
+use recording::Source;
+use recording::joint::file::JointFile;
 
 use crate::{Files, image_file, python};
 
@@ -17,8 +20,9 @@ const PATIENCE_S: &str = "60";
 
 /// The tests. The update takes minutes, and is run by who asks for it: `--ignored`.
 pub fn trials(files: &Files) -> Vec<Trial> {
-    let (first, second) = (files.clone(), files.clone());
+    let (first, second, third) = (files.clone(), files.clone(), files.clone());
     vec![
+        Trial::test("terminal::mgpi_records_a_joint_and_tracks_with_it_over_the_link", move || joint(&third)),
         Trial::test("terminal::mgpi_bring_up_writes_the_record_of_a_board", move || bring_up(&first)),
         Trial::test("terminal::mgpi_update_brings_a_whole_image_to_the_board_which_keeps_it", move || {
             update(&second)
@@ -89,6 +93,41 @@ fn bring_up(files: &Files) -> Result<(), Failed> {
     Ok(())
 }
 
+/// The plant has no friction, and the model that the board is given has some: angles are that near
+/// where they are asked for, as a share of the range.
+const JOINT_RMSE: f64 = 0.01;
+
+fn joint(files: &Files) -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let at = |name: &str| folder.path().join(name);
+    let parameters = joint_parameters().joint.convert()?;
+    let source = Source { file: "board-models".to_owned(), sha256: String::new() };
+    std::fs::write(at("joint.toml"), JointFile::new(parameters, source, 0, (0.0, 0.0))?.to_toml())?;
+    let reference = "time_s,reference_deg,stiffness_nm_per_rad\n0,-8,40\n1.5,8,40\n2,8,45\n";
+    std::fs::write(at("reference.csv"), reference)?;
+    let board = AtTerminal::start(files, "joint")?;
+    let run = |arguments: &str| {
+        let mut command = Command::new(mgpi());
+        command.current_dir(folder.path()).args(arguments.split_whitespace()).arg("--port").arg(&board.port);
+        said(command.args(["--timeout-s", PATIENCE_S]))
+    };
+    let (text, status) = run("capture --joint --max-bar 5 --duration-s 6 --every 20 -o rec.csv")?;
+    assert!(status == Some(0) && text.contains("one each 20 ms; ticks late: 0"), "{text}");
+    let recording = std::fs::read_to_string(at("rec.csv"))?;
+    let last = recording.lines().last().ok_or("it is empty")?;
+    let fields: Vec<f64> = last.split(',').filter_map(|field| field.parse().ok()).collect();
+    assert!(fields.len() == 8 && fields[0] > 5.9 && fields[1] > 1.7 && fields[3] > 1.5, "{last}");
+    let (text, status) =
+        run("track --joint --model joint.toml --reference reference.csv -o log.csv --json run.json")?;
+    assert!(status == Some(0) && text.contains("ticks late: 0"), "{text}");
+    println!("{text}");
+    let figures: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(at("run.json"))?)?;
+    let share = figures["rmse_deg"].as_f64().zip(figures["range_deg"].as_f64());
+    assert!(share.is_some_and(|(rmse, range)| rmse < JOINT_RMSE * range), "{figures}");
+    assert_eq!(board.end()?, "");
+    Ok(())
+}
+
 fn update(files: &Files) -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let [a, b] = ["a", "b"].map(|name| std::fs::read(files.images.join(name)));
@@ -104,7 +143,8 @@ fn update(files: &Files) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Whether the bring-up image is there, too.
+/// Whether the other images are there, too.
 pub fn has_images() -> bool {
-    image_file().with_file_name("bring_up").is_file() && Path::new(&mgpi()).is_file()
+    ["bring_up", "stm32f405_joint"].iter().all(|name| image_file().with_file_name(name).is_file())
+        && Path::new(&mgpi()).is_file()
 }

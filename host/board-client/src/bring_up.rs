@@ -15,10 +15,9 @@ use toml::{Table, Value};
 use wire::bring_up::{CHECKSUM, ECHO, END, FAULTY, GOOD, NONE, OUTPUT, RUN, Wanted};
 
 use crate::bus::port::{Line, Parity, Port, PortError};
+use crate::joint::link::BAUD;
 use crate::stop::Stop;
 
-/// Of the service link. Unit: bit/s.
-const BAUD: u32 = 460_800;
 /// The longest silence within a report: the cycle of the flash takes 1.5 s at most, the watchdog
 /// bites behind 4 to 8 s.
 const SILENCE: Duration = Duration::from_secs(9);

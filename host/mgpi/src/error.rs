@@ -12,6 +12,7 @@ use board_client::bring_up::BringUpError;
 use board_client::bus::BoardError;
 #[cfg(unix)]
 use board_client::emulator::{EmulatorError, image::ImageError};
+use board_client::joint::error::JointBoardError;
 use board_client::part::PartError;
 use board_client::pil::PilError;
 use board_client::update::{PackageError, UpdateError};
@@ -91,6 +92,9 @@ pub enum Error {
     /// A run of the firmware does not come to its end.
     #[error(transparent)]
     Pil(#[from] PilError),
+    /// A board of a joint does not do what it is asked for.
+    #[error(transparent)]
+    JointBoard(#[from] JointBoardError),
     /// The file of a backup is not what it should be.
     #[error(transparent)]
     BackupFile(#[from] BackupFileError),
@@ -163,6 +167,7 @@ impl Error {
             self,
             Self::Pil(PilError::Stopped)
                 | Self::Board(BoardError::Stopped)
+                | Self::JointBoard(JointBoardError::Stopped)
                 | Self::Update(UpdateError::Stopped)
                 | Self::BringUp(BringUpError::Stopped)
         );

@@ -35,6 +35,21 @@ fn a_joint_is_recorded_and_identified() {
     assert!(page.contains("Stiffness that may be asked for") && !page.contains("NaN"), "a report");
 }
 
+/// The same recording twice is what it is once, but that it is filled twice.
+#[test]
+fn several_recordings_of_a_joint_make_one_model() {
+    let bench = with_model();
+    let said = bench.succeeds("identify --joint joint.csv joint.csv -o both.toml --json both.json");
+    assert!(said.contains("from joint.csv, joint.csv"), "{said}");
+    let figures = |file: &str| serde_json::from_str::<serde_json::Value>(&bench.read(file)).expect("JSON");
+    let number = |file: &str, name: &str| figures(file)[name].as_f64().expect("a number");
+    let (once, twice) = (number("joint.json", "rmse_deg"), number("both.json", "rmse_deg"));
+    assert!((twice / once - 1.0).abs() < 0.1, "{once} and {twice} degrees");
+    let rows = |file: &str| number(file, "scored_rows");
+    assert!(rows("both.json") == 2.0 * rows("joint.json"));
+    assert!(bench.read("both.toml").contains("recording = \"joint.csv, joint.csv\""));
+}
+
 #[test]
 fn what_does_not_fit_a_joint_is_refused_and_leaves_nothing() {
     let bench = with_model();
@@ -43,7 +58,6 @@ fn what_does_not_fit_a_joint_is_refused_and_leaves_nothing() {
     bench.write("unstiff.csv", "time_s,reference_deg\n0,0\n1,0\n");
     bench.write("reference.csv", REFERENCE);
     for (arguments, message) in [
-        ("identify --joint joint.csv joint.csv -o more.toml", "--joint takes one recording"),
         ("identify --joint joint.csv -o more.toml --plays 4", "cannot be used with"),
         ("identify joint.csv -o more.toml --swing-deg 2", "--joint"),
         ("identify --joint joint.csv -o joint.toml", "exists already"),

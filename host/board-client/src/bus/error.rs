@@ -106,7 +106,7 @@ impl From<PortError> for BoardError {
     }
 }
 
-fn other(board: u16, own: u16) -> &'static str {
+pub(crate) fn other(board: u16, own: u16) -> &'static str {
     if board > own { "use a newer mgpi" } else { "flash the firmware of this release" }
 }
 

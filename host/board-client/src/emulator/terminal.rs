@@ -5,6 +5,7 @@ use std::io;
 use std::os::fd::AsRawFd;
 use std::path::{Path, PathBuf};
 
+use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
@@ -24,6 +25,8 @@ impl PseudoTerminal {
     /// The system has none left.
     pub fn open() -> io::Result<Self> {
         let end = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
+        // Programs that are started meanwhile do not keep it alive.
+        fcntl_setfd(&end, FdFlags::CLOEXEC)?;
         grantpt(&end)?;
         unlockpt(&end)?;
         let path = PathBuf::from(ptsname(&end, Vec::new())?.to_string_lossy().into_owned());

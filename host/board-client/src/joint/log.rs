@@ -8,19 +8,21 @@ use super::JointSample;
 pub const COLUMNS: &str = "time_s,reference_deg,angle_deg,stiffness_nm_per_rad,command_a_bar,command_b_bar,\
                            pressure_a_bar,pressure_b_bar,feedback_newton_metre,limited\n";
 
-/// A run as CSV, a row a tick. The stiffness is the one that was due.
+/// A run as CSV.
 pub fn log(samples: &[JointSample]) -> String {
-    let row = |sample: &JointSample| {
-        let JointSample { time_s, wanted, measured, commands_bar, reply } = sample;
-        let ([command_a, command_b], [a, b]) = (commands_bar, measured.pressures_bar);
-        let (angle, feedback, stiffness) = (measured.angle_deg, reply.feedback_nm, reply.stiffness);
-        let limited = u8::from(reply.is_limited || !reply.is_as_stiff);
-        format!(
-            "{time_s:.6},{},{angle},{stiffness},{command_a},{command_b},{a},{b},{feedback},{limited}\n",
-            wanted.angle_deg
-        )
-    };
     COLUMNS.to_owned() + &samples.iter().map(row).collect::<String>()
+}
+
+/// The row of a tick. The stiffness is the one that was due.
+pub fn row(sample: &JointSample) -> String {
+    let JointSample { time_s, wanted, measured, commands_bar, reply } = sample;
+    let ([command_a, command_b], [a, b]) = (commands_bar, measured.pressures_bar);
+    let (angle, feedback, stiffness) = (measured.angle_deg, reply.feedback_nm, reply.stiffness);
+    let limited = u8::from(reply.is_limited || !reply.is_as_stiff);
+    format!(
+        "{time_s:.6},{},{angle},{stiffness},{command_a},{command_b},{a},{b},{feedback},{limited}\n",
+        wanted.angle_deg
+    )
 }
 
 /// The error of the angle over all ticks. Unit: degrees.

@@ -1,9 +1,15 @@
-//! A joint of two muscles: the firmware of two channels, in lock-step with a plant.
+//! A joint of two muscles: the firmware of two channels, in lock-step with a plant, or a board at a
+//! serial port.
 //!
 //! # Design
 //! | file | what it does |
 //! |---|---|
+//! | this one | the loop in lock-step |
 //! | [`start`] | starts a joint, which its board tries before it controls it, and goes to where it shall begin |
+//! | [`link`] | a board at a serial port: requests and answers, lost ones and damaged ones |
+//! | `run` | what a run over that link begins and ends with |
+//! | [`track`](mod@track) | such a board follows a reference |
+//! | [`record`](mod@record) | such a board records a joint, without a model |
 //! | [`log`] | the log of a run and its figures |
 //!
 //! # Timing
@@ -11,8 +17,13 @@
 //! measured; the measurement goes to the board as ADC codes, with what is wanted in this tick, and
 //! its DAC codes are the next commands.
 
+pub mod error;
+pub mod link;
 pub mod log;
+pub mod record;
+pub mod run;
 pub mod start;
+pub mod track;
 
 use std::f64::consts::PI;
 
@@ -59,7 +70,7 @@ impl JointBoard for crate::emulator::Emulator {
 }
 
 /// Degrees in a radian.
-const DEGREES: f64 = 180.0 / PI;
+pub(crate) const DEGREES: f64 = 180.0 / PI;
 
 /// What the sensors of a joint say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +97,8 @@ pub struct JointWanted {
     pub angle_deg: f64,
     /// Unit: N m/rad.
     pub stiffness: f64,
+    /// Torque that is known to act on it from outside, towards larger angles. Unit: N m.
+    pub torque_nm: f64,
 }
 
 /// A tick of a run.
@@ -193,7 +206,7 @@ impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
             target: Some(JointTarget {
                 angle: (wanted.angle_deg / DEGREES) as f32,
                 stiffness: wanted.stiffness as f32,
-                load: 0.0,
+                load: wanted.torque_nm as f32,
             }),
             pressure_codes: [
                 code(pressure, "pressure a", a, (1.0, "bar"))?,

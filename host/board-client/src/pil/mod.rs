@@ -125,7 +125,7 @@ fn cause(fault: Option<Fault>) -> String {
     fault.and_then(row).map_or_else(|| "it does not say why".to_owned(), in_full)
 }
 
-fn in_words(refusal: &Refusal) -> String {
+pub(crate) fn in_words(refusal: &Refusal) -> String {
     match refusal {
         Refusal::Parameter(message) => message.as_str().to_owned(),
         Refusal::NotStored => {

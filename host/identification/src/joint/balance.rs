@@ -5,6 +5,8 @@
 //! counts torques, and says how stiff the joint is for the second. For given knees and slips the
 //! problem is linear; these four are searched by golden sections, one after the other.
 
+use std::ops::Range;
+
 use model_core::List;
 use model_core::joint::PullParameters;
 use model_core::joint::stops::{Stops, Thresholds};
@@ -45,6 +47,7 @@ pub(super) struct Rows {
     held: Vec<[f64; 2]>,
     thresholds: Thresholds<f64, STOPS>,
     known: HostJointParameters,
+    parts: Vec<Range<usize>>,
 }
 
 impl Rows {
@@ -53,8 +56,12 @@ impl Rows {
         let JointRecording { time_s, pressures_bar: [a, b], angle_rad, torque_nm, scored, .. } = recording;
         let step_s = (time_s[time_s.len() - 1] - time_s[0]) / (time_s.len() - 1) as f64;
         let half = |s: f64| (s / step_s).round() as usize;
-        let smoothed = averaged(angle_rad, half(SMOOTHED_S));
-        let speed = slopes(time_s, angle_rad, half(SPEED_S).max(1));
+        // What was not recorded in one go has no speed in between.
+        let smoothed: Vec<f64> =
+            recording.parts().flat_map(|part| averaged(&angle_rad[part], half(SMOOTHED_S))).collect();
+        let part_speed =
+            |part: Range<usize>| slopes(&time_s[part.clone()], &angle_rad[part], half(SPEED_S).max(1));
+        let speed = recording.parts().flat_map(part_speed).collect();
         let at = |row: &usize| scored[*row];
         let rows = || (0..time_s.len()).filter(at);
         let first = rows().map(|row| smoothed[row]).fold(f64::INFINITY, f64::min);
@@ -98,7 +105,18 @@ impl Rows {
             speed,
             thresholds: Thresholds::try_new(&List::from_iter(reaches()))?,
             known,
+            parts: recording.parts().collect(),
         })
+    }
+
+    /// Whether a joint is where it was measured at each row, rather than simulated: until rows
+    /// count, in each recording, it is being filled.
+    pub(super) fn is_given(&self, counts: &[bool]) -> Vec<bool> {
+        let first = |part: &Range<usize>| {
+            let counted = part.clone().find(|row| counts[*row]);
+            (part.clone(), counted.unwrap_or(part.end))
+        };
+        self.parts.iter().map(first).flat_map(|(part, first)| part.map(move |row| row <= first)).collect()
     }
 
     pub(super) fn parameters(&self, unknowns: &Unknowns) -> HostJointParameters {
@@ -127,6 +145,16 @@ impl Rows {
         angle: f64,
     ) {
         joint.turn(stops, angle, self.held[row]);
+    }
+
+    /// The same to where it was measured.
+    pub(super) fn turn_as_measured(
+        &self,
+        row: usize,
+        joint: &HostJoint,
+        stops: &mut Stops<f64, { recording::joint::STOPS }>,
+    ) {
+        self.turn(row, joint, stops, self.smoothed[row]);
     }
 
     /// What each linear unknown does to the torque, at every row.

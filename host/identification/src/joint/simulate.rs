@@ -12,14 +12,21 @@ const FARTHEST: f64 = 0.5;
 const STEPS: usize = 60;
 
 /// The simulated angle of every row from the first of `counts` on, where the joint begins at the
-/// measured one; before it the measured angle. Unit: rad.
+/// measured one; before it the measured angle. So it is in each recording of several. Unit: rad.
 pub(super) fn simulate(rows: &Rows, counts: &[bool], joint: &HostJoint) -> Vec<f64> {
     let begin = counts.iter().position(|counts| *counts).unwrap_or(0);
     let mut angles = rows.angle.clone();
     let mut stops = rows.stops_at(begin, joint);
     let mut angle = stops.angle();
     let mut slope = -joint.stiffness(angle, rows.pressures[begin]);
+    let is_given = rows.is_given(counts);
     for (row, simulated) in angles.iter_mut().enumerate().skip(begin + 1) {
+        if is_given[row] {
+            rows.turn_as_measured(row, joint, &mut stops);
+            angle = stops.angle();
+            slope = -joint.stiffness(angle, rows.pressures[row]);
+            continue;
+        }
         let step_s = rows.time_s[row] - rows.time_s[row - 1];
         let last = angle;
         let surplus = |angle: f64| {

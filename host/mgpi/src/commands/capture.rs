@@ -4,8 +4,9 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
+use super::duration_bar::bar;
+use super::joint_capture::{self, JointArguments};
 use super::number::positive;
 use super::port::PortArguments;
 use super::reading::Reading;
@@ -35,13 +36,13 @@ pub struct Arguments {
     /// Highest command of the default excitation in bar
     #[arg(long, default_value_t = 6.0, value_name = "BAR", value_parser = positive)]
     max_bar: f64,
-    /// Length of the default excitation in s
-    #[arg(long, default_value_t = 120.0, value_name = "S", value_parser = positive)]
-    duration_s: f64,
+    /// Length of the default excitation in s [default: 120; of a joint some 310]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    duration_s: Option<f64>,
     /// Where the recording goes; it grows in a file beside it, REC.csv.part
     #[arg(short = 'o', value_name = "REC.csv")]
     recording: PathBuf,
-    /// Record every so-manieth tick [default: as many as the bus carries]
+    /// Record every so-manieth tick [default: as many as the bus carries; of a joint 10]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..=1000))]
     every: Option<u16>,
     /// Also show the board on a page at this address, as `mgpi watch` does
@@ -54,8 +55,15 @@ pub struct Arguments {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
+    joint: JointArguments,
+    #[command(flatten)]
     port: PortArguments,
 }
+
+/// Length of the default excitation of a muscle. Unit: s.
+const DURATION_S: f64 = 120.0;
+/// A joint is recorded at 100 Hz, five rows in the lag of a regulator. Unit: tick.
+const EVERY: u16 = 10;
 
 /// Captures.
 ///
@@ -66,6 +74,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let Arguments { excitation, recording: file, every, resume, force, .. } = arguments;
     let inputs: Vec<_> = excitation.iter().map(PathBuf::as_path).collect();
     let mut outputs = Outputs::claim([file], &inputs, *force)?;
+    if arguments.joint.is_meant() {
+        let joint = joint_capture::Arguments {
+            joint: &arguments.joint,
+            recording: file,
+            max_bar: arguments.max_bar,
+            duration_s: arguments.duration_s,
+            every: every.unwrap_or(EVERY),
+            address: arguments.port.link(),
+            force: *force,
+        };
+        return joint_capture::run(joint, outputs);
+    }
     let (points, words) = arguments.points()?;
     let mut board = arguments.port.open()?;
     let head = head(&board, &words);
@@ -113,8 +133,8 @@ impl Arguments {
     /// The points to be played, and what they are.
     fn points(&self) -> Result<(Vec<f32>, String), Error> {
         let Some(file) = &self.excitation else {
-            let Self { max_bar, duration_s, .. } = self;
-            let course = triangles_and_holds(*max_bar, *duration_s);
+            let (max_bar, duration_s) = (self.max_bar, self.duration_s.unwrap_or(DURATION_S));
+            let course = triangles_and_holds(max_bar, duration_s);
             let count = (duration_s * POINTS_PER_S).round() as usize + 1;
             let times = (0..count).map(|point| point as f64 / POINTS_PER_S);
             let points = course.samples(times).map(|bar| bar as f32).collect();
@@ -136,13 +156,6 @@ fn head(board: &Board, excitation: &str) -> [String; 2] {
         format!("recorded by {TOOL} from a board, firmware {major}.{minor}.{patch}"),
         format!("excitation: {excitation}"),
     ]
-}
-
-/// A bar over so many seconds.
-pub(super) fn bar(duration_s: f64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {eta} left");
-    ProgressBar::new((1e3 * duration_s) as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 /// What was recorded, for people.

@@ -67,7 +67,8 @@ pub struct Arguments {
     held_out: HeldOutArguments,
     #[command(flatten)]
     effort: Effort,
-    /// The recording is one of two muscles at a joint: commands, pressures, angle, torque
+    /// The recording is one of two muscles at a joint: commands, pressures, angle, torque; of
+    /// several one has a known torque that the others have not
     #[arg(
         long,
         conflicts_with_all = ["model", "plays", "weights", "dead_zones", "envelope", "knots", "loss",
@@ -173,12 +174,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let written = [model_file].into_iter().chain(report).chain(json);
     let mut outputs = Outputs::claim(written, &inputs, arguments.force)?;
     if arguments.joint {
-        let [recording] = &files[..] else {
-            return Err(Error::Usage("--joint takes one recording".to_owned()));
-        };
         let choice = arguments.columns.choice();
         let (swing_deg, report, json) = (arguments.swing_deg, report.as_deref(), json.as_deref());
-        let joint = joint_identify::Arguments { recording, choice, swing_deg, model_file, report, json };
+        let joint =
+            joint_identify::Arguments { recordings: files, choice, swing_deg, model_file, report, json };
         return joint_identify::run(&joint, outputs);
     }
     let (recordings, other) = arguments.columns.read(files, held_out.validate.as_deref())?;

@@ -1,7 +1,7 @@
 //! `mgpi identify --joint`: two muscles at a joint, from a recording to a model.
 
 use std::f64::consts::PI;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use recording::Choice;
 use recording::joint::columns::JointRecording;
@@ -15,7 +15,8 @@ use identification::joint::{JointEstimate, identify_joint};
 
 /// What a joint is identified with.
 pub struct Arguments<'a> {
-    pub recording: &'a Path,
+    /// At least one.
+    pub recordings: &'a [PathBuf],
     pub choice: Choice,
     pub swing_deg: f64,
     pub model_file: &'a Path,
@@ -29,17 +30,25 @@ pub struct Arguments<'a> {
 /// The recording is not what it should be, no joint can be made of it, or an output cannot be
 /// written.
 pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
-    let Arguments { recording: file, choice, swing_deg, model_file, report, json } = arguments;
-    let recording = JointRecording::of(&choice.table(file)?, choice)?;
-    for note in &recording.notes {
-        eprintln!("note: {}: {note}", recording::input::name(file));
-    }
+    let Arguments { recordings: files, choice, swing_deg, model_file, report, json } = arguments;
+    let read = |file: &PathBuf| -> Result<JointRecording, Error> {
+        let recording = JointRecording::of(&choice.table(file)?, choice)?;
+        for note in &recording.notes {
+            eprintln!("note: {}: {note}", recording::input::name(file));
+        }
+        Ok(recording)
+    };
+    let recordings = files.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let Some(recording) = recordings.into_iter().reduce(JointRecording::followed_by) else {
+        return Err(Error::Usage("--joint takes a recording".to_owned()));
+    };
+    let file = &recording.source.file;
     let identified = identify_joint(&recording, swing_deg * PI / 180.0)
-        .map_err(|source| Error::Joint { file: file.to_path_buf(), source })?;
+        .map_err(|source| Error::Joint { file: file.into(), source })?;
     let (found, known) = (&identified.file, &identified.known);
     outputs.stage(model_file, found.to_toml().as_bytes())?;
-    if let Some(file) = report {
-        outputs.stage(file, to_html(&identified, &recording).as_bytes())?;
+    if let Some(page) = report {
+        outputs.stage(page, to_html(&identified, &recording).as_bytes())?;
     }
     let (lowest, highest) = found.parameters.angles;
     let degrees = |angle: f64| angle * 180.0 / PI;
@@ -51,7 +60,7 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
         json!({ "name": name, "unit": unit, "value": value, "standard_error": standard_error })
     };
     let parameters: Vec<Value> = known.estimates.iter().map(estimate).collect();
-    if let Some(file) = json {
+    if let Some(figures) = json {
         let value = json!({
             "rmse_deg": identification.rmse_deg,
             "heldout_rmse_deg": identification.heldout_rmse_deg,
@@ -63,11 +72,11 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
             "stiffest_standard_error": of_stiff,
             "parameters": parameters,
         });
-        outputs.stage(file, format!("{value:#}\n").as_bytes())?;
+        outputs.stage(figures, format!("{value:#}\n").as_bytes())?;
     }
     outputs.commit()?;
     let share = |deg: f64| format!("{deg:.4} degrees ({:.2} % of range)", 100.0 * deg / range_deg);
-    say!("joint         {} rows that count, from {}", identification.scored_rows, file.display());
+    say!("joint         {} rows that count, from {file}", identification.scored_rows);
     say!("angles        {:.2} to {:.2} degrees", degrees(lowest), degrees(highest));
     say!("training      RMSE of the simulated angle {}", share(identification.rmse_deg));
     say!("held out      RMSE {} (blocks all through the recording)", share(identification.heldout_rmse_deg));

@@ -15,6 +15,7 @@ pub mod completions;
 pub mod deploy;
 pub mod diagnose;
 mod diagnosed_summary;
+mod duration_bar;
 #[cfg(unix)]
 pub mod emulate;
 pub mod export;
@@ -25,9 +26,12 @@ pub mod gateway;
 pub mod identify;
 pub mod import;
 mod instructions;
+mod joint_capture;
 mod joint_identify;
 #[cfg(unix)]
 mod joint_pil;
+mod joint_run;
+mod joint_track;
 mod learnt;
 pub mod man;
 mod number;

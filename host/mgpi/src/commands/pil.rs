@@ -47,6 +47,7 @@ pub struct Arguments {
     #[arg(long, value_name = "MODEL.toml")]
     model: PathBuf,
     /// What to track: time_s, reference_mm; of a joint time_s, reference_deg, stiffness_nm_per_rad
+    /// and, if it is known, torque_newton_metre
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
     #[command(flatten)]

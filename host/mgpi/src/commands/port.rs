@@ -11,6 +11,7 @@ use super::number::positive;
 use board_client::bus::client::Address;
 use board_client::bus::port::{Line, Parity};
 use board_client::bus::{Board, BoardError};
+use board_client::joint;
 
 /// Where the board is.
 #[derive(Args, Clone, Debug)]
@@ -22,16 +23,20 @@ pub struct PortArguments {
     /// The board's number on the bus
     #[arg(long, default_value_t = UNIT, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=247))]
     unit: u8,
-    /// Bits a second
-    #[arg(long, default_value_t = BAUD, value_name = "BIT/S", value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
-    baud: u32,
+    /// Bits a second [default: 115200; at the service link, where a joint's board is, 460800]
+    #[arg(long, value_name = "BIT/S", value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
+    baud: Option<u32>,
     /// Parity
     #[arg(long, default_value = "none")]
     parity: Parity,
-    /// Longest time for an answer in s; a lost one is asked for again
-    #[arg(long, default_value_t = 0.15, value_name = "S", value_parser = positive)]
-    timeout_s: f64,
+    /// Longest time for an answer in s; a lost one is asked for again [default: 0.15; at the
+    /// service link 0.12]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    timeout_s: Option<f64>,
 }
+
+/// How long an answer on the bus may take, unless the user has it otherwise.
+const ANSWER: Duration = Duration::from_millis(150);
 
 impl PortArguments {
     /// The board's number on the bus.
@@ -44,7 +49,20 @@ impl PortArguments {
     /// # Errors
     /// The port cannot be used, nobody answers, or not a board of this version.
     pub fn open(&self) -> Result<Board, BoardError> {
-        self.open_as(self.unit, Line { baud: self.baud, parity: self.parity })
+        self.open_as(self.unit, Line { baud: self.baud.unwrap_or(BAUD), parity: self.parity })
+    }
+
+    /// The service link of a board with two channels.
+    pub fn link(&self) -> joint::link::Address {
+        joint::link::Address {
+            port: self.port.clone(),
+            baud: self.baud.unwrap_or(joint::link::BAUD),
+            limit: self.limit().unwrap_or(joint::link::ANSWER),
+        }
+    }
+
+    fn limit(&self) -> Option<Duration> {
+        self.timeout_s.map(Duration::from_secs_f64)
     }
 
     /// The same, by the parameters that the board has taken.
@@ -57,7 +75,7 @@ impl PortArguments {
     }
 
     fn open_as(&self, unit: u8, line: Line) -> Result<Board, BoardError> {
-        let limit = Duration::from_secs_f64(self.timeout_s);
+        let limit = self.limit().unwrap_or(ANSWER);
         Board::open(Address { port: self.port.clone(), line, unit, limit })
     }
 }

@@ -7,7 +7,9 @@ use clap::{Args, ValueEnum};
 use model_core::{Hysteresis, Mode, Surroundings};
 
 use super::board_model;
-use super::capture::{bar, in_words};
+use super::capture::in_words;
+use super::duration_bar::bar;
+use super::joint_track;
 use super::learnt::{self, Learning};
 use super::port::PortArguments;
 use super::reading::Reading;
@@ -32,13 +34,15 @@ const TRACK: usize = 30;
 /// Tracks a reference with a board, and logs. Ctrl-C stops and vents.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// What to track: time_s, reference_mm
+    /// What to track: time_s, reference_mm; of a joint time_s, reference_deg, stiffness_nm_per_rad
+    /// and, if it is known, torque_newton_metre
     #[arg(long, value_name = "REF.csv")]
     reference: PathBuf,
     #[command(flatten)]
     reading: Reading,
-    /// The model that the board has: says what it is worth, and that the board has it
-    #[arg(long, value_name = "MODEL.toml")]
+    /// The model that the board has: says what it is worth, and that the board has it. Of a joint
+    /// the model that the board is given
+    #[arg(long, value_name = "MODEL.toml", required_if_eq("joint", "true"))]
     model: Option<PathBuf>,
     /// What drives the valve
     #[arg(long, default_value = "both")]
@@ -67,6 +71,12 @@ pub struct Arguments {
     force: bool,
     #[command(flatten)]
     learning: Learning,
+    /// Track with two muscles at a joint, by a board with two channels at its service link
+    #[arg(long, conflicts_with_all = ["mode", "adapt", "http", "Learning", "unit", "parity"])]
+    joint: bool,
+    /// Take a fault of the board of a joint for seen to
+    #[arg(long, requires = "joint")]
+    acknowledge: bool,
     #[command(flatten)]
     port: PortArguments,
 }
@@ -103,7 +113,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         arguments;
     let files = log.iter().chain(json).chain(report).chain(&learning.learn);
     let inputs: Vec<&Path> = [file].into_iter().chain(&learning.correction).map(PathBuf::as_path).collect();
+    let inputs: Vec<&Path> = match model {
+        // It is read before anything is written.
+        Some(model) if arguments.joint => inputs.into_iter().chain([model.as_path()]).collect(),
+        _ => inputs,
+    };
     let mut outputs = Outputs::claim(files, &inputs, *force)?;
+    if let (true, Some(model)) = (arguments.joint, model) {
+        let joint = joint_track::Arguments {
+            model,
+            reference: file,
+            choice: reading.choice(),
+            address: arguments.port.link(),
+            acknowledges: arguments.acknowledge,
+            every: arguments.every.unwrap_or(1),
+            log: log.as_deref(),
+            report: report.as_deref(),
+            json: json.as_deref(),
+            force: *force,
+        };
+        return joint_track::run(&joint, outputs);
+    }
     let passes = learning.passes()?;
     let reference = Reference::read(file, reading.choice(), POINTS_PER_S)?;
     let model = model.as_deref().map(board_model::read).transpose()?;

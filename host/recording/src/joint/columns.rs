@@ -9,7 +9,11 @@
 //! | `torque_newton_metre` | that acts on the joint from outside, towards larger angles |
 //! | `valid` | 0: history only, as while the joint is being filled |
 //!
+//! Several recordings of one joint, as without a weight and with one, are put behind each other.
+//!
 //! Other units of the same quantity are converted, other names are said by `--columns`.
+
+use std::ops::Range;
 
 use crate::table::{DataError, Table};
 use crate::unit::Unit;
@@ -19,6 +23,10 @@ use crate::{Choice, Drive, Source};
 const FIRST: &str = "pressure_a_bar";
 const RAD: &str = "rad";
 const TORQUE: &str = "newton_metre";
+
+/// All columns: the first line of a recording.
+pub const COLUMNS: &str = "time_s,command_a_bar,command_b_bar,pressure_a_bar,pressure_b_bar,angle_deg,\
+                           torque_newton_metre,valid";
 
 /// A recording of a joint.
 #[derive(Clone, Debug)]
@@ -37,6 +45,8 @@ pub struct JointRecording {
     pub torque_nm: Vec<f64>,
     /// Which rows count.
     pub scored: Vec<bool>,
+    /// The first row of each recording that was put together.
+    pub begins: Vec<usize>,
     /// What was done to read it, a sentence each.
     pub notes: Vec<String>,
 }
@@ -64,7 +74,37 @@ impl JointRecording {
         let torque_nm = column("torque_newton_metre", unit(TORQUE))?;
         let source = Source { file: drive.file.display().to_string(), sha256: drive.sha256.clone() };
         let Drive { time_s, scored, .. } = drive;
-        Ok(Self { source, time_s, commands_bar, pressures_bar, angle_rad, torque_nm, scored, notes })
+        let begins = vec![0];
+        Ok(Self { source, time_s, commands_bar, pressures_bar, angle_rad, torque_nm, scored, begins, notes })
+    }
+
+    /// This recording with another one of the same joint behind it, a mean step later.
+    #[must_use]
+    pub fn followed_by(mut self, other: Self) -> Self {
+        let count = self.time_s.len();
+        let (first_s, last_s) = (self.time_s[0], self.time_s[count - 1]);
+        let step_s = (last_s - first_s) / (count.max(2) - 1) as f64;
+        let shift_s = last_s + step_s - other.time_s[0];
+        self.source.file += &format!(", {}", other.source.file);
+        self.source.sha256 += &format!(", {}", other.source.sha256);
+        self.time_s.extend(other.time_s.iter().map(|time_s| time_s + shift_s));
+        for (mine, others) in
+            [(&mut self.commands_bar, other.commands_bar), (&mut self.pressures_bar, other.pressures_bar)]
+        {
+            mine.iter_mut().zip(others).for_each(|(mine, others)| mine.extend(others));
+        }
+        self.angle_rad.extend(other.angle_rad);
+        self.torque_nm.extend(other.torque_nm);
+        self.scored.extend(other.scored);
+        self.begins.extend(other.begins.iter().map(|begin| begin + count));
+        self.notes.extend(other.notes);
+        self
+    }
+
+    /// The rows of each recording that was put together.
+    pub fn parts(&self) -> impl Iterator<Item = Range<usize>> {
+        let ends = self.begins.iter().skip(1).copied().chain([self.time_s.len()]);
+        self.begins.iter().copied().zip(ends).map(|(begin, end)| begin..end)
     }
 }
 
@@ -79,6 +119,21 @@ mod tests {
         let table = Table::parse(Path::new("one.csv"), csv.as_bytes()).expect("a table");
         let choice = Choice { has_options: true, ..Choice::default() };
         JointRecording::of(&table, &choice).expect_err("no joint").to_string()
+    }
+
+    #[test]
+    fn a_recording_goes_behind_another_by_a_step() {
+        let read = |name: &str, begin_s: f64| {
+            let row = |row: u32| format!("{},1,2,3,4,5,6,{}\n", begin_s + 0.5 * f64::from(row), row.min(1));
+            let csv = format!("{COLUMNS}\n{}{}{}", row(0), row(1), row(2));
+            let table = Table::parse(Path::new(name), csv.as_bytes()).expect("a table");
+            JointRecording::of(&table, &Choice::default()).expect("a recording")
+        };
+        let both = read("one.csv", 0.0).followed_by(read("other.csv", 7.0));
+        assert_eq!(both.time_s, [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
+        assert_eq!(both.scored, [false, true, true, false, true, true]);
+        assert_eq!(both.parts().collect::<Vec<_>>(), [0..3, 3..6]);
+        assert!(both.source.file == "one.csv, other.csv" && both.pressures_bar[1] == [4.0; 6]);
     }
 
     #[test]

@@ -1,5 +1,16 @@
 //! Messages between a host and a board that drives a joint: two muscles, each on a regulator of its
 //! own, and an angle sensor. They have the frames of the other messages, and images of their own.
+//!
+//! # Two ways to drive
+//! With a joint's model the board controls angle and stiffness: `Configure`, `Arm`, `Start`, then
+//! `Aim`, again and again. Without one a host tells both pressures, as for a recording: `Arm`,
+//! `Service`, then `Press`, again and again. Either ends by `Stop`.
+//!
+//! # Signs of life
+//! While tracking, and while a joint is tried, it is `Aim` with a target; in service it is `Press`.
+//! None of them stands in for the other, and neither does a question (`Aim` without a target).
+
+pub mod fault;
 
 use core::fmt;
 
@@ -7,9 +18,10 @@ use model_core::joint::{JointControl, JointControlParameters, JointTarget};
 use serde::{Deserialize, Serialize};
 
 use crate::{Fault, Refusal, Scaling};
+pub use fault::{JointFault, Motion};
 
 /// Version of these messages. Raised with every change that the other side would misread.
-pub const JOINT_VERSION: u16 = 3;
+pub const JOINT_VERSION: u16 = 4;
 /// The largest number of stops that a board takes.
 pub const STOPS: usize = 12;
 
@@ -27,11 +39,11 @@ pub enum JointRequest {
     Identify,
     /// Take this joint. Refused while a valve is driven, and at fault.
     Configure(JointConfiguration),
-    /// Be ready to start: a start is taken within the next [`crate::registers::ARMED_TICKS`], and
-    /// not without.
+    /// Be ready to start: a start, or [`JointRequest::Service`], is taken within the next
+    /// [`crate::registers::ARMED_TICKS`], and not without.
     Arm,
     /// Fill both muscles, try the joint with a small motion and a swing, at this stiffness; then
-    /// track. Unit: N m/rad.
+    /// track. Of the targets that come meanwhile the torque from outside counts. Unit: N m/rad.
     Start(f32),
     /// Vent both.
     Stop,
@@ -39,9 +51,29 @@ pub enum JointRequest {
     Acknowledge,
     /// The samples of one tick, for an emulated board. Answer: [`JointResponse::Tick`].
     Tick(JointTickRequest),
-    /// Do this from the next tick on, for a board whose ticks have a clock of their own; a sign of
-    /// life. `None` only asks, and is no sign of life. Answer: [`JointResponse::Report`].
-    Aim(Option<JointTarget<f32>>),
+    /// Go there, for a board whose ticks have a clock of their own; a sign of life but in service,
+    /// where it is refused. `None` only asks, and is no sign of life. Answer:
+    /// [`JointResponse::Report`].
+    Aim(Option<JointAim>),
+    /// Take both pressures from the host, by [`JointRequest::Press`], without a model: for a
+    /// recording. Both begin at 0 bar. Refused where nothing has armed the board.
+    Service,
+    /// These pressures from the next tick on, as far as soft start and slew allow; a sign of life
+    /// in service. Refused elsewhere, and beyond what the board allows; then it is none. Unit: bar,
+    /// of the muscle that turns the joint to larger angles first. Answer:
+    /// [`JointResponse::Report`].
+    Press([f32; 2]),
+}
+
+/// Where a joint is to go.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointAim {
+    /// What it is to do at last.
+    pub target: JointTarget<f32>,
+    /// By which tick of the board it is to have got there, along a straight line from what it is to
+    /// do now. One that is over, or is the next: at once. A host that sends the target of some
+    /// ticks ahead makes a smooth course of few messages.
+    pub by_tick: u32,
 }
 
 /// From the board to the host.
@@ -105,12 +137,14 @@ pub enum JointBoardState {
     Tracking,
     /// Both vented by a fault, which is latched until it is acknowledged.
     Fault,
+    /// The host drives both valves by pressures, without a controller.
+    Service,
 }
 
 impl JointBoardState {
     /// Whether a valve may be open.
     pub const fn is_driven(self) -> bool {
-        matches!(self, Self::Starting | Self::Tracking)
+        matches!(self, Self::Starting | Self::Tracking | Self::Service)
     }
 }
 
@@ -188,137 +222,5 @@ impl fmt::Display for Channel {
             Self::A => "a",
             Self::B => "b",
         })
-    }
-}
-
-/// What vents a joint, both muscles at once. Its number is stable ([`Self::code`]).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum JointFault {
-    /// Of one channel: a fault of its pressure sensor, its valve or its muscle.
-    OfChannel(Channel, Fault),
-    /// The angle sensor is open or short.
-    AngleSensor,
-    /// The angle jumps.
-    AngleSpiking,
-    /// Of the board as a whole.
-    OfBoard(Fault),
-    /// The test motion turned the joint the other way.
-    WrongWay(Motion),
-    /// It hardly turned it.
-    Still(Motion),
-    /// Each pressure follows the other one's command.
-    Crossed,
-    /// The swing turned it otherwise than the model's.
-    Another(Motion),
-}
-
-/// What a motion of a joint has shown. Unit: rad.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
-    /// From one end to the other, as asked for.
-    pub asked: f32,
-    /// The same, as it was.
-    pub turned: f32,
-    /// Where the joint stood from what was asked for, in the mean.
-    pub offset: f32,
-}
-
-impl JointFault {
-    /// The stable number: that of the board's table for a fault of the board, 100 more for one of
-    /// channel a, 200 more for one of channel b; from 301 on those of the pair.
-    pub const fn code(self) -> u16 {
-        match self {
-            Self::OfBoard(fault) => fault.code() as u16,
-            Self::OfChannel(Channel::A, fault) => 100 + fault.code() as u16,
-            Self::OfChannel(Channel::B, fault) => 200 + fault.code() as u16,
-            Self::AngleSensor => 301,
-            Self::AngleSpiking => 302,
-            Self::WrongWay(_) => 303,
-            Self::Still(_) => 304,
-            Self::Crossed => 305,
-            Self::Another(_) => 306,
-        }
-    }
-}
-
-impl fmt::Display for JointFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let title = |fault: Fault| {
-            let row = crate::fault::table::TABLE.iter().find(|row| row.fault == fault);
-            row.map_or("unknown", |row| row.title)
-        };
-        let code = self.code();
-        match self {
-            Self::OfChannel(channel, fault) => {
-                write!(f, "fault {code}, channel {channel}: {}", title(*fault))
-            }
-            Self::OfBoard(fault) => write!(f, "fault {code}: {}", title(*fault)),
-            Self::AngleSensor => write!(f, "fault {code}: angle sensor open or short"),
-            Self::AngleSpiking => write!(f, "fault {code}: the angle jumps from sample to sample"),
-            Self::WrongWay(motion) => write!(
-                f,
-                "fault {code}: the test motion of {:.1} degrees turned the joint by {:.1} degrees: it turns the \
-                 wrong way; the angle sensor counts backwards, or both channels are swapped",
-                motion.asked.to_degrees(),
-                motion.turned.to_degrees()
-            ),
-            Self::Still(motion) => write!(
-                f,
-                "fault {code}: the test motion of {:.1} degrees turned the joint by {:.1} degrees only: is it \
-                 blocked, the angle sensor unplugged, or a muscle without air?",
-                motion.asked.to_degrees(),
-                motion.turned.to_degrees()
-            ),
-            Self::Crossed => write!(
-                f,
-                "fault {code}: pressure_a_bar follows command_b_bar, and pressure_b_bar command_a_bar: the two \
-                 pressure sensors, or the two regulators, are swapped"
-            ),
-            Self::Another(motion) => write!(
-                f,
-                "fault {code}: the joint turns by {:.1} degrees where its model turns by {:.1} degrees, and stands \
-                 {:.1} degrees from it in the mean: the model is that of another joint, or of other muscles",
-                motion.turned.to_degrees(),
-                motion.asked.to_degrees(),
-                motion.offset.to_degrees()
-            ),
-        }
-    }
-}
-
-impl core::error::Error for JointFault {}
-
-#[cfg(test)]
-mod tests {
-    extern crate std;
-
-    use std::format;
-    use std::string::ToString;
-    use std::vec::Vec;
-
-    use super::*;
-
-    #[test]
-    fn every_fault_of_a_joint_has_a_number_of_its_own() {
-        let still = Motion { asked: 1.0, turned: 0.0, offset: 0.0 };
-        let mut codes: Vec<u16> =
-            Fault::ALL.into_iter().map(|fault| JointFault::OfBoard(fault).code()).collect();
-        for channel in Channel::BOTH {
-            codes.extend(Fault::ALL.map(|fault| JointFault::OfChannel(channel, fault).code()));
-        }
-        let pair = [
-            JointFault::AngleSensor,
-            JointFault::AngleSpiking,
-            JointFault::WrongWay(still),
-            JointFault::Still(still),
-            JointFault::Crossed,
-            JointFault::Another(still),
-        ];
-        codes.extend(pair.map(JointFault::code));
-        let all = codes.len();
-        codes.sort_unstable();
-        codes.dedup();
-        assert_eq!(codes.len(), all);
-        assert!(pair.iter().all(|fault| fault.to_string().starts_with(&format!("fault {}", fault.code()))));
     }
 }

@@ -1,0 +1,363 @@
+//! A board with two channels on a desk: its service link on a pseudo terminal, the rig's joint at
+//! its valves, and `mgpi` in a directory of its own.
+//!
+//! # Time
+//! Where a test is of what a board does by itself, time passes as on a wall ([`Time::Real`]). Else
+//! each request takes so many ticks, as if the link were that slow ([`Time::Requests`]): long runs
+//! are short then, and go the same way however busy the machine is.
+
+use std::io::{ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::thread::{self, JoinHandle};
+use std::time::Instant;
+
+use board_client::emulator::real_time::PERIOD;
+use board_client::emulator::terminal::PseudoTerminal;
+use board_client::joint::{JointMeasured, JointPlant};
+use board_client::stop::Stop;
+use firmware::joint::ANGLE;
+use firmware::joint::lock_step::LockStepJoint;
+use firmware::scaling::{COMMAND, PRESSURE};
+use fleet::board::Board;
+use fleet::line::Way;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use serde::Serialize;
+use tempfile::TempDir;
+use wire::joint::{JointRequest, JointResponse, JointTickReply, JointTickRequest};
+use wire::registers::UNIT;
+use wire::{FRAME_BYTES, Protection, Receiver, Refusal, Request, Response};
+
+use crate::PERIOD_S;
+use crate::desk_commands::mgpi;
+use crate::joint::{Wired, Wrong};
+
+/// How time passes at a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Time {
+    /// As on a wall.
+    Real,
+    /// So many ticks a request.
+    Requests(u32),
+}
+
+/// What is on a desk.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// Of the joint.
+    pub seed: u64,
+    /// What is wrong with its wiring.
+    pub wrong: Wrong,
+    /// Torque from outside. Unit: N m.
+    pub load_nm: f64,
+    /// How time passes.
+    pub time: Time,
+    /// Which version of the messages the board says it has; none: its own.
+    pub version: Option<u16>,
+    /// The board's ticks stand still.
+    pub is_still: bool,
+    /// The board is one with one muscle.
+    pub is_single: bool,
+    /// With which request the board has just started again.
+    pub restarts_at: Option<u32>,
+}
+
+impl Setting {
+    /// The joint of a seed, sound; each request takes 4 ticks.
+    pub fn sound(seed: u64) -> Self {
+        Self {
+            seed,
+            wrong: Wrong::Nothing,
+            load_nm: 0.0,
+            time: Time::Requests(4),
+            version: None,
+            is_still: false,
+            is_single: false,
+            restarts_at: None,
+        }
+    }
+}
+
+/// What is seen of a board from outside.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seen {
+    /// The last tick.
+    pub last: Option<JointTickReply>,
+    /// Its number.
+    pub ticks: u32,
+    /// When the last request came. Unit: tick.
+    pub heard: u32,
+    /// When both valves were vented last. Unit: tick.
+    pub vented: u32,
+    /// The highest code that either valve has had, since the desk was made.
+    pub highest_code: u16,
+    /// Requests.
+    pub requests: u32,
+}
+
+/// What is at a link.
+trait AtLink {
+    /// A tick.
+    fn tick(&mut self);
+    /// Takes a byte; the answer, if a request is complete by it.
+    fn push(&mut self, byte: u8) -> Option<Vec<u8>>;
+}
+
+/// The control code of two channels and a joint.
+struct JointAtLink {
+    board: LockStepJoint,
+    plant: Wired,
+    measured: JointMeasured,
+    receiver: Receiver,
+    setting: Setting,
+    seen: Arc<Mutex<Seen>>,
+}
+
+impl JointAtLink {
+    fn new(setting: Setting, seen: Arc<Mutex<Seen>>) -> Self {
+        let mut plant = Wired::new(setting.seed, setting.wrong);
+        plant.put_on(setting.load_nm);
+        let measured = plant.advance(0.0, [0.0; 2]).expect("the rig answers");
+        let board = LockStepJoint::new(Protection::STANDARD);
+        Self { board, plant, measured, receiver: Receiver::new(), setting, seen }
+    }
+}
+
+impl AtLink for JointAtLink {
+    fn tick(&mut self) {
+        if self.setting.is_still {
+            return;
+        }
+        let JointMeasured { pressures_bar, angle_deg } = self.measured;
+        self.board.feed(&JointTickRequest {
+            target: None,
+            pressure_codes: pressures_bar.map(|bar| PRESSURE.code(bar as f32)),
+            angle_code: ANGLE.code(angle_deg.to_radians() as f32),
+        });
+        let reply = self.board.tick();
+        let ticks = self.board.task().ticks();
+        let commands = reply.dac_codes.map(|code| COMMAND.value(code));
+        self.measured = self.plant.advance(f64::from(ticks) * PERIOD_S, commands).expect("the rig answers");
+        let mut seen = lock(&self.seen);
+        let was_driven = seen.last.is_some_and(|last| last.dac_codes != [0; 2]);
+        let Seen { vented, highest_code, .. } = &mut *seen;
+        if was_driven && reply.dac_codes == [0; 2] {
+            *vented = ticks;
+        }
+        *highest_code = reply.dac_codes.into_iter().fold(*highest_code, u16::max);
+        (seen.last, seen.ticks) = (Some(reply), ticks);
+    }
+
+    fn push(&mut self, byte: u8) -> Option<Vec<u8>> {
+        let received = self.receiver.push::<JointRequest>(byte)?;
+        // The last one behind the answer: what was asked for acts.
+        let ticks = if let Time::Requests(ticks) = self.setting.time { ticks } else { 0 };
+        (1..ticks).for_each(|_| self.tick());
+        let mut seen = lock(&self.seen);
+        (seen.heard, seen.requests) = (seen.ticks, seen.requests + 1);
+        let restarts = self.setting.restarts_at == Some(seen.requests);
+        drop(seen);
+        if restarts {
+            self.board = LockStepJoint::new(Protection::STANDARD);
+        }
+        let response = match received {
+            Ok(JointRequest::Tick(_)) => JointResponse::Refused(Refusal::NotHere),
+            Ok(request) => self.board.answer(&request),
+            Err(_) => JointResponse::Refused(Refusal::Unreadable),
+        };
+        let response = match (response, self.setting.version) {
+            (JointResponse::Hello(hello), Some(version)) => {
+                JointResponse::Hello(wire::joint::JointHello { version, ..hello })
+            }
+            (response, _) => response,
+        };
+        if ticks > 0 {
+            self.tick();
+        }
+        Some(framed(&response))
+    }
+}
+
+/// A board with one muscle, by the same frames.
+struct SingleAtLink {
+    board: Board,
+    receiver: Receiver,
+}
+
+impl AtLink for SingleAtLink {
+    fn tick(&mut self) {}
+
+    fn push(&mut self, byte: u8) -> Option<Vec<u8>> {
+        let received = self.receiver.push::<Request>(byte)?;
+        let unreadable = Response::Refused(Refusal::Unreadable);
+        Some(framed(&received.map_or(unreadable, |request| self.board.request(&request))))
+    }
+}
+
+fn framed(response: &impl Serialize) -> Vec<u8> {
+    let mut buffer = [0; FRAME_BYTES];
+    wire::encode(response, &mut buffer).expect("a frame").to_vec()
+}
+
+fn lock(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
+    seen.lock().expect("the board has not panicked")
+}
+
+/// A board at a terminal, and a directory for `mgpi`, until it is dropped.
+#[derive(Debug)]
+pub struct JointDesk {
+    path: PathBuf,
+    stop: Stop,
+    board: Option<JoinHandle<()>>,
+    seen: Arc<Mutex<Seen>>,
+    directory: TempDir,
+}
+
+impl JointDesk {
+    /// A board whose link is sound.
+    ///
+    /// # Panics
+    /// There is no pseudo terminal.
+    pub fn new(setting: Setting) -> Self {
+        Self::disturbed(setting, |_, bytes| bytes)
+    }
+
+    /// The same on a link whose bytes `disturb` may change.
+    ///
+    /// # Panics
+    /// There is no pseudo terminal.
+    pub fn disturbed(
+        setting: Setting,
+        disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static,
+    ) -> Self {
+        let terminal = PseudoTerminal::open().expect("a pseudo terminal");
+        let (path, stop, seen) = (terminal.path().to_owned(), Stop::default(), Arc::default());
+        let (stopped, told) = (stop.clone(), Arc::clone(&seen));
+        let board = thread::spawn(move || {
+            if setting.is_single {
+                let board = Board::of_number(UNIT, Protection::SIMULATED);
+                let mut board = SingleAtLink { board, receiver: Receiver::new() };
+                run(terminal, &mut board, setting.time, &stopped, disturb);
+            } else {
+                run(terminal, &mut JointAtLink::new(setting, told), setting.time, &stopped, disturb);
+            }
+        });
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        Self { path, stop, board: Some(board), seen, directory }
+    }
+
+    /// What is seen of the board now.
+    pub fn seen(&self) -> Seen {
+        *lock(&self.seen)
+    }
+
+    /// Takes the port away, as a cable that is unplugged.
+    pub fn unplug(&mut self) {
+        self.stop.request();
+        if let Some(board) = self.board.take() {
+            let ended = board.join();
+            // A test that fails already says more than this.
+            assert!(ended.is_ok() || thread::panicking(), "the board has panicked");
+        }
+    }
+
+    /// A command with the port behind it.
+    pub fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(mgpi());
+        command.args(arguments.split_whitespace()).arg("--port").arg(&self.path);
+        command.current_dir(self.directory.path());
+        command
+    }
+
+    /// Runs a command.
+    ///
+    /// # Panics
+    /// It does not run.
+    pub fn run(&self, arguments: &str) -> Output {
+        self.command(arguments).output().expect("mgpi runs")
+    }
+
+    /// Runs a command, which must succeed; answers its standard output.
+    ///
+    /// # Panics
+    /// It fails.
+    pub fn succeeds(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    }
+
+    /// Runs a command, which must fail with status 2; answers its message.
+    ///
+    /// # Panics
+    /// It does not.
+    pub fn refuses(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        let said = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {said}");
+        said
+    }
+
+    /// The path of a file in the directory.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.directory.path().join(name)
+    }
+
+    /// Names of all files, sorted.
+    ///
+    /// # Panics
+    /// The directory cannot be read.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.directory.path()).expect("a directory");
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.expect("an entry").file_name().display().to_string()).collect();
+        names.sort();
+        names
+    }
+
+    /// The end that a host opens.
+    pub fn port(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for JointDesk {
+    fn drop(&mut self) {
+        self.unplug();
+    }
+}
+
+/// Runs a board until a stop is requested.
+fn run(
+    mut terminal: PseudoTerminal,
+    board: &mut impl AtLink,
+    time: Time,
+    stop: &Stop,
+    mut disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8>,
+) {
+    let slice = Timespec { tv_sec: 0, tv_nsec: 200_000 };
+    let (end, mut next) = (terminal.end(), Instant::now());
+    while !stop.is_requested() {
+        if time == Time::Real {
+            while next <= Instant::now() {
+                board.tick();
+                next += PERIOD;
+            }
+        }
+        match poll(&mut [PollFd::new(&*end, PollFlags::IN)], Some(&slice)) {
+            Ok(0) => continue,
+            other => drop(other.expect("a terminal that can be waited for")),
+        }
+        let mut buffer = [0; 512];
+        let heard = match end.read(&mut buffer) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => 0,
+            other => other.expect("readable"),
+        };
+        for byte in disturb(Way::ToBoard, buffer[..heard].to_vec()) {
+            if let Some(answer) = board.push(byte) {
+                end.write_all(&disturb(Way::FromBoard, answer)).expect("writable");
+            }
+        }
+    }
+}

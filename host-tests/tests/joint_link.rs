@@ -1,0 +1,416 @@
+//! `mgpi capture --joint` and `mgpi track --joint` at a serial port behind which the firmware of
+//! two channels drives a joint of the rig: the whole way from a recording to a run, and what goes
+//! wrong.
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use fleet::line::Way;
+use host_tests::desk_commands::mgpi;
+use host_tests::joint::{Wrong, identified};
+use host_tests::joint_desk::{JointDesk, Setting, Time};
+use rig::joint::protocol::{JointProtocol, JointRange};
+use serde_json::Value;
+use wire::Protection;
+use wire::joint::JointBoardState;
+
+/// The joint of most tests.
+const SEED: u64 = 1;
+/// Six seconds within the angles of every joint.
+const REFERENCE: &str =
+    "time_s,reference_deg,stiffness_nm_per_rad\n0,-8,55\n2,6,55\n3,6,60\n5,-8,60\n6,-4,55\n";
+/// On a busy machine an answer may take its time: what is asked twice is slow.
+const PATIENT: &str = "--timeout-s 10";
+const TRACK: &str = "track --joint --model joint.toml --reference reference.csv";
+
+/// A desk with the model of the joint of a seed, and a reference.
+fn with_model(setting: Setting, model_of: u64) -> JointDesk {
+    prepared(JointDesk::new(setting), model_of)
+}
+
+fn prepared(desk: JointDesk, model_of: u64) -> JointDesk {
+    let model = identified(model_of).expect("a joint").to_toml();
+    std::fs::write(desk.file("joint.toml"), model).expect("written");
+    std::fs::write(desk.file("reference.csv"), REFERENCE).expect("written");
+    desk
+}
+
+fn figures(file: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(file).expect("readable")).expect("JSON")
+}
+
+fn is_vented(desk: &JointDesk) -> bool {
+    desk.seen().last.is_some_and(|last| last.dac_codes == [0; 2] && !last.state.is_driven())
+}
+
+/// Whether no valve has been opened.
+fn was_never_driven(desk: &JointDesk) -> bool {
+    desk.seen().highest_code == 0
+}
+
+/// Records a joint under a torque, on a desk of its own, since somebody hangs the weight there.
+fn recorded(load_nm: f64, name: &str, duration_s: Option<f64>) -> JointDesk {
+    let desk = JointDesk::new(Setting { load_nm, ..Setting::sound(SEED) });
+    let options = duration_s.map_or(String::new(), |duration_s| format!("--duration-s {duration_s}"));
+    let said = desk.succeeds(&format!(
+        "capture --joint --max-bar 6 --torque-newton-metre {load_nm} -o {name} {options} {PATIENT}"
+    ));
+    assert!(said.contains("one each 10 ms") && !said.contains("missed"), "{said}");
+    assert!(is_vented(&desk));
+    let range = JointRange { min_bar: 1.8, max_bar: 6.0, swing: 0.22 };
+    let excitation = JointProtocol::without_weights(&range, duration_s).expect("room for a swing");
+    let rows = rows(&desk.file(name));
+    // What a row says was put out is what was asked for at the row before, until then.
+    for pair in rows.windows(2).filter(|pair| pair[0][7] == 1.0) {
+        let asked = excitation.commands_bar(pair[0][0] + 1e-3);
+        let is_held = asked.iter().zip(&pair[1][1..=2]).all(|(asked, held)| (asked - held).abs() < 0.002);
+        assert!(is_held, "{asked:?} bar were asked for before {:?}", pair[1]);
+    }
+    desk
+}
+
+/// The rows of a recording.
+fn rows(file: &Path) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(file).expect("a recording");
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    assert_eq!(lines.next(), Some(recording::joint::columns::COLUMNS));
+    let numbers = |line: &str| line.split(',').map(|field| field.parse().expect("a number")).collect();
+    lines.map(numbers).collect()
+}
+
+#[test]
+fn a_joint_is_recorded_over_its_link_identified_and_tracked_with() {
+    let desk = JointDesk::new(Setting::sound(SEED));
+    for (load_nm, name, duration_s) in
+        [(0.0, "joint.csv", None), (4.0, "to-larger.csv", Some(120.0)), (-4.0, "to-smaller.csv", Some(120.0))]
+    {
+        let from = recorded(load_nm, name, duration_s);
+        assert_eq!(from.files(), [name], "the part goes");
+        std::fs::copy(from.file(name), desk.file(name)).expect("copied");
+    }
+    // The torque of a recording is one of it, so one alone is not enough.
+    let mgpi = |arguments: &str| {
+        let mut command = Command::new(mgpi());
+        command.args(arguments.split_whitespace()).current_dir(desk.file(""));
+        command.output().expect("mgpi runs")
+    };
+    let alone = mgpi("identify --joint joint.csv -o joint.toml");
+    let said = String::from_utf8_lossy(&alone.stderr).into_owned();
+    assert!(alone.status.code() == Some(2) && said.contains("hang a weight"), "{said}");
+    let all = mgpi("identify --joint joint.csv to-larger.csv to-smaller.csv -o joint.toml --json joint.json");
+    assert!(all.status.success(), "{}", String::from_utf8_lossy(&all.stderr));
+    let found = figures(&desk.file("joint.json"));
+    println!("identified: {found:#}");
+    let number = |value: &Value, name: &str| value[name].as_f64().expect(name);
+    assert!(number(&found, "heldout_rmse_deg") < 0.01 * number(&found, "range_deg"));
+
+    std::fs::write(desk.file("reference.csv"), REFERENCE).expect("written");
+    let said = desk.succeeds(&format!("{TRACK} -o log.csv --json run.json --report run.html"));
+    println!("{said}");
+    assert!(said.contains("% of range") && said.contains("as many as the link carries"), "{said}");
+    let run = figures(&desk.file("run.json"));
+    println!("tracked: {run:#}");
+    let share = number(&run, "rmse_deg") / number(&run, "range_deg");
+    assert!((1e-4..0.002).contains(&share), "RMSE of {} % of range", 100.0 * share);
+    // No target is a step, but that the reference has corners.
+    assert!(number(&run, "ticks_angle_limited") < 20.0, "{run}");
+    let log = std::fs::read_to_string(desk.file("log.csv")).expect("a log");
+    let first = log.lines().next().expect("a header");
+    assert_eq!(first, board_client::joint::log::COLUMNS.trim_end(), "as pil --joint has it");
+    // A request takes four ticks, and six seconds are 1500 of them.
+    assert!((1400..1600).contains(&log.lines().count()), "{}", log.lines().count());
+    assert!(
+        std::fs::read_to_string(desk.file("run.html")).expect("a page").contains("Torque of the feedback")
+    );
+    assert!(is_vented(&desk) && desk.seen().last.is_some_and(|last| last.fault.is_none()));
+    // Another run is refused before anything moves.
+    let before = desk.seen().requests;
+    let said = desk.refuses(&format!("{TRACK} -o log.csv"));
+    assert!(said.contains("log.csv: exists already"), "{said}");
+    assert_eq!(desk.seen().requests, before, "the board was not even asked");
+}
+
+#[test]
+fn a_recording_has_the_boards_time_the_pressures_that_were_held_and_what_was_missed() {
+    // As slow as a link whose adapter keeps what it has for 16 ms.
+    let desk = JointDesk::new(Setting { time: Time::Requests(17), ..Setting::sound(SEED) });
+    let capture = format!("capture --joint --duration-s 40 -o joint.csv {PATIENT}");
+    let said = desk.succeeds(&format!("{capture} --torque-newton-metre -2"));
+    assert!(said.contains("rows missed, the link was too slow: --every 20 is easier"), "{said}");
+    let torque = std::fs::read_to_string(desk.file("joint.csv")).expect("a recording");
+    assert!(torque.lines().last().is_some_and(|row| row.ends_with(",-2,1")), "its torque is in each row");
+    let said = desk.succeeds(&format!("{capture} --every 20 --force"));
+    assert!(!said.contains("missed"), "{said}");
+    let rows = rows(&desk.file("joint.csv"));
+    assert!(rows.windows(2).all(|pair| (0.010..0.040).contains(&(pair[1][0] - pair[0][0]))));
+    assert!(rows.len() > 1900 && rows[rows.len() - 1][0] > 39.9, "{} rows", rows.len());
+    let counted = rows.iter().position(|row| row[7] == 1.0).expect("rows that count");
+    assert!(
+        rows[..counted].iter().all(|row| row[7] == 0.0) && rows[counted..].iter().all(|row| row[7] == 1.0)
+    );
+    // Filled in 2 and swung in 9 of some 311 seconds, here of 40.
+    assert!((1.3..1.6).contains(&rows[counted][0]), "counts from {} s", rows[counted][0]);
+    for row in &rows[counted..] {
+        assert!(row[1..=2].iter().all(|bar| (1.79..=6.01).contains(bar)), "{row:?}");
+        assert!((row[3] - row[1]).abs() < 1.0 && (row[4] - row[2]).abs() < 1.0, "{row:?}");
+    }
+}
+
+/// The mean torque of the feedback of a run, in a log. Unit: N m.
+fn fed_back(log: &str) -> f64 {
+    let torques: Vec<f64> = (log.lines().skip(1))
+        .map(|line| line.split(',').nth(8).expect("a field").parse().expect("a number"))
+        .collect();
+    torques.iter().sum::<f64>() / torques.len() as f64
+}
+
+#[test]
+fn a_torque_that_the_reference_tells_is_fed_forward() {
+    let desk = with_model(Setting { load_nm: 4.0, ..Setting::sound(SEED) }, SEED);
+    let known: String = REFERENCE
+        .lines()
+        .map(|line| {
+            let field = if line.starts_with("time_s") { "torque_newton_metre" } else { "4" };
+            format!("{line},{field}\n")
+        })
+        .collect();
+    std::fs::write(desk.file("known.csv"), known).expect("written");
+    desk.succeeds("track --joint --model joint.toml --reference known.csv -o known.log");
+    let known = fed_back(&std::fs::read_to_string(desk.file("known.log")).expect("a log"));
+    assert!(known.abs() < 1.0, "{known} N m");
+    // Who does not tell it has a joint that is not the model's.
+    let said = desk.refuses(TRACK);
+    assert!(said.contains("fault 306"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_is_said_before_the_board_is_asked() {
+    let desk = with_model(Setting::sound(SEED), SEED);
+    let write = |name: &str, text: &str| std::fs::write(desk.file(name), text).expect("written");
+    write("outside.csv", &REFERENCE.replace("2,6,55", "2,80,55"));
+    write("limp.csv", &REFERENCE.replace("2,6,55", "2,6,0"));
+    write("there.csv", "");
+    let before = desk.files();
+    for (arguments, message) in [
+        (
+            "track --joint --model joint.toml --reference outside.csv -o log.csv",
+            "outside.csv, column reference_deg: 80 degrees is outside the angles of joint.toml",
+        ),
+        (
+            "track --joint --model joint.toml --reference limp.csv -o log.csv",
+            "limp.csv, column stiffness_nm_per_rad: 0 N m/rad is no stiffness",
+        ),
+        ("track --joint --model joint.toml --reference reference.csv -o there.csv", "exists already"),
+        ("track --joint --model reference.csv --reference reference.csv", "not a TOML file"),
+        ("track --joint --reference reference.csv", "--model"),
+        ("track --joint --model joint.toml --reference reference.csv --mode feedback", "cannot be used with"),
+        ("track --model joint.toml --reference reference.csv --acknowledge", "--joint"),
+        ("capture --joint -o there.csv", "exists already"),
+        ("capture --joint --min-bar 4 --max-bar 5 -o rec.csv", "has to be more than 6.26 bar"),
+        ("capture --joint --swing 1.5 -o rec.csv", "above 0 and below 1"),
+        ("capture --joint --torque-newton-metre nan -o rec.csv", "must be a number"),
+        ("capture --joint --resume -o rec.csv", "cannot be used with"),
+        ("capture --min-bar 2 -o rec.csv", "--joint"),
+    ] {
+        let said = desk.refuses(arguments);
+        assert!(said.contains(message), "{arguments}: {said}");
+    }
+    assert_eq!(desk.files(), before);
+    assert_eq!(desk.seen().requests, 0);
+}
+
+#[test]
+fn a_board_that_is_none_of_a_joint_of_this_version_is_said_and_not_driven() {
+    let of = |setting: Setting| with_model(setting, SEED);
+    let sound = Setting::sound(SEED);
+    for (desk, message) in [
+        (of(Setting { is_single: true, ..sound }), "a board with one muscle answers"),
+        (
+            of(Setting { version: Some(3), ..sound }),
+            "speaks version 3 of a joint's messages, this program version 4",
+        ),
+        (of(Setting { is_still: true, ..sound }), "ticks stand still"),
+        (
+            prepared(JointDesk::disturbed(sound, |_, _| Vec::new()), SEED),
+            "no answer within 0.12 s, asked 3 times",
+        ),
+        (
+            prepared(
+                JointDesk::disturbed(sound, |way, mut bytes| {
+                    if way == Way::FromBoard {
+                        bytes[1] ^= 0x55;
+                    }
+                    bytes
+                }),
+                SEED,
+            ),
+            "damaged answers only",
+        ),
+    ] {
+        for command in [format!("{TRACK} -o log.csv"), "capture --joint -o rec.csv".to_owned()] {
+            let before = desk.files();
+            let said = desk.refuses(&command);
+            assert!(said.contains(message), "{command}: {said}");
+            assert_eq!(desk.files(), before, "{message}");
+            assert!(was_never_driven(&desk), "{message}");
+        }
+    }
+}
+
+#[test]
+fn what_the_start_finds_is_said_with_number_cause_and_cure_and_stays_until_it_is_acknowledged() {
+    for (wrong, model_of, fault, cure) in [
+        (Wrong::Angle, SEED, "fault 303", "turn the sensor's sign, or swap the channels"),
+        (Wrong::Channels, SEED, "fault 303", "turn the sensor's sign, or swap the channels"),
+        (Wrong::Sensors, SEED, "fault 305", "swap the plugs"),
+        (Wrong::Frozen, SEED, "fault 304", "look at joint, sensor and supply"),
+    ] {
+        let desk = with_model(Setting { wrong, ..Setting::sound(SEED) }, model_of);
+        let before = desk.files();
+        let said = desk.refuses(&format!("{TRACK} -o log.csv"));
+        assert!(said.contains(fault) && said.contains("cause: ") && said.contains(cure), "{wrong:?}: {said}");
+        assert!(is_vented(&desk));
+        assert_eq!(desk.files(), before, "no row, no log");
+        let said = desk.refuses(&format!("{TRACK} -o log.csv"));
+        assert!(said.contains("at fault since before") && said.contains("--acknowledge"), "{said}");
+        let said = desk.refuses(&format!("{TRACK} -o log.csv --acknowledge"));
+        assert!(said.contains("after the start the board has vented") && said.contains(fault), "{said}");
+    }
+}
+
+/// The model of a joint that is stiffer and turns less.
+#[test]
+fn the_model_of_another_joint_is_recognised_by_the_swing() {
+    let desk = with_model(Setting::sound(SEED), SEED);
+    let model = std::fs::read_to_string(desk.file("joint.toml")).expect("a model");
+    let other: String = model
+        .lines()
+        .map(|line| match line.split_once(" = ") {
+            Some((name, value)) if name.starts_with("linear_nm") => {
+                format!("{name} = {}\n", 0.3 * value.parse::<f64>().expect("a number") - 25.0)
+            }
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    std::fs::write(desk.file("joint.toml"), other).expect("written");
+    let said = desk.refuses(TRACK);
+    assert!(said.contains("fault 306") && said.contains("identify --joint"), "{said}");
+    assert!(is_vented(&desk));
+}
+
+/// The board's plant goes on; its program has begun anew.
+#[test]
+fn a_board_that_starts_again_ends_a_run() {
+    let setting = Setting { restarts_at: Some(800), ..Setting::sound(SEED) };
+    for command in [format!("{TRACK} -o log.csv"), CAPTURE.to_owned()] {
+        let desk = with_model(setting, SEED);
+        let said = desk.refuses(&command);
+        assert!(said.contains("vented by itself, in the state Off: was it restarted?"), "{command}: {said}");
+        assert!(is_vented(&desk));
+    }
+}
+
+/// One exchange in some eight is damaged, in either direction, or its answer lost.
+#[test]
+fn frames_that_are_damaged_or_lost_are_sent_again() {
+    let mut count = 0;
+    let disturbed = JointDesk::disturbed(Setting::sound(SEED), move |way, mut bytes| {
+        count += 1;
+        match way {
+            Way::FromBoard if count % 211 == 0 => Vec::new(),
+            Way::FromBoard if count % 29 == 0 => {
+                bytes[3] ^= 0x10;
+                bytes
+            }
+            Way::ToBoard if count % 17 == 0 && bytes.len() > 4 => {
+                bytes[2] ^= 0x04;
+                bytes
+            }
+            _ => bytes,
+        }
+    });
+    let desk = prepared(disturbed, SEED);
+    let reference = "time_s,reference_deg,stiffness_nm_per_rad\n0,-8,55\n1,6,55\n";
+    std::fs::write(desk.file("reference.csv"), reference).expect("written");
+    desk.succeeds(&format!("{TRACK} -o log.csv --json run.json"));
+    let run = figures(&desk.file("run.json"));
+    let share = run["rmse_deg"].as_f64().expect("a number") / run["range_deg"].as_f64().expect("a number");
+    assert!(share < 0.01, "{run}");
+    desk.succeeds("capture --joint --duration-s 10 -o rec.csv");
+    assert!(is_vented(&desk));
+}
+
+/// A program that drives a joint in real time, as soon as a valve is open.
+fn driving(desk: &JointDesk, arguments: &str) -> Child {
+    let mut command = desk.command(arguments);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("mgpi runs");
+    wait_until(|| desk.seen().last.is_some_and(|last| last.dac_codes.iter().all(|code| *code > 300)));
+    child
+}
+
+fn wait_until(is: impl Fn() -> bool) {
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !is() {
+        assert!(Instant::now() < deadline, "it never comes");
+        sleep(Duration::from_millis(5));
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([format!("-{name}"), child.id().to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()));
+}
+
+const CAPTURE: &str = "capture --joint --duration-s 60 -o rec.csv";
+
+#[test]
+fn a_host_that_is_killed_leaves_a_joint_that_vents_within_half_a_second() {
+    for command in [format!("{TRACK} -o log.csv"), CAPTURE.to_owned()] {
+        let desk = with_model(Setting { time: Time::Real, ..Setting::sound(SEED) }, SEED);
+        let mut child = driving(&desk, &command);
+        signal(&child, "KILL");
+        child.wait().expect("it ends");
+        wait_until(|| is_vented(&desk));
+        let seen = desk.seen();
+        let silent = seen.vented.wrapping_sub(seen.heard);
+        let patience = Protection::STANDARD.bus_silent_ticks;
+        assert!(silent <= patience + 1, "{command}: {silent} ticks");
+        assert_eq!(seen.last.map(|last| last.state), Some(JointBoardState::Fault));
+        let said = desk.refuses("capture --joint -o other.csv");
+        assert!(said.contains("fault 21") && said.contains("start it again"), "{said}");
+    }
+}
+
+#[test]
+fn a_user_who_interrupts_vents_at_once_and_keeps_what_was_recorded() {
+    let desk = with_model(Setting { time: Time::Real, ..Setting::sound(SEED) }, SEED);
+    let child = driving(&desk, CAPTURE);
+    wait_until(|| desk.file("rec.csv.part").metadata().is_ok_and(|file| file.len() > 3000));
+    signal(&child, "INT");
+    let output = child.wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.contains("kept in rec.csv.part") && said.contains("interrupted"), "{said}");
+    // At the next tick, and not by the host's silence.
+    wait_until(|| is_vented(&desk));
+    assert_eq!(desk.seen().last.map(|last| last.state), Some(JointBoardState::Off));
+    let part = std::fs::read_to_string(desk.file("rec.csv.part")).expect("a part");
+    assert!(part.lines().count() > 20 && part.ends_with('\n') && !desk.file("rec.csv").exists());
+    // What is kept is not overwritten.
+    let said = desk.refuses(CAPTURE);
+    assert!(said.contains("rec.csv.part: there is a part of an earlier run"), "{said}");
+}
+
+#[test]
+fn a_port_that_is_unplugged_ends_a_run_and_its_log_is_kept() {
+    let mut desk = with_model(Setting { time: Time::Real, ..Setting::sound(SEED) }, SEED);
+    let child = driving(&desk, CAPTURE);
+    wait_until(|| desk.file("rec.csv.part").metadata().is_ok_and(|file| file.len() > 3000));
+    desk.unplug();
+    let output = child.wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("kept in rec.csv.part") && said.contains("gone"), "{said}");
+}

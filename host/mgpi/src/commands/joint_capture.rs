@@ -1,0 +1,136 @@
+//! `mgpi capture --joint`: both pressures through a board with two channels, and a recording of
+//! what the joint does.
+
+use std::path::Path;
+
+use board_client::joint::link::{Address, JointLink};
+use board_client::joint::record::{Excitation, JointRow, begin, record};
+use board_client::joint::run::PERIOD_S;
+use board_client::part::Part;
+use board_client::stop::Stop;
+use clap::Args;
+use recording::TOOL;
+use rig::joint::protocol::{JointProtocol, JointRange};
+
+use super::duration_bar::bar;
+use super::number::{positive, share};
+use crate::Error;
+use crate::output::Outputs;
+
+/// What is asked of a joint beside what is of a muscle.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Joint")]
+pub struct JointArguments {
+    /// Record two muscles at a joint, by a board with two channels at its service link: a full
+    /// swing, then triangles and small swings at five common pressures, and ramps
+    #[arg(long, conflicts_with_all = ["excitation", "http", "resume", "unit", "parity"])]
+    joint: bool,
+    /// Lowest command of a joint in bar: where both muscles are still taut
+    #[arg(long, default_value_t = 1.8, value_name = "BAR", value_parser = positive, requires = "joint")]
+    min_bar: f64,
+    /// Largest difference of a joint's commands to what they have in common, as a share of it
+    #[arg(long, default_value_t = 0.22, value_name = "SHARE", value_parser = share, requires = "joint")]
+    swing: f64,
+    /// Known torque on the joint in N m, towards larger angles, of a weight that hangs at it all
+    /// through the recording
+    #[arg(long, default_value_t = 0.0, value_name = "NM", allow_hyphen_values = true, requires = "joint")]
+    torque_newton_metre: f64,
+    /// Take a fault of the board of a joint for seen to
+    #[arg(long, requires = "joint")]
+    acknowledge: bool,
+}
+
+/// What any muscle is recorded with.
+pub struct Arguments<'a> {
+    pub joint: &'a JointArguments,
+    pub recording: &'a Path,
+    pub max_bar: f64,
+    pub duration_s: Option<f64>,
+    pub every: u16,
+    pub address: Address,
+    pub force: bool,
+}
+
+impl JointArguments {
+    /// Whether it is a joint.
+    pub fn is_meant(&self) -> bool {
+        self.joint
+    }
+}
+
+/// Captures.
+///
+/// # Errors
+/// There is no such excitation, the board is not one of a joint, refuses or vents, the recording
+/// cannot be written, or the user interrupts.
+pub fn run(arguments: Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
+    let Arguments { joint, recording: file, every, address, force, .. } = &arguments;
+    let (excitation, words) = arguments.excitation()?;
+    let mut link = JointLink::open(address.clone(), joint.acknowledge)?;
+    let [major, minor, patch] = link.hello().firmware;
+    let head = begin(&[
+        format!("recorded by {TOOL} from a board of a joint, firmware {major}.{minor}.{patch}"),
+        format!("excitation: {words}; a row each {every} ticks of 1 ms"),
+    ]);
+    let mut part = Part::begin(file, &head, *force)?;
+    let duration_s = (excitation.pressures_bar.len() - 1) as f64 * PERIOD_S;
+    let bar = bar(duration_s);
+    let stop = Stop::on_signals();
+    let recorded = record(&mut link, &excitation, &stop, &mut |row: &JointRow| {
+        bar.set_position((1e3 * row.time_s) as u64);
+        let [a, b] = row.measured.pressures_bar;
+        let (time_s, angle_deg) = (row.time_s, row.measured.angle_deg);
+        bar.set_message(format!(
+            "{time_s:.1} of {duration_s:.1} s, {a:.2} and {b:.2} bar, {angle_deg:.1} degrees"
+        ));
+        Ok(part.add(&row.to_csv())?)
+    });
+    bar.finish_and_clear();
+    let recorded = match recorded {
+        Ok(recorded) => recorded,
+        Err(error) => {
+            if let Some(kept) = part.keep() {
+                eprintln!("what was recorded is kept in {}", kept.display());
+            }
+            return Err(error.into());
+        }
+    };
+    let grown = part.finish()?;
+    outputs.stage(file, &grown.content)?;
+    outputs.commit()?;
+    grown.remove();
+    say!("{}: {}", file.display(), recorded.in_words());
+    Ok(())
+}
+
+impl Arguments<'_> {
+    /// What is played, and what it is.
+    fn excitation(&self) -> Result<(Excitation, String), Error> {
+        let &JointArguments { min_bar, swing, torque_newton_metre: torque_nm, .. } = self.joint;
+        let max_bar = self.max_bar;
+        if !torque_nm.is_finite() {
+            return Err(Error::Usage(format!("--torque-newton-metre is {torque_nm}, must be a number")));
+        }
+        let range = JointRange { min_bar, max_bar, swing };
+        let protocol = JointProtocol::without_weights(&range, self.duration_s).ok_or_else(|| {
+            Error::Usage(format!(
+                "--min-bar {min_bar} and --max-bar {max_bar}: no common pressure in between leaves room for a swing by a \
+                 share of {swing}; the highest has to be more than {:.2} bar",
+                min_bar * (1.0 + swing) / (1.0 - swing)
+            ))
+        })?;
+        let duration_s = protocol.duration_s();
+        let ticks = (duration_s / PERIOD_S).round() as usize;
+        let at = |tick: usize| protocol.commands_bar(tick as f64 * PERIOD_S).map(|bar| bar as f32);
+        let excitation = Excitation {
+            pressures_bar: (0..=ticks).map(at).collect(),
+            counts_from_s: protocol.counts_from_s(),
+            torque_nm,
+            every: self.every,
+        };
+        let words = format!(
+            "swings by {swing} of five common pressures, {min_bar} to {max_bar} bar, {duration_s:.1} s, torque {torque_nm} N m"
+        );
+        Ok((excitation, words))
+    }
+}

@@ -300,7 +300,7 @@ fn the_model_of_another_joint_is_recognised_by_the_swing() {
     assert!(is_vented(&desk));
 }
 
-/// The board's plant goes on; its program has begun anew.
+/// The plant of the board goes on; its program has begun again.
 #[test]
 fn a_board_that_starts_again_ends_a_run() {
     let setting = Setting { restarts_at: Some(800), ..Setting::sound(SEED) };

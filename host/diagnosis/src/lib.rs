@@ -120,7 +120,7 @@ use recording::noise::{self, NoiseFloor};
 use recording::numbers::{range, root_mean_square};
 use recording::unit::Unit;
 use reject::{Unexplained, is_repeatable, no_gain, not_repeatable, unexplained as unexplained_by};
-use rivals::{Settled, not_told_apart, settled};
+use rivals::{Alike, Settled, alike, not_told_apart, settled};
 use scored::Scored;
 use search::Search;
 use signals::Signals;
@@ -377,8 +377,13 @@ fn among(
         }
         false => (best, alternatives, evidence),
     };
+    let mut inseparable = inseparable(&examinable, &excitation);
+    let Alike { untold, told } = alike(&search, &best, &inseparable.causes, &sizes);
+    if untold.is_empty() {
+        inseparable.leave_out(&told);
+    }
     let wider = wider.into_iter().map(|wider| without_ordinary_lag(&search, &best, wider));
-    for rival in wider {
+    for rival in wider.chain(untold) {
         if !alternatives.iter().any(|other| is_same(other, &rival)) {
             alternatives.push(rival);
         }
@@ -425,7 +430,6 @@ fn among(
     if has_unexamined_rival {
         alternatives.push(unexamined.clone());
     }
-    let inseparable = inseparable(&examinable, &excitation);
     let mut diagnosis =
         conclude((columns, &search), best, &sizes, (unexplained, alternatives), valve, examinable)?;
     if let Some(named) = diagnosis.causes.first_mut() {

@@ -98,8 +98,7 @@ fn holding(
                 Some((without, model))
             })
             .collect();
-        let needless =
-            without.into_iter().filter(|(_, without)| extender.gain_over(&extended, without).is_none());
+        let needless = without.into_iter().filter(|(_, without)| !extender.gains_over(&extended, without));
         let least = needless.min_by(|(_, one), (_, other)| one.extended_rmse.total_cmp(&other.extended_rmse));
         let Some(least) = least else { break };
         (set, extended) = least;
@@ -126,7 +125,7 @@ fn not_excluded(
     };
     let gains = |wider: Candidate| {
         let model = extender.extend(&wider, valve, given, &|_| ())?;
-        let gain = extender.gain_over(&model, extended)?;
+        let gain = extender.gain_of_muscle(&model, extended)?;
         gain.is_beyond(beyond_chance).then(|| wider.names())
     };
     others

@@ -152,6 +152,39 @@ pub(super) fn is_untold(
     is_rival && (is_by_chance() || is_simpler())
 }
 
+/// Of causes that an excitation shows alike.
+#[derive(Default)]
+pub struct Alike {
+    /// Sets with another one of them in the place of one of a chosen set, which the search does not tell from it beyond chance.
+    pub untold: Vec<Vec<Cause>>,
+    /// Those that it does, and the set's own.
+    pub told: Vec<Cause>,
+}
+
+/// Tries the causes of a `group` that the excitation shows alike in the place of those that a set has of it: between them less is by
+/// chance than between others.
+pub fn alike(search: &Search<'_>, set: &Candidate, group: &[Cause], sizes: &[Vec<Candidate>]) -> Alike {
+    let has = |cause: &&Cause| set.causes.contains(cause);
+    let others: Vec<Cause> = group.iter().filter(|cause| !has(cause)).copied().collect();
+    let beyond_chance = standard_errors(FOUND, others.len(), 1);
+    let mut alike = Alike::default();
+    for &own in group.iter().filter(has) {
+        let Some(kept) = search.without(set, own, sizes) else { continue };
+        let rivals = others.par_iter().map(|&other| (other, search.with(&kept, other, sizes)));
+        for (other, rival) in rivals.collect::<Vec<_>>() {
+            let is_untold = |rival: &Candidate| {
+                let gain = rival.score.gain(&set.score);
+                rival.shows && rival.outlasts && gain <= beyond_chance * rival.score.gain_error(&set.score)
+            };
+            match rival.filter(is_untold) {
+                Some(rival) => alike.untold.push(rival.names()),
+                None => alike.told.extend([own, other]),
+            }
+        }
+    }
+    alike
+}
+
 /// Whether a set has all named causes and more.
 fn is_larger((set, named): (&Candidate, &[Cause]), larger: &Candidate) -> bool {
     larger.shows

@@ -84,6 +84,16 @@ pub struct Inseparable {
     pub why: Vec<&'static str>,
 }
 
+impl Inseparable {
+    /// Leaves out those that were told apart all the same: of one that is left alone nothing is to be said.
+    pub fn leave_out(&mut self, told: &[Cause]) {
+        self.causes.retain(|cause| !told.contains(cause));
+        if self.causes.len() < 2 {
+            *self = Self::default();
+        }
+    }
+}
+
 /// At one speed a delay and a lag shift the loop by the same; and without long holds the quick part of creep is a lag.
 pub fn inseparable(judged: &[Examinable], excitation: &Excitation) -> Inseparable {
     let groups: [(bool, &[Cause], &str); 2] = [

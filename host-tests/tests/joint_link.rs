@@ -138,7 +138,7 @@ fn a_recording_has_the_boards_time_the_pressures_that_were_held_and_what_was_mis
     let desk = JointDesk::new(Setting { time: Time::Requests(17), ..Setting::sound(SEED) });
     let capture = format!("capture --joint --duration-s 40 -o joint.csv {PATIENT}");
     let said = desk.succeeds(&format!("{capture} --torque-newton-metre -2"));
-    assert!(said.contains("rows missed, the link was too slow: --every 20 is easier"), "{said}");
+    assert!(said.contains("link or machine was too slow: --every 20 is easier"), "{said}");
     let torque = std::fs::read_to_string(desk.file("joint.csv")).expect("a recording");
     assert!(torque.lines().last().is_some_and(|row| row.ends_with(",-2,1")), "its torque is in each row");
     let said = desk.succeeds(&format!("{capture} --every 20 --force"));

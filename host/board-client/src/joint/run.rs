@@ -24,7 +24,7 @@ pub struct Recorded {
     pub rows: usize,
     /// Ticks from row to row; 1: as many as the link carries.
     pub every: u16,
-    /// Rows that the link was too slow for.
+    /// Rows that the link, or this machine, was too slow for.
     pub missed: usize,
     /// Ticks that ended after their deadline, during the run.
     pub late_ticks: u32,
@@ -41,7 +41,7 @@ impl Recorded {
         let mut words = format!("{rows} rows, {step}; ticks late: {late_ticks}");
         if *missed > 0 {
             words += &format!(
-                "; {missed} rows missed, the link was too slow: --every {} is easier",
+                "; rows missed: {missed}, link or machine was too slow: --every {} is easier",
                 2 * u32::from(*every)
             );
         }
@@ -209,7 +209,9 @@ mod tests {
         assert_eq!([0, 4, 5, 9].map(|tick| all.takes(tick)), [true; 4]);
         assert_eq!(all.recorded.missed, 0);
         assert!(
-            rows.recorded.in_words().contains("2 rows missed, the link was too slow: --every 20 is easier")
+            rows.recorded
+                .in_words()
+                .contains("rows missed: 2, link or machine was too slow: --every 20 is easier")
         );
     }
 }

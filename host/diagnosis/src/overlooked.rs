@@ -34,9 +34,7 @@ pub struct Overlooked {
 
 /// The fast cause of single ones that were looked at which the operator model is clearly better with; None where there is none.
 pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Overlooked> {
-    // Little as the search sees of it, that must not speak against it.
-    let is_allowed = |set: &Candidate| set.shows && search.baseline.evidence(set) > 0.0;
-    let is_fast = |set: &&Candidate| is_allowed(set) && set.causes.iter().all(|cause| cause.is_fast());
+    let is_fast = |set: &&Candidate| set.shows && set.causes.iter().all(|cause| cause.is_fast());
     let fast: Vec<&Candidate> = singles.iter().filter(is_fast).collect();
     if fast.is_empty() {
         return None;

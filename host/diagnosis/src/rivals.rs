@@ -117,7 +117,13 @@ pub fn not_told_apart(
     (set, named): (&Candidate, &[Cause]),
     sizes: &[Vec<Candidate>],
 ) -> Vec<Vec<Cause>> {
-    let untold = |rival: &&Candidate| is_untold(search, (set, named), rival);
+    let asked = sizes.iter().flatten().filter(|larger| is_larger((set, named), larger)).count();
+    let beyond_chance = standard_errors(FOUND, asked, 1);
+    let is_better = |larger: &Candidate| {
+        let gain = set.score.gain(&larger.score);
+        is_larger((set, named), larger) && gain > beyond_chance * set.score.gain_error(&larger.score)
+    };
+    let untold = |rival: &&Candidate| is_untold(search, (set, named), rival) || is_better(rival);
     let untold = sizes.iter().flatten().filter(|_| !named.is_empty()).filter(untold);
     untold.map(Candidate::names).collect()
 }
@@ -177,6 +183,15 @@ pub fn alike(search: &Search<'_>, set: &Candidate, group: &[Cause], sizes: &[Vec
         }
     }
     alike
+}
+
+/// Whether a set has all named causes and more.
+fn is_larger((set, named): (&Candidate, &[Cause]), larger: &Candidate) -> bool {
+    larger.shows
+        && larger.outlasts
+        && larger.causes.len() > named.len()
+        && has_all(named, larger)
+        && !is_same(&set.causes, &larger.causes)
 }
 
 /// Whether the squared error of a rival exceeds that of a set by less than the set's own squared error exceeds the noise's. All are

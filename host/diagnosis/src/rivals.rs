@@ -9,6 +9,9 @@
 //! Only beside single causes: with two the refinement takes longer than the whole search, and says little on the rig, whose forms are not
 //! those of the model.
 //!
+//! Two judges that differ tell neither: a rival with which the simulated model is nearer than with the set that the search is for is not
+//! told from it, nor is a larger set that the search alone finds better by more than chance.
+//!
 //! A larger set is a rival too where the search finds it far better and has only doubted that the last cause is worth its place: if
 //! that is a fast one, and the operator model is far better with it.
 

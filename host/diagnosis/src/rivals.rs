@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::chance::{FOUND, standard_errors};
-use super::extend::Extender;
+use super::extend::{Extender, Extension};
 use super::race::is_same;
 use super::search::Search;
 use recording::numbers::legible;
@@ -86,8 +86,8 @@ pub fn settled(
     settled
 }
 
-/// The rivals of a chosen set, no larger than it, with which the simulated operator model is nearer to the muscle: two judges that are
-/// for different sets tell neither of them.
+/// The rivals of a chosen set, no larger than it, with which the simulated operator model is nearer to the muscle, by more than the
+/// standard error: two judges that are for different sets tell neither of them.
 fn nearer_when_simulated(
     set: &Candidate,
     sizes: &[Vec<Candidate>],
@@ -107,10 +107,13 @@ fn nearer_when_simulated(
     rivals.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
     rivals.truncate(MOST);
     let sets: Vec<&Candidate> = [set].into_iter().chain(rivals).collect();
-    let errors: Vec<Option<f64>> = sets.par_iter().map(|set| extender.with(set)).collect();
-    let Some((own, others)) = errors.split_first() else { return Vec::new() };
-    let own = own.unwrap_or(f64::INFINITY);
-    let nearer = sets[1..].iter().zip(others).filter(|(_, error)| error.is_some_and(|error| error < own));
+    let models: Vec<Option<Extension>> = sets.par_iter().map(|set| extender.model(set)).collect();
+    let Some((Some(own), others)) = models.split_first() else { return Vec::new() };
+    let is_nearer = |model: &Option<Extension>| {
+        let gain = model.as_ref().and_then(|model| extender.gain_between(own, model));
+        gain.is_some_and(|gain| gain.is_sure())
+    };
+    let nearer = sets[1..].iter().zip(others).filter(|(_, model)| is_nearer(model));
     nearer.map(|(rival, _)| rival.names()).collect()
 }
 
@@ -120,7 +123,8 @@ pub fn not_told_apart(
     (set, named): (&Candidate, &[Cause]),
     sizes: &[Vec<Candidate>],
 ) -> Vec<Vec<Cause>> {
-    let asked = sizes.iter().flatten().filter(|larger| is_larger((set, named), larger)).count();
+    // All that the recording can show are asked, though few look so promising that they are fitted.
+    let asked = search.examinable.iter().filter(|cause| !named.contains(cause)).count();
     let beyond_chance = standard_errors(FOUND, asked, 1);
     let is_better = |larger: &Candidate| {
         let gain = set.score.gain(&larger.score);

@@ -405,6 +405,11 @@ impl<'a> Extender<'a> {
         Some(operator)
     }
 
+    /// What a model gains over another one on all scored rows; None where one does not run through them.
+    pub fn gain_between(&self, one: &Extension, other: &Extension) -> Option<HeldOutGain> {
+        heldout::on_all(self.columns, (one, other))
+    }
+
     /// Whether a model of the recording clearly gains something over another one that has less: from what its gain is counted from.
     pub fn gains_over(&self, extended: &Extended, less: &Extended) -> bool {
         self.gain_over(&extended.seen_from(self.columns), extended, less).is_some()

@@ -429,7 +429,7 @@ impl Control {
     fn advance(&mut self, event: Event) -> Result<(), Refusal> {
         self.enter(event)?;
         if self.state == State::SelfTest {
-            self.monitors.start_anew();
+            self.monitors.restart();
             self.self_test_ticks = self.protection.self_test_ticks;
             if self.self_test_ticks == 0 {
                 self.end_self_test().unwrap_or_else(|fault| self.report(fault));

@@ -7,8 +7,7 @@
 //! are short then, and go the same way however busy the machine is.
 
 use std::io::{ErrorKind, Read, Write};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::ops::Deref;
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::{self, JoinHandle};
 use std::time::Instant;
@@ -24,13 +23,12 @@ use fleet::board::Board;
 use fleet::line::Way;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use serde::Serialize;
-use tempfile::TempDir;
 use wire::joint::{JointRequest, JointResponse, JointTickReply, JointTickRequest};
 use wire::registers::UNIT;
 use wire::{FRAME_BYTES, Protection, Receiver, Refusal, Request, Response};
 
 use crate::PERIOD_S;
-use crate::desk_commands::mgpi;
+use crate::commands::Commands;
 use crate::joint::{Wired, Wrong};
 
 /// How time passes at a board.
@@ -207,11 +205,10 @@ fn lock(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
 /// A board at a terminal, and a directory for `mgpi`, until it is dropped.
 #[derive(Debug)]
 pub struct JointDesk {
-    path: PathBuf,
     stop: Stop,
     board: Option<JoinHandle<()>>,
     seen: Arc<Mutex<Seen>>,
-    directory: TempDir,
+    commands: Commands,
 }
 
 impl JointDesk {
@@ -232,7 +229,8 @@ impl JointDesk {
         disturb: impl FnMut(Way, Vec<u8>) -> Vec<u8> + Send + 'static,
     ) -> Self {
         let terminal = PseudoTerminal::open().expect("a pseudo terminal");
-        let (path, stop, seen) = (terminal.path().to_owned(), Stop::default(), Arc::default());
+        let commands = Commands::at(terminal.path());
+        let (stop, seen) = (Stop::default(), Arc::default());
         let (stopped, told) = (stop.clone(), Arc::clone(&seen));
         let board = thread::spawn(move || {
             if setting.is_single {
@@ -243,8 +241,7 @@ impl JointDesk {
                 run(terminal, &mut JointAtLink::new(setting, told), setting.time, &stopped, disturb);
             }
         });
-        let directory = tempfile::tempdir().expect("a temporary directory");
-        Self { path, stop, board: Some(board), seen, directory }
+        Self { stop, board: Some(board), seen, commands }
     }
 
     /// What is seen of the board now.
@@ -261,64 +258,13 @@ impl JointDesk {
             assert!(ended.is_ok() || thread::panicking(), "the board has panicked");
         }
     }
+}
 
-    /// A command with the port behind it.
-    pub fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(mgpi());
-        command.args(arguments.split_whitespace()).arg("--port").arg(&self.path);
-        command.current_dir(self.directory.path());
-        command
-    }
+impl Deref for JointDesk {
+    type Target = Commands;
 
-    /// Runs a command.
-    ///
-    /// # Panics
-    /// It does not run.
-    pub fn run(&self, arguments: &str) -> Output {
-        self.command(arguments).output().expect("mgpi runs")
-    }
-
-    /// Runs a command, which must succeed; answers its standard output.
-    ///
-    /// # Panics
-    /// It fails.
-    pub fn succeeds(&self, arguments: &str) -> String {
-        let output = self.run(arguments);
-        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).expect("UTF-8")
-    }
-
-    /// Runs a command, which must fail with status 2; answers its message.
-    ///
-    /// # Panics
-    /// It does not.
-    pub fn refuses(&self, arguments: &str) -> String {
-        let output = self.run(arguments);
-        let said = String::from_utf8(output.stderr).expect("UTF-8");
-        assert_eq!(output.status.code(), Some(2), "{arguments}: {said}");
-        said
-    }
-
-    /// The path of a file in the directory.
-    pub fn file(&self, name: &str) -> PathBuf {
-        self.directory.path().join(name)
-    }
-
-    /// Names of all files, sorted.
-    ///
-    /// # Panics
-    /// The directory cannot be read.
-    pub fn files(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.directory.path()).expect("a directory");
-        let mut names: Vec<String> =
-            entries.map(|entry| entry.expect("an entry").file_name().display().to_string()).collect();
-        names.sort();
-        names
-    }
-
-    /// The end that a host opens.
-    pub fn port(&self) -> &Path {
-        &self.path
+    fn deref(&self) -> &Commands {
+        &self.commands
     }
 }
 

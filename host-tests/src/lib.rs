@@ -7,6 +7,7 @@
 
 pub mod bench;
 pub mod bus;
+pub mod commands;
 pub mod control;
 pub mod desk;
 pub mod desk_commands;

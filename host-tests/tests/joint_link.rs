@@ -8,7 +8,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use fleet::line::Way;
-use host_tests::desk_commands::mgpi;
+use host_tests::commands::mgpi;
 use host_tests::joint::{Wrong, identified};
 use host_tests::joint_desk::{JointDesk, Setting, Time};
 use rig::joint::protocol::{JointProtocol, JointRange};
@@ -32,8 +32,8 @@ fn with_model(setting: Setting, model_of: u64) -> JointDesk {
 
 fn prepared(desk: JointDesk, model_of: u64) -> JointDesk {
     let model = identified(model_of).expect("a joint").to_toml();
-    std::fs::write(desk.file("joint.toml"), model).expect("written");
-    std::fs::write(desk.file("reference.csv"), REFERENCE).expect("written");
+    std::fs::write(desk.path("joint.toml"), model).expect("written");
+    std::fs::write(desk.path("reference.csv"), REFERENCE).expect("written");
     desk
 }
 
@@ -61,7 +61,7 @@ fn recorded(load_nm: f64, name: &str, duration_s: Option<f64>) -> JointDesk {
     assert!(is_vented(&desk));
     let range = JointRange { min_bar: 1.8, max_bar: 6.0, swing: 0.22 };
     let excitation = JointProtocol::without_weights(&range, duration_s).expect("room for a swing");
-    let rows = rows(&desk.file(name));
+    let rows = rows(&desk.path(name));
     // What a row says was put out is what was asked for at the row before, until then.
     for pair in rows.windows(2).filter(|pair| pair[0][7] == 1.0) {
         let asked = excitation.commands_bar(pair[0][0] + 1e-3);
@@ -88,12 +88,12 @@ fn a_joint_is_recorded_over_its_link_identified_and_tracked_with() {
     {
         let from = recorded(load_nm, name, duration_s);
         assert_eq!(from.files(), [name], "the part goes");
-        std::fs::copy(from.file(name), desk.file(name)).expect("copied");
+        std::fs::copy(from.path(name), desk.path(name)).expect("copied");
     }
     // The torque of a recording is one of it, so one alone is not enough.
     let mgpi = |arguments: &str| {
         let mut command = Command::new(mgpi());
-        command.args(arguments.split_whitespace()).current_dir(desk.file(""));
+        command.args(arguments.split_whitespace()).current_dir(desk.path(""));
         command.output().expect("mgpi runs")
     };
     let alone = mgpi("identify --joint joint.csv -o joint.toml");
@@ -101,28 +101,28 @@ fn a_joint_is_recorded_over_its_link_identified_and_tracked_with() {
     assert!(alone.status.code() == Some(2) && said.contains("hang a weight"), "{said}");
     let all = mgpi("identify --joint joint.csv to-larger.csv to-smaller.csv -o joint.toml --json joint.json");
     assert!(all.status.success(), "{}", String::from_utf8_lossy(&all.stderr));
-    let found = figures(&desk.file("joint.json"));
+    let found = figures(&desk.path("joint.json"));
     println!("identified: {found:#}");
     let number = |value: &Value, name: &str| value[name].as_f64().expect(name);
     assert!(number(&found, "heldout_rmse_deg") < 0.01 * number(&found, "range_deg"));
 
-    std::fs::write(desk.file("reference.csv"), REFERENCE).expect("written");
+    std::fs::write(desk.path("reference.csv"), REFERENCE).expect("written");
     let said = desk.succeeds(&format!("{TRACK} -o log.csv --json run.json --report run.html"));
     println!("{said}");
     assert!(said.contains("% of range") && said.contains("as many as the link carries"), "{said}");
-    let run = figures(&desk.file("run.json"));
+    let run = figures(&desk.path("run.json"));
     println!("tracked: {run:#}");
     let share = number(&run, "rmse_deg") / number(&run, "range_deg");
     assert!((1e-4..0.002).contains(&share), "RMSE of {} % of range", 100.0 * share);
     // No target is a step, but that the reference has corners.
     assert!(number(&run, "ticks_angle_limited") < 20.0, "{run}");
-    let log = std::fs::read_to_string(desk.file("log.csv")).expect("a log");
+    let log = std::fs::read_to_string(desk.path("log.csv")).expect("a log");
     let first = log.lines().next().expect("a header");
     assert_eq!(first, board_client::joint::log::COLUMNS.trim_end(), "as pil --joint has it");
     // A request takes four ticks, and six seconds are 1500 of them.
     assert!((1400..1600).contains(&log.lines().count()), "{}", log.lines().count());
     assert!(
-        std::fs::read_to_string(desk.file("run.html")).expect("a page").contains("Torque of the feedback")
+        std::fs::read_to_string(desk.path("run.html")).expect("a page").contains("Torque of the feedback")
     );
     assert!(is_vented(&desk) && desk.seen().last.is_some_and(|last| last.fault.is_none()));
     // Another run is refused before anything moves.
@@ -139,11 +139,11 @@ fn a_recording_has_the_boards_time_the_pressures_that_were_held_and_what_was_mis
     let capture = format!("capture --joint --duration-s 40 -o joint.csv {PATIENT}");
     let said = desk.succeeds(&format!("{capture} --torque-newton-metre -2"));
     assert!(said.contains("link or machine was too slow: --every 20 is easier"), "{said}");
-    let torque = std::fs::read_to_string(desk.file("joint.csv")).expect("a recording");
+    let torque = std::fs::read_to_string(desk.path("joint.csv")).expect("a recording");
     assert!(torque.lines().last().is_some_and(|row| row.ends_with(",-2,1")), "its torque is in each row");
     let said = desk.succeeds(&format!("{capture} --every 20 --force"));
     assert!(!said.contains("missed"), "{said}");
-    let rows = rows(&desk.file("joint.csv"));
+    let rows = rows(&desk.path("joint.csv"));
     assert!(rows.windows(2).all(|pair| (0.010..0.040).contains(&(pair[1][0] - pair[0][0]))));
     assert!(rows.len() > 1900 && rows[rows.len() - 1][0] > 39.9, "{} rows", rows.len());
     let counted = rows.iter().position(|row| row[7] == 1.0).expect("rows that count");
@@ -176,9 +176,9 @@ fn a_torque_that_the_reference_tells_is_fed_forward() {
             format!("{line},{field}\n")
         })
         .collect();
-    std::fs::write(desk.file("known.csv"), known).expect("written");
+    std::fs::write(desk.path("known.csv"), known).expect("written");
     desk.succeeds("track --joint --model joint.toml --reference known.csv -o known.log");
-    let known = fed_back(&std::fs::read_to_string(desk.file("known.log")).expect("a log"));
+    let known = fed_back(&std::fs::read_to_string(desk.path("known.log")).expect("a log"));
     assert!(known.abs() < 1.0, "{known} N m");
     // Who does not tell it has a joint that is not the model's.
     let said = desk.refuses(TRACK);
@@ -188,7 +188,7 @@ fn a_torque_that_the_reference_tells_is_fed_forward() {
 #[test]
 fn what_cannot_be_is_said_before_the_board_is_asked() {
     let desk = with_model(Setting::sound(SEED), SEED);
-    let write = |name: &str, text: &str| std::fs::write(desk.file(name), text).expect("written");
+    let write = |name: &str, text: &str| std::fs::write(desk.path(name), text).expect("written");
     write("outside.csv", &REFERENCE.replace("2,6,55", "2,80,55"));
     write("limp.csv", &REFERENCE.replace("2,6,55", "2,6,0"));
     write("there.csv", "");
@@ -284,7 +284,7 @@ fn what_the_start_finds_is_said_with_number_cause_and_cure_and_stays_until_it_is
 #[test]
 fn the_model_of_another_joint_is_recognised_by_the_swing() {
     let desk = with_model(Setting::sound(SEED), SEED);
-    let model = std::fs::read_to_string(desk.file("joint.toml")).expect("a model");
+    let model = std::fs::read_to_string(desk.path("joint.toml")).expect("a model");
     let other: String = model
         .lines()
         .map(|line| match line.split_once(" = ") {
@@ -294,7 +294,7 @@ fn the_model_of_another_joint_is_recognised_by_the_swing() {
             _ => format!("{line}\n"),
         })
         .collect();
-    std::fs::write(desk.file("joint.toml"), other).expect("written");
+    std::fs::write(desk.path("joint.toml"), other).expect("written");
     let said = desk.refuses(TRACK);
     assert!(said.contains("fault 306") && said.contains("identify --joint"), "{said}");
     assert!(is_vented(&desk));
@@ -333,9 +333,9 @@ fn frames_that_are_damaged_or_lost_are_sent_again() {
     });
     let desk = prepared(disturbed, SEED);
     let reference = "time_s,reference_deg,stiffness_nm_per_rad\n0,-8,55\n1,6,55\n";
-    std::fs::write(desk.file("reference.csv"), reference).expect("written");
+    std::fs::write(desk.path("reference.csv"), reference).expect("written");
     desk.succeeds(&format!("{TRACK} -o log.csv --json run.json"));
-    let run = figures(&desk.file("run.json"));
+    let run = figures(&desk.path("run.json"));
     let share = run["rmse_deg"].as_f64().expect("a number") / run["range_deg"].as_f64().expect("a number");
     assert!(share < 0.01, "{run}");
     desk.succeeds("capture --joint --duration-s 10 -o rec.csv");
@@ -387,7 +387,7 @@ fn a_host_that_is_killed_leaves_a_joint_that_vents_within_half_a_second() {
 fn a_user_who_interrupts_vents_at_once_and_keeps_what_was_recorded() {
     let desk = with_model(Setting { time: Time::Real, ..Setting::sound(SEED) }, SEED);
     let child = driving(&desk, CAPTURE);
-    wait_until(|| desk.file("rec.csv.part").metadata().is_ok_and(|file| file.len() > 3000));
+    wait_until(|| desk.path("rec.csv.part").metadata().is_ok_and(|file| file.len() > 3000));
     signal(&child, "INT");
     let output = child.wait_with_output().expect("it ends");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -396,8 +396,8 @@ fn a_user_who_interrupts_vents_at_once_and_keeps_what_was_recorded() {
     // At the next tick, and not by the host's silence.
     wait_until(|| is_vented(&desk));
     assert_eq!(desk.seen().last.map(|last| last.state), Some(JointBoardState::Off));
-    let part = std::fs::read_to_string(desk.file("rec.csv.part")).expect("a part");
-    assert!(part.lines().count() > 20 && part.ends_with('\n') && !desk.file("rec.csv").exists());
+    let part = std::fs::read_to_string(desk.path("rec.csv.part")).expect("a part");
+    assert!(part.lines().count() > 20 && part.ends_with('\n') && !desk.path("rec.csv").exists());
     // What is kept is not overwritten.
     let said = desk.refuses(CAPTURE);
     assert!(said.contains("rec.csv.part: there is a part of an earlier run"), "{said}");
@@ -407,7 +407,7 @@ fn a_user_who_interrupts_vents_at_once_and_keeps_what_was_recorded() {
 fn a_port_that_is_unplugged_ends_a_run_and_its_log_is_kept() {
     let mut desk = with_model(Setting { time: Time::Real, ..Setting::sound(SEED) }, SEED);
     let child = driving(&desk, CAPTURE);
-    wait_until(|| desk.file("rec.csv.part").metadata().is_ok_and(|file| file.len() > 3000));
+    wait_until(|| desk.path("rec.csv.part").metadata().is_ok_and(|file| file.len() > 3000));
     desk.unplug();
     let output = child.wait_with_output().expect("it ends");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -131,7 +131,7 @@ impl Protocol {
         self.ramp(command_bar, duration_s)
     }
 
-    /// The same course in so many times the time.
+    /// The same course, stretched in time by this factor.
     pub(crate) fn stretched(mut self, factor: f64) -> Self {
         self.waypoints.iter_mut().for_each(|waypoint| waypoint.0 *= factor);
         self

@@ -119,7 +119,7 @@ impl Control {
         let installed = self.installed.as_ref();
         let running = installed.map(|installed| self.running(installed, mode, asked_mm)).transpose()?;
         self.advance(event)?;
-        self.monitors.start_anew();
+        self.monitors.restart();
         self.running = running;
         Ok(())
     }

@@ -181,7 +181,7 @@ impl JointTask {
         let start = Start::new((angles.min(), angles.max()), stiffness, installed.period_s);
         self.running = Some(Running { state: installed.control.rest_state(middle), start: Some(start) });
         self.aimed = Aimed::still(JointTarget { angle: middle, stiffness, load: 0.0 });
-        self.watch.start_anew();
+        self.watch.restart();
         self.state = JointBoardState::Starting;
         self.silent_ticks = 0;
         self.armed_ticks = 0;
@@ -196,7 +196,7 @@ impl JointTask {
         if self.armed_ticks == 0 {
             return JointResponse::Refused(Refusal::NotArmed);
         }
-        self.watch.start_anew();
+        self.watch.restart();
         self.has_served = true;
         self.leave(JointBoardState::Service);
         self.silent_ticks = 0;
@@ -218,7 +218,7 @@ impl JointTask {
             }
             self.fault = None;
             self.black_box.iter_mut().for_each(|black_box| black_box.reopen());
-            self.watch.start_anew();
+            self.watch.restart();
             self.leave(self.home());
         }
         JointResponse::Accepted

@@ -146,8 +146,8 @@ impl Watch {
     }
 
     /// Forgets the past, with a start or a fault.
-    pub fn start_anew(&mut self) {
-        self.sensors.iter_mut().chain([&mut self.angle_sensor]).for_each(Sensor::start_anew);
+    pub fn restart(&mut self) {
+        self.sensors.iter_mut().chain([&mut self.angle_sensor]).for_each(Sensor::restart);
         self.valves = [Following::default(); 2];
         self.slow = [Slow::default(); 2];
     }

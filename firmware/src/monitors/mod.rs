@@ -217,10 +217,10 @@ impl Monitors {
     }
 
     /// Forgets the past, with a fault or an installation.
-    pub fn start_anew(&mut self) {
+    pub fn restart(&mut self) {
         self.missing = InARow::default();
-        self.pressure.start_anew();
-        self.contraction.start_anew();
+        self.pressure.restart();
+        self.contraction.restart();
         (self.supply, self.temperature) = (Slow::default(), Slow::default());
         self.pressure_average = Average::default();
         self.stuck = [Stuck::default(); 2];

@@ -65,7 +65,7 @@ impl Sensor {
     }
 
     /// Forgets what it has of the past.
-    pub fn start_anew(&mut self) {
+    pub fn restart(&mut self) {
         *self = Self { bridged: self.bridged, ..Self::default() };
     }
 }

@@ -7,7 +7,7 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 
 use board_client::update::Package;
 use board_models::joint::joint_parameters;
-use host_tests::desk_commands::mgpi;
+use host_tests::commands::mgpi;
 use libtest_mimic::{Failed, Trial};
 use recording::Source;
 use recording::joint::file::JointFile;

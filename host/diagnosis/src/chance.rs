@@ -10,7 +10,7 @@ pub const NOT_EXCLUDED: f64 = 0.05;
 pub const FOUND: f64 = 0.01;
 /// Halvings of the interval in which z is: to far below what it is worth.
 const HALVINGS: usize = 40;
-/// The largest z that is looked for.
+/// The largest z that is looked for, in standard errors: beyond it a chance is below one in 10^15.
 const LARGEST: f64 = 8.0;
 
 /// That many standard errors: at least 0.

@@ -390,16 +390,20 @@ fn among(
     }
     let named = if is_named { &best } else { &search.baseline };
     // What the simulated model does not see is not there: the search's own model was farther off.
-    let is_needless_step = |seen: &Unexplained| matches!(seen, Unexplained::ZeroStep { left, .. } if extended.extended_rmse < *left);
-    let is_alike = |seen: &Unexplained| {
-        matches!(seen, Unexplained::NotRepeatable { .. })
-            && is_repeatable(&search, &extended.errors(columns, &scored_rows))
-    };
     let unexplained = match unexplained {
-        Some(step) if best.causes.is_empty() && is_needless_step(&step) => left(&best, not_repeatable),
+        Some(Unexplained::ZeroStep { left: beside, .. })
+            if best.causes.is_empty() && extended.extended_rmse < beside =>
+        {
+            left(&best, not_repeatable)
+        }
         seen => seen,
     };
-    let unexplained = unexplained.filter(|seen| !best.causes.is_empty() || !is_alike(seen));
+    let errors = || extended.errors(columns, &scored_rows);
+    let is_alike = || errors().is_some_and(|errors| is_repeatable(&search, &errors));
+    let unexplained = match unexplained {
+        Some(Unexplained::NotRepeatable { .. }) if best.causes.is_empty() && is_alike() => None,
+        seen => seen,
+    };
     let unexplained = unexplained.or(refuted);
     let is_third_order = !is_needless && named.is_third_order();
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);

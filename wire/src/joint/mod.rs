@@ -58,10 +58,10 @@ pub enum JointRequest {
     /// Take both pressures from the host, by [`JointRequest::Press`], without a model: for a
     /// recording. Both begin at 0 bar. Refused where nothing has armed the board.
     Service,
-    /// These pressures from the next tick on, as far as soft start and slew allow; a sign of life
-    /// in service. Refused elsewhere, and beyond what the board allows; then it is none. Unit: bar,
-    /// of the muscle that turns the joint to larger angles first. Answer:
-    /// [`JointResponse::Report`].
+    /// Sets both pressures from the next tick on, as fast as soft start and slew rate allow: first
+    /// that of the muscle that turns the joint to larger angles. Unit: bar. It is a sign of life
+    /// unless it is refused: in other states than service, and above what the board allows.
+    /// Answer: [`JointResponse::Report`].
     Press([f32; 2]),
 }
 

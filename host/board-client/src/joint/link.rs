@@ -29,7 +29,7 @@ pub const ANSWER: Duration = Duration::from_millis(120);
 const SILENT_TRIES: usize = 3;
 /// How often a request is sent in all: damage is told at once.
 const TRIES: usize = 12;
-/// A board takes so many times as long to look at a joint as to answer anything else.
+/// Checking the parameters of a joint takes a board this many times as long as any other answer.
 const LONG: u32 = 8;
 /// What comes after so long a silence is no answer to a request before.
 const LATE: Duration = Duration::from_millis(20);

@@ -230,9 +230,11 @@ impl Extended {
         })
     }
 
-    /// What it is off by at some rows of the recording. Output unit.
-    pub(super) fn errors(&self, columns: &Columns, rows: &[usize]) -> Vec<f64> {
-        rows.iter().map(|&row| columns.output[row] - self.simulated[row]).collect()
+    /// What the model of the muscle is off by at some rows of a recording, from the pressure where that was recorded; None where it does
+    /// not run through it. Output unit.
+    pub(super) fn errors(&self, columns: &Columns, rows: &[usize]) -> Option<Vec<f64>> {
+        let simulated = self.model.answer(columns)?;
+        Some(rows.iter().map(|&row| columns.output[row] - simulated[row]).collect())
     }
 
     /// What other extensions gain in the place of those that were found, the operator fitted anew beside them, counted as

@@ -38,8 +38,8 @@ impl<'a> Asked<'a> {
     /// Reads a model and a reference, `rate_hz` ticks a second.
     ///
     /// # Errors
-    /// A file is not what it should be, an angle is outside of those of the model, or a stiffness
-    /// is none.
+    /// A file is not what it should be, an angle is outside the model's range, or a stiffness is
+    /// not above 0.
     pub fn read(model: &'a Path, reference: &'a Path, choice: &Choice, rate_hz: f64) -> Result<Self, Error> {
         let file = JointFile::read(model)?;
         let table = choice.table(reference)?;

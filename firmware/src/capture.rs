@@ -1,4 +1,4 @@
-//! The loop recorded in RAM at the tick's rate: a ring of the last ticks, or of every so-manieth.
+//! The loop recorded in RAM at the tick's rate: a ring of the last ticks, or of every Nth.
 //!
 //! It records from the start of the board on, and stops by itself when a fault vents: what led to
 //! it is then there to be read. A host that wants something else says [`CaptureOrder::Start`].

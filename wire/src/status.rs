@@ -83,7 +83,7 @@ pub struct FaultRecord {
 /// What to do with the memory that records the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CaptureOrder {
-    /// Begin again, and keep every so-manieth tick until [`CaptureOrder::Stop`] or a fault; the
+    /// Begin again, and keep every Nth tick until [`CaptureOrder::Stop`] or a fault; the
     /// oldest ones go when the memory is full. 0 counts as 1.
     Start(u16),
     /// Keep what there is.

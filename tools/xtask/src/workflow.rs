@@ -13,7 +13,7 @@ use crate::{host, run};
 
 /// Length of the captured excitation. Unit: s.
 const CAPTURE_S: &str = "45";
-/// Every so-manieth tick is recorded: 100 rows a second are plenty for identification.
+/// Every Nth tick is recorded: 100 rows a second are plenty for identification.
 const EVERY: &str = "10";
 /// The poor model: plays and a gain, no more than two of them.
 const POOR: [&str; 4] = ["--model", "cpi", "--plays", "2"];

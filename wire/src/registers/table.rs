@@ -277,7 +277,7 @@ table! {
     0x0610 PushNumber "push_number" U32 [1] "" DOUBLE_WORD, "Number of the first of the points behind it; written together with them";
     0x0612 PushPoints "push_points" F32 [STREAM_POINTS] "" MM, "Points, mm or bar; as many as are written. Reads as the next ones to be played, 0 behind the last";
 
-    0x0700 CaptureEvery "capture_every_ticks" U16 [1] "tick" write(0.0, 1000.0), "Begins a new recording of every so-manieth tick; 0 stops it. A fault stops it too";
+    0x0700 CaptureEvery "capture_every_ticks" U16 [1] "tick" write(0.0, 1000.0), "Begins a new recording of every Nth tick; 0 stops it. A fault stops it too";
     0x0701 CaptureKept "capture_kept" U16 [1] "" READ, "Samples in the ring";
     0x0702 CaptureTaken "capture_taken" U32 [1] "" READ, "Samples since the recording began: the number of the next";
     0x0704 CaptureFrom "capture_from" U32 [1] "" DOUBLE_WORD, "Number of the sample that the window begins with";

@@ -51,7 +51,7 @@ pub struct Piece {
     pub drive: Drive,
     /// [`POINTS_PER_S`] of them a second; at least one.
     pub points: Vec<f32>,
-    /// Every so-manieth tick is recorded; none: as many as the bus carries.
+    /// Every Nth tick is recorded; none: as many as the bus carries.
     pub every: Option<u16>,
 }
 

@@ -24,7 +24,7 @@ pub struct Excitation {
     pub counts_from_s: f64,
     /// Torque that acts on the joint from outside, towards larger angles. Unit: N m.
     pub torque_nm: f64,
-    /// Every so-manieth tick is a row.
+    /// Every Nth tick is a row.
     pub every: u16,
 }
 

@@ -164,7 +164,7 @@ fn rounded(value: f32) -> f64 {
     (f64::from(value) * 1e4).round() / 1e4
 }
 
-/// Which reports become rows: the first one at or behind each so many-th tick.
+/// Which reports become rows: the first one at or behind every Nth tick.
 #[derive(Debug)]
 pub(super) struct Rows {
     every: u32,

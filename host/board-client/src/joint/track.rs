@@ -33,7 +33,7 @@ pub type Heard<'a> = dyn FnMut(&JointSample) -> Result<(), JointBoardError> + 'a
 pub struct Course<'a> {
     /// At each tick; at least one.
     pub wanted: &'a [JointWanted],
-    /// Every so-manieth tick is a row; 1: as many as the link carries.
+    /// Every Nth tick is a row; 1: as many as the link carries.
     pub every: u16,
 }
 

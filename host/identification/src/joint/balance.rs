@@ -24,7 +24,7 @@ use crate::nnls;
 const SMOOTHED_S: f64 = 0.02;
 /// The same for the speed.
 const SPEED_S: f64 = 0.1;
-/// The search for knees and slips looks at each so many-th row.
+/// The search for knees and slips looks at every Nth row.
 const THINNED: usize = 5;
 /// The largest knee as a share of the square of the lowest pressure.
 const LARGEST_KNEE: f64 = 0.8;
@@ -198,7 +198,7 @@ pub(super) fn solve(rows: &Rows, counts: &[bool]) -> Result<Unknowns, JointError
     found.ok_or(JointError::Singular)
 }
 
-/// The linear unknowns for a given shape, by each so many-th row that counts, and the sum of
+/// The linear unknowns for a given shape, by every Nth row that counts, and the sum of
 /// squares.
 fn linear(
     rows: &Rows,

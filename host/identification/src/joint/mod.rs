@@ -44,7 +44,7 @@ const STOPS: usize = 8;
 const SHORTEST: f64 = 0.01;
 /// Half the swing that a stiffness is for, unless the user has it otherwise. Unit: rad.
 pub const SWING_RAD: f64 = 3.0 * PI / 180.0;
-/// The refinement, and what is known after it, look at each so many-th row.
+/// The refinement, and what is known after it, look at every Nth row.
 const THINNED: usize = 4;
 /// Rows are held out in blocks so long, shorter in a short recording, one of [`BLOCKS`]. Unit: s.
 const BLOCK_S: f64 = 8.0;

@@ -54,7 +54,7 @@ pub(super) fn refined(rows: &Rows, counts: &[bool], from: Unknowns) -> Result<Un
     Ok(at)
 }
 
-/// Simulated less measured angle in each so many-th row of `counts`, rad; None where the unknowns
+/// Simulated less measured angle in every Nth row of `counts`, rad; None where the unknowns
 /// are those of no joint.
 pub(super) fn residuals(rows: &Rows, counts: &[bool], unknowns: &Unknowns) -> Option<DVector<f64>> {
     let joint = rows.joint(unknowns).ok().filter(|_| allows(rows, unknowns))?;

@@ -42,7 +42,7 @@ pub struct Arguments {
     /// Where the recording goes; it grows in a file beside it, REC.csv.part
     #[arg(short = 'o', value_name = "REC.csv")]
     recording: PathBuf,
-    /// Record every so-manieth tick [default: as many as the bus carries; of a joint 10]
+    /// Record every Nth tick [default: as many as the bus carries; of a joint 10]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..=1000))]
     every: Option<u16>,
     /// Also show the board on a page at this address, as `mgpi watch` does

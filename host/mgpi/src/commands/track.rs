@@ -60,7 +60,7 @@ pub struct Arguments {
     /// learnt stays until the board starts again or gets another model
     #[arg(long, conflicts_with = "learn")]
     adapt: bool,
-    /// Log every so-manieth tick [default: as many as the bus carries]
+    /// Log every Nth tick [default: as many as the bus carries]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u16).range(1..=1000))]
     every: Option<u16>,
     /// Also show the board on a page at this address, as `mgpi watch` does

@@ -57,8 +57,8 @@ pub struct Setting {
     pub is_still: bool,
     /// The board is one with one muscle.
     pub is_single: bool,
-    /// With which request the board has just started again.
-    pub restarts_at: Option<u32>,
+    /// With which requests the board has just started again.
+    pub restarts_at: &'static [u32],
 }
 
 impl Setting {
@@ -72,7 +72,7 @@ impl Setting {
             version: None,
             is_still: false,
             is_single: false,
-            restarts_at: None,
+            restarts_at: &[],
         }
     }
 }
@@ -154,7 +154,7 @@ impl AtLink for JointAtLink {
         (1..ticks).for_each(|_| self.tick());
         let mut seen = lock(&self.seen);
         (seen.heard, seen.requests) = (seen.ticks, seen.requests + 1);
-        let restarts = self.setting.restarts_at == Some(seen.requests);
+        let restarts = self.setting.restarts_at.contains(&seen.requests);
         drop(seen);
         if restarts {
             self.board = LockStepJoint::new(Protection::STANDARD);

@@ -11,6 +11,8 @@ use fleet::line::Way;
 use host_tests::commands::mgpi;
 use host_tests::joint::{Wrong, identified};
 use host_tests::joint_desk::{JointDesk, Setting, Time};
+use recording::Choice;
+use recording::joint::columns::JointRecording;
 use rig::joint::protocol::{JointProtocol, JointRange};
 use serde_json::Value;
 use wire::Protection;
@@ -51,23 +53,47 @@ fn was_never_driven(desk: &JointDesk) -> bool {
 }
 
 /// Records a joint under a torque, on a desk of its own, since somebody hangs the weight there.
-fn recorded(load_nm: f64, name: &str, duration_s: Option<f64>) -> JointDesk {
-    let desk = JointDesk::new(Setting { load_nm, ..Setting::sound(SEED) });
+/// What a board that has started again interrupts is resumed.
+fn recorded(load_nm: f64, name: &str, duration_s: Option<f64>, restarts_at: &'static [u32]) -> JointDesk {
+    let desk = JointDesk::new(Setting { load_nm, restarts_at, ..Setting::sound(SEED) });
     let options = duration_s.map_or(String::new(), |duration_s| format!("--duration-s {duration_s}"));
-    let said = desk.succeeds(&format!(
-        "capture --joint --max-bar 6 --torque-newton-metre {load_nm} -o {name} {options} {PATIENT}"
-    ));
+    let command =
+        format!("capture --joint --max-bar 6 --torque-newton-metre {load_nm} -o {name} {options} {PATIENT}");
+    let resumes = |count: usize| if count > 0 { " --resume" } else { "" };
+    for count in 0..restarts_at.len() {
+        let said = desk.refuses(&format!("{command}{}", resumes(count)));
+        assert!(said.contains("was it restarted") && said.contains("--resume continues it"), "{said}");
+    }
+    let said = desk.succeeds(&format!("{command}{}", resumes(restarts_at.len())));
     assert!(said.contains("one each 10 ms") && !said.contains("missed"), "{said}");
     assert!(is_vented(&desk));
     let range = JointRange { min_bar: 1.8, max_bar: 6.0, swing: 0.22 };
     let excitation = JointProtocol::without_weights(&range, duration_s).expect("room for a swing");
     let rows = rows(&desk.path(name));
     // What a row says was put out is what was asked for at the row before, until then.
-    for pair in rows.windows(2).filter(|pair| pair[0][7] == 1.0) {
-        let asked = excitation.commands_bar(pair[0][0] + 1e-3);
+    let text = desk.read(name);
+    let mut seams = (text.lines())
+        .filter_map(|line| line.strip_prefix("# interrupted, resumed at ")?.strip_suffix(" s"))
+        .map(|seam_s| seam_s.parse::<f64>().expect("a time"));
+    let mut ahead_s = 0.0;
+    for pair in rows.windows(2) {
+        if pair[1][0] - pair[0][0] > 0.5 {
+            // Filled, swung and brought there again, and then as if there had been nothing.
+            let seam_s = seams.next().expect("a comment at each gap");
+            let lead_s = (1e3 * excitation.counts_from_s()).ceil() / 1e3 + 4.0;
+            ahead_s += seam_s + lead_s - pair[0][0] - 0.001;
+            continue;
+        }
+        if pair[0][7] == 0.0 {
+            continue;
+        }
+        let asked = excitation.commands_bar(pair[0][0] - ahead_s + 1e-3);
         let is_held = asked.iter().zip(&pair[1][1..=2]).all(|(asked, held)| (asked - held).abs() < 0.002);
         assert!(is_held, "{asked:?} bar were asked for before {:?}", pair[1]);
     }
+    assert_eq!(seams.next(), None);
+    let end_s = rows[rows.len() - 1][0] - ahead_s;
+    assert!((end_s - excitation.duration_s()).abs() < 0.02, "{end_s} s");
     desk
 }
 
@@ -83,10 +109,14 @@ fn rows(file: &Path) -> Vec<Vec<f64>> {
 #[test]
 fn a_joint_is_recorded_over_its_link_identified_and_tracked_with() {
     let desk = JointDesk::new(Setting::sound(SEED));
-    for (load_nm, name, duration_s) in
-        [(0.0, "joint.csv", None), (4.0, "to-larger.csv", Some(120.0)), (-4.0, "to-smaller.csv", Some(120.0))]
-    {
-        let from = recorded(load_nm, name, duration_s);
+    // One of them is interrupted: after some 60 s, 10 s later while it is filled again, and 17 s
+    // later.
+    for (load_nm, name, duration_s, restarts_at) in [
+        (0.0, "joint.csv", None, &[][..]),
+        (4.0, "to-larger.csv", Some(120.0), &[15_000, 16_000, 20_000][..]),
+        (-4.0, "to-smaller.csv", Some(120.0), &[]),
+    ] {
+        let from = recorded(load_nm, name, duration_s, restarts_at);
         assert_eq!(from.files(), [name], "the part goes");
         std::fs::copy(from.path(name), desk.path(name)).expect("copied");
     }
@@ -158,6 +188,79 @@ fn a_recording_has_the_boards_time_the_pressures_that_were_held_and_what_was_mis
     }
 }
 
+/// Filled in a second and swung in two, then a triangle.
+const EXCITATION: &str = "time_s,command_a_bar,command_b_bar,valid\n10,0,0,0\n11,3,3,0\n12,3.5,2.5,0\n13,3,3,1\n\
+                          15,2.5,3.5,1\n17,3.5,2.5,1\n19,3,3,1\n";
+
+#[test]
+fn the_pressures_of_a_file_are_played() {
+    let desk = JointDesk::new(Setting::sound(SEED));
+    desk.write("exc.csv", EXCITATION);
+    let said = desk.succeeds(&format!("capture --joint --excitation exc.csv -o rec.csv {PATIENT}"));
+    assert!(said.contains("one each 10 ms"), "{said}");
+    assert!(desk.read("rec.csv").contains("# excitation: exc.csv, SHA-256 "));
+    let rows = rows(&desk.path("rec.csv"));
+    assert!((rows[rows.len() - 1][0] - 9.0).abs() < 0.011, "{:?}", rows[rows.len() - 1]);
+    for (time_s, a, b) in [(2.0, 3.5, 2.5), (5.0, 2.5, 3.5), (6.0, 3.0, 3.0), (7.0, 3.5, 2.5)] {
+        let row = rows.iter().find(|row| row[0] >= time_s + 0.005).expect("a row");
+        assert!((row[1] - a).abs() < 0.02 && (row[2] - b).abs() < 0.02, "{row:?}");
+    }
+    assert!(rows.iter().all(|row| (row[7] == 1.0) == (row[0] >= 3.0)), "its column says which rows count");
+    // A recording may be played again.
+    desk.succeeds(&format!("capture --joint --excitation rec.csv -o again.csv {PATIENT}"));
+}
+
+#[test]
+fn a_recording_that_was_interrupted_goes_on_filled_and_swung_again() {
+    // After some 6 s, of which 3 count.
+    let desk = JointDesk::new(Setting { restarts_at: &[1500], ..Setting::sound(SEED) });
+    desk.write("exc.csv", EXCITATION);
+    desk.write("other.csv", &EXCITATION.replace("17,3.5", "17,3.6"));
+    let capture = format!("capture --joint --excitation exc.csv -o rec.csv {PATIENT}");
+    let said = desk.refuses(&format!("{capture} --resume"));
+    assert!(said.contains("rec.csv.part: no part of a recording to go on with"), "{said}");
+    let said = desk.refuses(&capture);
+    assert!(said.contains("kept in rec.csv.part; --resume continues it"), "{said}");
+    let part = desk.read("rec.csv.part");
+    let said = desk.refuses(&capture);
+    assert!(said.contains("a part of a recording already; --resume continues it"), "{said}");
+    for other in [
+        capture.replace("exc.csv", "other.csv"),
+        format!("{capture} --every 20"),
+        format!("{capture} --torque-newton-metre 1"),
+    ] {
+        let said = desk.refuses(&format!("{other} --resume"));
+        assert!(said.contains("is a part of the recording of another excitation"), "{other}: {said}");
+    }
+    assert_eq!(desk.read("rec.csv.part"), part, "what is refused changes nothing");
+    assert_eq!(desk.files(), ["exc.csv", "other.csv", "rec.csv.part"]);
+    desk.succeeds(&format!("{capture} --resume"));
+    assert_eq!(desk.files(), ["exc.csv", "other.csv", "rec.csv"]);
+
+    let whole = desk.read("rec.csv");
+    assert!(whole.starts_with(part.as_str()), "every row of the part is kept");
+    assert_eq!(whole.matches("# interrupted, resumed at ").count(), 1);
+    let rows = rows(&desk.path("rec.csv"));
+    let seam = rows.windows(2).position(|pair| pair[1][0] - pair[0][0] > 0.5).expect("a gap");
+    let (last, first) = (rows[seam][0], rows[seam + 1][0]);
+    assert!((first - last - 1.0).abs() < 0.02, "{last} s and {first} s");
+    // 3 s of filling and swinging, 4 s of going there, of which no row counts.
+    for row in &rows[seam + 1..] {
+        assert_eq!(row[7] == 1.0, row[0] >= first + 7.0 - 0.005, "{row:?}");
+    }
+    // From there on as if there had been nothing, to the end.
+    let length_s = 9.0 - last;
+    assert!((rows[rows.len() - 1][0] - (first + 7.0 + length_s)).abs() < 0.02, "{:?}", rows[rows.len() - 1]);
+    let peak = rows.iter().find(|row| row[0] >= first + 7.0 + (7.0 - last) + 0.005).expect("a row");
+    assert!((peak[1] - 3.5).abs() < 0.02 && (peak[2] - 2.5).abs() < 0.02, "{peak:?}");
+    assert_eq!(recording(&desk.path("rec.csv")).parts().count(), 2);
+}
+
+fn recording(file: &Path) -> JointRecording {
+    let choice = Choice::default();
+    JointRecording::of(&choice.table(file).expect("a table"), &choice).expect("a recording")
+}
+
 /// The mean torque of the feedback of a run, in a log. Unit: N m.
 fn fed_back(log: &str) -> f64 {
     let torques: Vec<f64> = (log.lines().skip(1))
@@ -192,6 +295,10 @@ fn what_cannot_be_is_said_before_the_board_is_asked() {
     write("outside.csv", &REFERENCE.replace("2,6,55", "2,80,55"));
     write("limp.csv", &REFERENCE.replace("2,6,55", "2,6,0"));
     write("there.csv", "");
+    const HIGH: &str = "high.csv, line 3, column command_b_bar: 7 bar is outside 0 to 6.6 bar, what a board of a joint takes";
+    write("high.csv", "time_s,command_a_bar,command_b_bar,valid\n0,0,0,0\n1,2,7,1\n");
+    write("filled.csv", "time_s,command_a_bar,command_b_bar,valid\n0,0,0,1\n1,2,2,1\n");
+    write("unsaid.csv", "time_s,command_a_bar,command_b_bar\n0,0,0\n1,2,2\n");
     let before = desk.files();
     for (arguments, message) in [
         (
@@ -211,7 +318,16 @@ fn what_cannot_be_is_said_before_the_board_is_asked() {
         ("capture --joint --min-bar 4 --max-bar 5 -o rec.csv", "has to be more than 6.26 bar"),
         ("capture --joint --swing 1.5 -o rec.csv", "above 0 and below 1"),
         ("capture --joint --torque-newton-metre nan -o rec.csv", "must be a number"),
-        ("capture --joint --resume -o rec.csv", "cannot be used with"),
+        ("capture --joint --excitation high.csv -o rec.csv", HIGH),
+        (
+            "capture --joint --excitation filled.csv -o rec.csv",
+            "line 2, column valid: counts from the first row on",
+        ),
+        ("capture --joint --excitation unsaid.csv -o rec.csv", "unsaid.csv: no column valid"),
+        ("capture --joint --excitation reference.csv -o rec.csv", "reference.csv: no column command_a_bar"),
+        ("capture --joint --excitation high.csv --min-bar 2 -o rec.csv", "cannot be used with"),
+        ("capture --joint --excitation high.csv --max-bar 5 -o rec.csv", "cannot be used with"),
+        ("capture --joint --excitation high.csv -o high.csv --force", "is an input of this command"),
         ("capture --min-bar 2 -o rec.csv", "--joint"),
     ] {
         let said = desk.refuses(arguments);
@@ -303,7 +419,7 @@ fn the_model_of_another_joint_is_recognised_by_the_swing() {
 /// The plant of the board goes on; its program has begun again.
 #[test]
 fn a_board_that_starts_again_ends_a_run() {
-    let setting = Setting { restarts_at: Some(800), ..Setting::sound(SEED) };
+    let setting = Setting { restarts_at: &[800], ..Setting::sound(SEED) };
     for command in [format!("{TRACK} -o log.csv"), CAPTURE.to_owned()] {
         let desk = with_model(setting, SEED);
         let said = desk.refuses(&command);
@@ -400,7 +516,7 @@ fn a_user_who_interrupts_vents_at_once_and_keeps_what_was_recorded() {
     assert!(part.lines().count() > 20 && part.ends_with('\n') && !desk.path("rec.csv").exists());
     // What is kept is not overwritten.
     let said = desk.refuses(CAPTURE);
-    assert!(said.contains("rec.csv.part: there is a part of an earlier run"), "{said}");
+    assert!(said.contains("rec.csv.part: there is a part of a recording already"), "{said}");
 }
 
 #[test]

@@ -26,6 +26,7 @@ pub mod bus;
 pub mod child;
 #[cfg(unix)]
 pub mod emulator;
+pub mod growing;
 pub mod joint;
 pub mod part;
 pub mod pil;

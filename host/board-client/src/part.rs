@@ -24,6 +24,12 @@ const UNNAMED: &str = "standard-output";
 pub enum PartError {
     #[error("{}: there is a part of an earlier run already; --force overwrites it", .0.display())]
     Exists(PathBuf),
+    #[error("{}: there is a part of a recording already; --resume continues it, --force replaces it", .0.display())]
+    Resumable(PathBuf),
+    #[error("{}: no part of a recording to go on with", .0.display())]
+    Missing(PathBuf),
+    #[error("{}: is a part of the recording of another excitation", .0.display())]
+    OtherExcitation(PathBuf),
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
 }
@@ -62,7 +68,7 @@ impl Part {
         Self::write(log, head)
     }
 
-    /// Begins a log with these lines, whatever is in its place.
+    /// Begins a log with these lines, among which may be rows, whatever is in its place.
     ///
     /// # Errors
     /// It cannot be written.
@@ -72,7 +78,8 @@ impl Part {
         file.write_all(head.as_bytes()).map_err(failed(&path))?;
         let (sender, receiver) = channel();
         let writer = thread::spawn(move || write_all(file, &receiver));
-        Ok(Self { path, rows: 0, sender: Some(sender), writer: Some(writer) })
+        let rows = head.lines().filter(|line| time_s(line).is_some()).count();
+        Ok(Self { path, rows, sender: Some(sender), writer: Some(writer) })
     }
 
     /// Adds rows, which are on their way to the file then.

@@ -1,6 +1,5 @@
 //! Why a board on the bus does not do what it is asked for.
 
-use std::io;
 use std::path::PathBuf;
 
 use thiserror::Error;
@@ -78,26 +77,10 @@ pub enum BoardError {
          does somebody touch the muscle?"
     )]
     Unsettled { spread_codes: f64, limit_codes: f64 },
-    #[error("{}: {problem}", file.display())]
-    Part { file: PathBuf, problem: PartProblem },
     #[error(transparent)]
     Growing(#[from] PartError),
     #[error("interrupted; the valve is vented")]
     Stopped,
-}
-
-/// What is wrong with the part of a recording that is to be resumed.
-#[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say what the variants are")]
-pub enum PartProblem {
-    #[error("{0}")]
-    Io(#[from] io::Error),
-    #[error("there is a part of a recording already; --resume continues it, --force replaces it")]
-    Exists,
-    #[error("no part of a recording to go on with")]
-    Missing,
-    #[error("is a part of the recording of another excitation")]
-    OtherExcitation,
 }
 
 impl From<PortError> for BoardError {

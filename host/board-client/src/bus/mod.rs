@@ -13,7 +13,7 @@
 //! | [`settings`] | gains and limits of a new configuration: which stay, which change |
 //! | [`upload`] | a configuration to the board, and back |
 //! | [`play`] | set points streamed ahead, ticks recorded, to the end or a stop |
-//! | [`recording`] | a recording that grows, and goes on after an interruption |
+//! | [`recording`] | the rows of a recording, and where it goes on after an interruption |
 //! | [`excitation`] | what is played where nobody says what |
 //! | [`error`] | why not |
 //!

@@ -10,6 +10,8 @@
 //! | `run` | what a run over that link begins and ends with |
 //! | [`track`](mod@track) | such a board follows a reference |
 //! | [`record`](mod@record) | such a board records a joint, without a model |
+//! | [`excitation`] | what is played for that |
+//! | [`seam`] | where a recording that was interrupted goes on |
 //! | [`log`] | the log of a run and its figures |
 //!
 //! # Timing
@@ -18,10 +20,12 @@
 //! its DAC codes are the next commands.
 
 pub mod error;
+pub mod excitation;
 pub mod link;
 pub mod log;
 pub mod record;
 pub mod run;
+pub mod seam;
 pub mod start;
 pub mod track;
 

@@ -6,32 +6,19 @@
 //! next, so that a row's commands are those that were held since the row before, but for the time
 //! that a request takes to the board; between two rows it is said again, a sign of life.
 
-use recording::joint::columns::COLUMNS;
 use wire::joint::{JointBoardState, JointRequest};
 
 use super::JointMeasured;
 use super::error::JointBoardError;
+use super::excitation::Excitation;
 use super::link::JointLink;
 use super::run::{PERIOD_S, Recorded, Rows, Run};
 use crate::stop::Stop;
 
-/// What is played.
-#[derive(Clone, Debug)]
-pub struct Excitation {
-    /// Both pressures at each tick; at least one pair. Unit: bar.
-    pub pressures_bar: Vec<[f32; 2]>,
-    /// Rows before are history only: the joint is being filled. Unit: s.
-    pub counts_from_s: f64,
-    /// Torque that acts on the joint from outside, towards larger angles. Unit: N m.
-    pub torque_nm: f64,
-    /// Every Nth tick is a row.
-    pub every: u16,
-}
-
 /// A row of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointRow {
-    /// Since the first row. Unit: s.
+    /// Since the board was started. Unit: s.
     pub time_s: f64,
     /// What both regulators were told since the row before. Unit: bar.
     pub commands_bar: [f32; 2],
@@ -55,12 +42,6 @@ impl JointRow {
     }
 }
 
-/// How a recording begins; `head` are comments.
-pub fn begin(head: &[String]) -> String {
-    let lines: String = head.iter().map(|line| format!("# {line}\n")).collect();
-    format!("{lines}{COLUMNS}\n")
-}
-
 /// What is given a row as it comes.
 pub type Heard<'a> = dyn FnMut(&JointRow) -> Result<(), JointBoardError> + 'a;
 
@@ -74,7 +55,7 @@ pub fn record(
     stop: &Stop,
     heard: &mut Heard<'_>,
 ) -> Result<Recorded, JointBoardError> {
-    let Excitation { pressures_bar, counts_from_s, torque_nm, every } = excitation;
+    let Excitation { pressures_bar, counts, torque_nm, every } = excitation;
     let Some(last) = pressures_bar.len().checked_sub(1) else { return Ok(Recorded::default()) };
     let run = Run::start(link, stop, &JointRequest::Service, &[JointBoardState::Service])?;
     run.work(|run| {
@@ -85,13 +66,12 @@ pub fn record(
             let tick = report.ticks.wrapping_sub(begin);
             if rows.takes(tick) {
                 held = pressures_bar[(tick as usize + 1).min(last)];
-                let time_s = f64::from(tick) * PERIOD_S;
                 heard(&JointRow {
-                    time_s,
+                    time_s: f64::from(tick) * PERIOD_S,
                     commands_bar: run.commands_bar(&report),
                     measured: run.measured(&report),
                     torque_nm: *torque_nm,
-                    is_valid: time_s >= *counts_from_s,
+                    is_valid: counts[(tick as usize).min(last)],
                 })?;
             }
             if tick as usize >= last {

@@ -20,6 +20,8 @@ pub struct Reference {
     time_s: Vec<f64>,
     /// One a time. Unit: that of the column.
     values: Vec<f64>,
+    /// Which rows count.
+    scored: Vec<bool>,
     rate_hz: f64,
     ticks: usize,
     /// What a board is given beside the values, one a tick; none where that is nothing.
@@ -55,7 +57,7 @@ impl Reference {
     /// ticks.
     pub fn of(table: &Table, column: &str, choice: Choice, rate_hz: f64) -> Result<Self, PilError> {
         let choice = Choice { input: Some(column.to_owned()), may_be_sparse: true, ..choice };
-        let Drive { file, time_s, input, notes, .. } = Drive::of(table, &choice)?;
+        let Drive { file, time_s, input, scored, notes, .. } = Drive::of(table, &choice)?;
         // A table has at least one row. The margin is for a last tick that rounding puts behind the
         // last row.
         let duration_s = time_s[time_s.len() - 1] - time_s[0];
@@ -64,7 +66,7 @@ impl Reference {
             return Err(PilError::TooLong { file, ticks });
         }
         let correction = Vec::new();
-        Ok(Self { time_s, values: input.values, rate_hz, ticks: ticks as usize, correction, notes })
+        Ok(Self { time_s, values: input.values, scored, rate_hz, ticks: ticks as usize, correction, notes })
     }
 
     /// Number of ticks, at least 1.
@@ -82,6 +84,19 @@ impl Reference {
     pub fn values(&self, after_s: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
         let mut cursor = Cursor::new(self);
         after_s.map(move |after_s| cursor.at(self.time_s[0] + after_s))
+    }
+
+    /// Whether the row at or before every tick counts: whether its `valid` is 1.
+    pub fn counts(&self) -> impl Iterator<Item = bool> {
+        let mut row = 0;
+        (0..self.ticks).map(move |tick| {
+            // The margin is for a tick that rounding puts before its row.
+            let time_s = self.time_s[0] + (tick as f64 + 1e-6) / self.rate_hz;
+            while self.time_s.get(row + 1).is_some_and(|next_s| *next_s <= time_s) {
+                row += 1;
+            }
+            self.scored[row]
+        })
     }
 
     /// The same reference, of which a board is given this much more (one a tick, its unit): what
@@ -183,6 +198,14 @@ mod tests {
         let reference = Reference::read(file.path(), Choice::default(), 2.0).expect("valid");
         let ahead: Vec<f64> = reference.samples(0.75).map(|wanted| wanted.ahead_mm).collect();
         assert_eq!(ahead, [6.0, 7.0, 5.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn a_tick_counts_if_the_row_before_it_does() {
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        std::fs::write(&file, "time_s,reference_mm,valid\n0.1,0,0\n0.3,8,1\n0.4,4,0\n").expect("written");
+        let reference = Reference::read(file.path(), Choice::default(), 20.0).expect("valid");
+        assert_eq!(reference.counts().collect::<Vec<_>>(), [false, false, false, false, true, true, false]);
     }
 
     #[test]

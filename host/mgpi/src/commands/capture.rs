@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::duration_bar::bar;
 use super::joint_capture::{self, JointArguments};
+use super::kept::keep;
 use super::number::positive;
 use super::port::PortArguments;
 use super::reading::Reading;
@@ -16,7 +17,8 @@ use crate::output::Outputs;
 use board_client::bus::Board;
 use board_client::bus::excitation::triangles_and_holds;
 use board_client::bus::play::{Drive, POINTS_PER_S, Piece, Played, Tick, play};
-use board_client::bus::recording::Growing;
+use board_client::bus::recording::{COLUMNS, from_point, rows, seam};
+use board_client::growing::{Growing, head};
 use board_client::pil::reference::Reference;
 use board_client::stop::Stop;
 use recording::TOOL;
@@ -28,7 +30,8 @@ const COLUMN: &str = "command_bar";
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// What is played: time_s, command_bar, from `mgpi plan` for instance [default: triangles of
-    /// falling height, two fast swings, holds]
+    /// falling height, two fast swings, holds]; of a joint time_s, command_a_bar, command_b_bar and
+    /// valid, 0 until it is filled and swung
     #[arg(long, value_name = "EXC.csv", conflicts_with_all = ["max_bar", "duration_s"])]
     excitation: Option<PathBuf>,
     #[command(flatten)]
@@ -48,7 +51,7 @@ pub struct Arguments {
     /// Also show the board on a page at this address, as `mgpi watch` does
     #[arg(long, value_name = "ADDRESS")]
     http: Option<SocketAddr>,
-    /// Go on with a recording that was interrupted
+    /// Go on with a recording that was interrupted; a joint is filled and swung again before
     #[arg(long, conflicts_with = "force")]
     resume: bool,
     /// Overwrite an existing recording, or the part of one
@@ -77,24 +80,30 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     if arguments.joint.is_meant() {
         let joint = joint_capture::Arguments {
             joint: &arguments.joint,
+            excitation: excitation.as_deref(),
+            choice: arguments.reading.choice(),
             recording: file,
             max_bar: arguments.max_bar,
             duration_s: arguments.duration_s,
             every: every.unwrap_or(EVERY),
             address: arguments.port.link(),
+            resume: *resume,
             force: *force,
         };
         return joint_capture::run(joint, outputs);
     }
     let (points, words) = arguments.points()?;
     let mut board = arguments.port.open()?;
-    let head = head(&board, &words);
-    let mut growing = match resume {
-        true => Growing::resume(file, &head, &points)?,
-        false => Growing::begin(file, &head, *force)?,
+    let head = head(&comments(&board, &words), COLUMNS);
+    let (mut growing, from_s) = match resume {
+        true => {
+            let (growing, seam) = Growing::resume(file, &head, |reached| seam(&points, reached))?;
+            (growing, seam.from_s)
+        }
+        false => (Growing::begin(file, &head, *force)?, 0.0),
     };
     let duration_s = points.len() as f64 / POINTS_PER_S;
-    let points = points[growing.from_point()..].to_vec();
+    let points = points[from_point(from_s)..].to_vec();
     let piece = Piece { drive: Drive::Valve, points, every: *every };
     let bar = bar(duration_s);
     let mut show = arguments.http.map(Show::start).transpose()?;
@@ -102,22 +111,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let played = play(&mut board, &piece, &stop, &mut |board: &mut Board, ticks: &[Tick]| {
         show_rows(show.as_mut(), board, &stop, ticks.iter().map(|tick| (tick, None)))?;
         if let Some(last) = ticks.last() {
-            let reached_s = last.time_s + growing.from_s();
+            let reached_s = last.time_s + from_s;
             bar.set_position((1e3 * reached_s) as u64);
             bar.set_message(format!(
                 "{reached_s:.1} of {duration_s:.1} s, {:.2} bar, {:.1} mm",
                 last.pressure_bar, last.contraction_mm
             ));
         }
-        growing.add(ticks)
+        Ok(growing.add(&rows(ticks, from_s))?)
     });
     bar.finish_and_clear();
     let played = match played {
         Ok(played) => played,
         Err(error) => {
-            if let Some(part) = growing.abandon() {
-                eprintln!("what was recorded is kept in {}; --resume continues it", part.display());
-            }
+            keep(growing);
             return Err(error.into());
         }
     };
@@ -150,7 +157,7 @@ impl Arguments {
 }
 
 /// The first lines of a recording.
-fn head(board: &Board, excitation: &str) -> [String; 2] {
+fn comments(board: &Board, excitation: &str) -> [String; 2] {
     let [major, minor, patch] = board.identity().release;
     [
         format!("recorded by {TOOL} from a board, firmware {major}.{minor}.{patch}"),

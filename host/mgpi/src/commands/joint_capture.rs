@@ -3,16 +3,20 @@
 
 use std::path::Path;
 
+use board_client::growing::{Growing, head};
+use board_client::joint::excitation::Excitation;
 use board_client::joint::link::{Address, JointLink};
-use board_client::joint::record::{Excitation, JointRow, begin, record};
+use board_client::joint::record::{JointRow, record};
 use board_client::joint::run::PERIOD_S;
-use board_client::part::Part;
+use board_client::joint::seam::seam;
 use board_client::stop::Stop;
 use clap::Args;
-use recording::TOOL;
+use recording::joint::columns::COLUMNS;
+use recording::{Choice, TOOL};
 use rig::joint::protocol::{JointProtocol, JointRange};
 
 use super::duration_bar::bar;
+use super::kept::keep;
 use super::number::{positive, share};
 use crate::Error;
 use crate::output::Outputs;
@@ -23,13 +27,13 @@ use crate::output::Outputs;
 pub struct JointArguments {
     /// Record two muscles at a joint, by a board with two channels at its service link: a full
     /// swing, then triangles and small swings at five common pressures, and ramps
-    #[arg(long, conflicts_with_all = ["excitation", "http", "resume", "unit", "parity"])]
+    #[arg(long, conflicts_with_all = ["http", "unit", "parity"])]
     joint: bool,
     /// Lowest command of a joint in bar: where both muscles are still taut
-    #[arg(long, default_value_t = 1.8, value_name = "BAR", value_parser = positive, requires = "joint")]
+    #[arg(long, default_value_t = 1.8, value_name = "BAR", value_parser = positive, requires = "joint", conflicts_with = "excitation")]
     min_bar: f64,
     /// Largest difference of a joint's commands to what they have in common, as a share of it
-    #[arg(long, default_value_t = 0.22, value_name = "SHARE", value_parser = share, requires = "joint")]
+    #[arg(long, default_value_t = 0.22, value_name = "SHARE", value_parser = share, requires = "joint", conflicts_with = "excitation")]
     swing: f64,
     /// Known torque on the joint in N m, towards larger angles, of a weight that hangs at it all
     /// through the recording
@@ -43,11 +47,15 @@ pub struct JointArguments {
 /// What any muscle is recorded with.
 pub struct Arguments<'a> {
     pub joint: &'a JointArguments,
+    /// What is played instead of the excitation of its own.
+    pub excitation: Option<&'a Path>,
+    pub choice: Choice,
     pub recording: &'a Path,
     pub max_bar: f64,
     pub duration_s: Option<f64>,
     pub every: u16,
     pub address: Address,
+    pub resume: bool,
     pub force: bool,
 }
 
@@ -64,38 +72,49 @@ impl JointArguments {
 /// There is no such excitation, the board is not one of a joint, refuses or vents, the recording
 /// cannot be written, or the user interrupts.
 pub fn run(arguments: Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
-    let Arguments { joint, recording: file, every, address, force, .. } = &arguments;
+    let Arguments { joint, recording: file, every, address, resume, force, .. } = &arguments;
     let (excitation, words) = arguments.excitation()?;
     let mut link = JointLink::open(address.clone(), joint.acknowledge)?;
     let [major, minor, patch] = link.hello().firmware;
-    let head = begin(&[
+    let comments = [
         format!("recorded by {TOOL} from a board of a joint, firmware {major}.{minor}.{patch}"),
         format!("excitation: {words}; a row each {every} ticks of 1 ms"),
-    ]);
-    let mut part = Part::begin(file, &head, *force)?;
-    let duration_s = (excitation.pressures_bar.len() - 1) as f64 * PERIOD_S;
+    ];
+    let head = head(&comments, COLUMNS);
+    let (mut growing, excitation, from_s) = match resume {
+        true => {
+            let mut next = 0;
+            let (growing, seam) = Growing::resume(file, &head, |reached| {
+                let (seam, tick) = seam(&excitation, reached);
+                next = tick;
+                seam
+            })?;
+            (growing, if next > 0 { excitation.from_tick(next) } else { excitation }, seam.from_s)
+        }
+        false => (Growing::begin(file, &head, *force)?, excitation, 0.0),
+    };
+    let duration_s = from_s + excitation.duration_s();
     let bar = bar(duration_s);
     let stop = Stop::on_signals();
     let recorded = record(&mut link, &excitation, &stop, &mut |row: &JointRow| {
+        let row = JointRow { time_s: row.time_s + from_s, ..*row };
         bar.set_position((1e3 * row.time_s) as u64);
         let [a, b] = row.measured.pressures_bar;
         let (time_s, angle_deg) = (row.time_s, row.measured.angle_deg);
         bar.set_message(format!(
             "{time_s:.1} of {duration_s:.1} s, {a:.2} and {b:.2} bar, {angle_deg:.1} degrees"
         ));
-        Ok(part.add(&row.to_csv())?)
+        Ok(growing.add(&row.to_csv())?)
     });
     bar.finish_and_clear();
     let recorded = match recorded {
         Ok(recorded) => recorded,
         Err(error) => {
-            if let Some(kept) = part.keep() {
-                eprintln!("what was recorded is kept in {}", kept.display());
-            }
+            keep(growing);
             return Err(error.into());
         }
     };
-    let grown = part.finish()?;
+    let grown = growing.finish()?;
     outputs.stage(file, &grown.content)?;
     outputs.commit()?;
     grown.remove();
@@ -111,6 +130,11 @@ impl Arguments<'_> {
         if !torque_nm.is_finite() {
             return Err(Error::Usage(format!("--torque-newton-metre is {torque_nm}, must be a number")));
         }
+        if let Some(file) = self.excitation {
+            let (excitation, sha256) = Excitation::read(file, &self.choice, torque_nm, self.every)?;
+            let words = format!("{}, SHA-256 {sha256}, torque {torque_nm} N m", file.display());
+            return Ok((excitation, words));
+        }
         let range = JointRange { min_bar, max_bar, swing };
         let protocol = JointProtocol::without_weights(&range, self.duration_s).ok_or_else(|| {
             Error::Usage(format!(
@@ -124,7 +148,7 @@ impl Arguments<'_> {
         let at = |tick: usize| protocol.commands_bar(tick as f64 * PERIOD_S).map(|bar| bar as f32);
         let excitation = Excitation {
             pressures_bar: (0..=ticks).map(at).collect(),
-            counts_from_s: protocol.counts_from_s(),
+            counts: (0..=ticks).map(|tick| protocol.counts(tick as f64 * PERIOD_S)).collect(),
             torque_nm,
             every: self.every,
         };

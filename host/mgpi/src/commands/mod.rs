@@ -32,6 +32,7 @@ mod joint_identify;
 mod joint_pil;
 mod joint_run;
 mod joint_track;
+mod kept;
 mod learnt;
 pub mod man;
 mod number;

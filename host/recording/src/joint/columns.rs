@@ -9,6 +9,9 @@
 //! | `torque_newton_metre` | that acts on the joint from outside, towards larger angles |
 //! | `valid` | 0: history only, as while the joint is being filled |
 //!
+//! A gap of more than half a second, for which no board is driven without its host, ends what was
+//! recorded in one go: what comes behind it is taken as another recording, whose joint was vented.
+//!
 //! Several recordings of one joint, as without a weight and with one, are put behind each other.
 //!
 //! Other units of the same quantity are converted, other names are said by `--columns`.
@@ -21,6 +24,10 @@ use crate::{Choice, Drive, Source};
 
 /// The column that is looked for first: with it a file is a joint's.
 const FIRST: &str = "pressure_a_bar";
+/// A recording goes on behind a longer gap as another one: the joint was vented. Unit: s.
+const GAP_S: f64 = 0.5;
+/// But not where its rows are that far apart anyway: that many times the median step.
+const GAP_STEPS: f64 = 10.0;
 const RAD: &str = "rad";
 const TORQUE: &str = "newton_metre";
 
@@ -73,8 +80,10 @@ impl JointRecording {
         let angle_rad = column("angle_deg", unit(RAD))?;
         let torque_nm = column("torque_newton_metre", unit(TORQUE))?;
         let source = Source { file: drive.file.display().to_string(), sha256: drive.sha256.clone() };
-        let Drive { time_s, scored, .. } = drive;
-        let begins = vec![0];
+        let Drive { time_s, timing, scored, .. } = drive;
+        let apart_s = GAP_S.max(GAP_STEPS * timing.median_step_s);
+        let is_begin = |row: &usize| time_s[*row] - time_s[row - 1] > apart_s;
+        let begins: Vec<usize> = std::iter::once(0).chain((1..time_s.len()).filter(is_begin)).collect();
         Ok(Self { source, time_s, commands_bar, pressures_bar, angle_rad, torque_nm, scored, begins, notes })
     }
 
@@ -134,6 +143,19 @@ mod tests {
         assert_eq!(both.scored, [false, true, true, false, true, true]);
         assert_eq!(both.parts().collect::<Vec<_>>(), [0..3, 3..6]);
         assert!(both.source.file == "one.csv, other.csv" && both.pressures_bar[1] == [4.0; 6]);
+    }
+
+    #[test]
+    fn what_was_not_recorded_in_one_go_is_several_recordings() {
+        let parts = |times: &[f64]| {
+            let rows: String = times.iter().map(|time_s| format!("{time_s},1,2,3,4,5,6,1\n")).collect();
+            let csv = format!("{COLUMNS}\n{rows}");
+            let table = Table::parse(Path::new("one.csv"), csv.as_bytes()).expect("a table");
+            let recording = JointRecording::of(&table, &Choice::default()).expect("a recording");
+            recording.parts().collect::<Vec<_>>()
+        };
+        assert_eq!(parts(&[0.0, 0.01, 0.02, 0.42, 0.43, 1.43, 1.44]), [0..5, 5..7]);
+        assert_eq!(parts(&[0.0, 0.1, 0.2, 1.1, 1.2]).len(), 1, "rows that are far apart anyway");
     }
 
     #[test]

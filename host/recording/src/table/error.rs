@@ -148,6 +148,11 @@ pub enum DataProblem {
     NotAFlag { value: f64 },
     #[error("no row is valid: the column is 0 everywhere")]
     NoValidRow,
+    #[error(
+        "counts from the first row on, where the joint is vented: let it be 0 while the joint is filled and swung \
+         through its range"
+    )]
+    CountsVented,
     #[error("{0}")]
     Refused(InputError),
     #[error(

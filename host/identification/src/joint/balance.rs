@@ -48,6 +48,7 @@ pub(super) struct Rows {
     thresholds: Thresholds<f64, STOPS>,
     known: HostJointParameters,
     parts: Vec<Range<usize>>,
+    scored: Vec<bool>,
 }
 
 impl Rows {
@@ -106,17 +107,22 @@ impl Rows {
             thresholds: Thresholds::try_new(&List::from_iter(reaches()))?,
             known,
             parts: recording.parts().collect(),
+            scored: scored.clone(),
         })
     }
 
     /// Whether a joint is where it was measured at each row, rather than simulated: until rows
-    /// count, in each recording, it is being filled.
+    /// count, in each recording, it is being filled; and where rows of the recording are history
+    /// only, up to the first one behind.
     pub(super) fn is_given(&self, counts: &[bool]) -> Vec<bool> {
         let first = |part: &Range<usize>| {
             let counted = part.clone().find(|row| counts[*row]);
             (part.clone(), counted.unwrap_or(part.end))
         };
-        self.parts.iter().map(first).flat_map(|(part, first)| part.map(move |row| row <= first)).collect()
+        let is_history = |row: usize| !self.scored[row] || row > 0 && !self.scored[row - 1];
+        (self.parts.iter().map(first))
+            .flat_map(|(part, first)| part.map(move |row| row <= first || is_history(row)))
+            .collect()
     }
 
     pub(super) fn parameters(&self, unknowns: &Unknowns) -> HostJointParameters {
@@ -198,6 +204,14 @@ pub(super) fn solve(rows: &Rows, counts: &[bool]) -> Result<Unknowns, JointError
     found.ok_or(JointError::Singular)
 }
 
+/// The same, where every row counts by its torque: none of it has to be a joint.
+pub(super) fn of_torques(rows: &Rows, counts: &[bool]) -> Result<Unknowns, JointError> {
+    let weights = vec![1.0; counts.len()];
+    let of = |shape: &Shape, each: usize| linear(rows, counts, each, &weights, shape);
+    let best = search(rows, |shape| of(shape, THINNED).map_or(f64::INFINITY, |(_, cost)| cost));
+    of(&best, 1).map(|(unknowns, _)| unknowns).ok_or(JointError::Singular)
+}
+
 /// The linear unknowns for a given shape, by every Nth row that counts, and the sum of
 /// squares.
 fn linear(
@@ -269,7 +283,7 @@ pub(super) fn allows(rows: &Rows, unknowns: &Unknowns) -> bool {
 }
 
 /// Means over so many values to either side.
-fn averaged(values: &[f64], half: usize) -> Vec<f64> {
+pub(super) fn averaged(values: &[f64], half: usize) -> Vec<f64> {
     let last = values.len() - 1;
     let mean = |at: usize| {
         // As many on one side as on the other, so that nothing comes late.

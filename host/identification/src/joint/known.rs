@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::balance::Rows;
 use super::refine::{jacobian, residuals};
+use super::slack::Slack;
 use super::unknowns::{COUNT, LINEAR, Unknowns, is_bounded, named};
 use super::{JointError, THINNED};
 use crate::autocorrelation::Scatter;
@@ -39,6 +40,8 @@ pub struct JointKnown {
     pub stiffness: [(f64, Option<f64>); 2],
     /// Over how many rows residuals are alike; 1 if they are white.
     pub memory: usize,
+    /// Where a muscle was slack in the recording, which is left out.
+    pub slack: Vec<Slack>,
 }
 
 /// The free unknowns at what was found.
@@ -107,7 +110,12 @@ fn stiffness(rows: &Rows, unknowns: &Unknowns) -> Result<[f64; 2], JointError> {
 
 impl JointKnown {
     /// At what was found, from the rows of `counts`.
-    pub(super) fn new(rows: &Rows, counts: &[bool], found: &Unknowns) -> Result<Self, JointError> {
+    pub(super) fn new(
+        rows: &Rows,
+        counts: &[bool],
+        found: &Unknowns,
+        slack: Vec<Slack>,
+    ) -> Result<Self, JointError> {
         let free = Free::new(rows, counts, found);
         let free = free.as_ref();
         let estimate = |(place, (name, unit, value)): (usize, (String, &'static str, f64))| {
@@ -120,6 +128,7 @@ impl JointKnown {
             estimates: named(found).into_iter().enumerate().map(estimate).collect(),
             stiffness: [0, 1].map(|end| (ends[end], errors[end])),
             memory: free.map_or(1, |free| free.known.memory() * THINNED),
+            slack,
         })
     }
 }

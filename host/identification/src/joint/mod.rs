@@ -5,6 +5,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `check` | whether the recording is a joint's, and enough of one |
+//! | `slack` | rows in which a muscle was slack, which are left out |
 //! | `bounds` | the lowest pressures, and the regulators' time constants |
 //! | `unknowns` | a joint's parameters as a list, and what each does to the torque |
 //! | `balance` | least squares of the torque, with knees and slips searched |
@@ -26,6 +27,7 @@ mod check;
 mod known;
 mod refine;
 mod simulate;
+mod slack;
 mod unknowns;
 
 use std::f64::consts::PI;
@@ -37,6 +39,7 @@ use recording::joint::file::JointFile;
 
 use check::Sign;
 pub use known::{JointEstimate, JointKnown};
+pub use slack::{Slack, without_slack};
 
 /// Number of stops.
 const STOPS: usize = 8;
@@ -116,12 +119,15 @@ pub struct IdentifiedJoint {
     pub unseen: Vec<bool>,
 }
 
-/// Identifies a joint. `swing_rad`: half the swing that its stiffness is for.
+/// Identifies a joint from the rows in which no muscle was slack. `swing_rad`: half the swing that
+/// its stiffness is for.
 ///
 /// # Errors
 /// See [`JointError`].
 pub fn identify_joint(recording: &JointRecording, swing_rad: f64) -> Result<IdentifiedJoint, JointError> {
     check::check(recording)?;
+    let slack = slack::find(recording)?;
+    let recording = &without_slack(recording, &slack);
     let rows = balance::Rows::of(recording, swing_rad)?;
     let (time_s, scored) = (&recording.time_s, &recording.scored);
     let counted = || time_s.iter().zip(scored).filter(|(_, scored)| **scored).map(|(time_s, _)| *time_s);
@@ -143,6 +149,6 @@ pub fn identify_joint(recording: &JointRecording, swing_rad: f64) -> Result<Iden
     let degrees = |rad: f64| rad * 180.0 / PI;
     let figures = (degrees(rmse), degrees(heldout_rmse));
     let file = JointFile::new(rows.parameters(&found), recording.source.clone(), count, figures)?;
-    let known = JointKnown::new(&rows, scored, &found)?;
+    let known = JointKnown::new(&rows, scored, &found, slack)?;
     Ok(IdentifiedJoint { file, known, simulated_rad, heldout_rad, unseen })
 }

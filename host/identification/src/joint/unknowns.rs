@@ -37,7 +37,10 @@ type Known = PullParameters<f64, { recording::joint::STOPS }>;
 
 /// The drive of a pressure (bar) of a muscle, and the slip there.
 pub(super) fn drive_and_slip(shape: &Shape, known: &Known, muscle: usize, pressure: f64) -> (f64, f64) {
-    let drive = pressure + shape[muscle] / pressure;
+    // Below where it is least, which is below every pressure that counts, a drive means nothing.
+    let knee = shape[muscle];
+    let pressure = pressure.max(knee.sqrt()).max(f64::MIN_POSITIVE);
+    let drive = pressure + knee / pressure;
     let [constant, per_bar] = slip(shape, known, muscle);
     (drive, constant + per_bar * drive)
 }

@@ -9,9 +9,13 @@ use recording::numbers::significant;
 use report::joint::identified::to_html;
 use serde_json::{Value, json};
 
+use super::joint_slack::{Places, SlackAt};
 use crate::Error;
 use crate::output::Outputs;
-use identification::joint::{JointEstimate, identify_joint};
+use identification::joint::{JointEstimate, identify_joint, without_slack};
+
+/// So many slack stretches are said.
+const MOST_SAID: usize = 4;
 
 /// What a joint is identified with.
 pub struct Arguments<'a> {
@@ -39,6 +43,7 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
         Ok(recording)
     };
     let recordings = files.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let places = Places::of(&recordings, files);
     let Some(recording) = recordings.into_iter().reduce(JointRecording::followed_by) else {
         return Err(Error::Usage("--joint takes a recording".to_owned()));
     };
@@ -46,9 +51,11 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
     let identified = identify_joint(&recording, swing_deg * PI / 180.0)
         .map_err(|source| Error::Joint { file: file.into(), source })?;
     let (found, known) = (&identified.file, &identified.known);
+    let slack: Vec<SlackAt<'_>> = known.slack.iter().map(|slack| places.slack(slack)).collect();
     outputs.stage(model_file, found.to_toml().as_bytes())?;
     if let Some(page) = report {
-        outputs.stage(page, to_html(&identified, &recording).as_bytes())?;
+        let taut = without_slack(&recording, &known.slack);
+        outputs.stage(page, to_html(&identified, &taut).as_bytes())?;
     }
     let (lowest, highest) = found.parameters.angles;
     let degrees = |angle: f64| angle * 180.0 / PI;
@@ -71,12 +78,20 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
             "softest_standard_error": of_soft,
             "stiffest_standard_error": of_stiff,
             "parameters": parameters,
+            "slack": slack.iter().map(SlackAt::to_json).collect::<Vec<_>>(),
         });
         outputs.stage(figures, format!("{value:#}\n").as_bytes())?;
     }
     outputs.commit()?;
     let share = |deg: f64| format!("{deg:.4} degrees ({:.2} % of range)", 100.0 * deg / range_deg);
     say!("joint         {} rows that count, from {file}", identification.scored_rows);
+    for slack in slack.iter().take(MOST_SAID) {
+        say!("slack         {}", slack.in_words());
+    }
+    if let Some(more) = slack.get(MOST_SAID..).filter(|more| !more.is_empty()) {
+        let rows: usize = more.iter().map(|slack| slack.slack.rows.len()).sum();
+        say!("slack         and {} stretches more, {rows} rows; --json has them all", more.len());
+    }
     say!("angles        {:.2} to {:.2} degrees", degrees(lowest), degrees(highest));
     say!("training      RMSE of the simulated angle {}", share(identification.rmse_deg));
     say!("held out      RMSE {} (blocks all through the recording)", share(identification.heldout_rmse_deg));

@@ -31,6 +31,7 @@ mod joint_identify;
 #[cfg(unix)]
 mod joint_pil;
 mod joint_run;
+mod joint_slack;
 mod joint_track;
 mod kept;
 mod learnt;

@@ -4,6 +4,7 @@ use model_core::List;
 use model_core::joint::stops::Stops;
 use model_core::joint::{ARM, PASSIVE, PullParameters};
 use recording::joint::HostJointParameters;
+use recording::joint::keys::{self, Key};
 
 use super::STOPS;
 
@@ -77,28 +78,21 @@ pub(super) fn features(
 
 /// Name, unit and value of each: the name in the model file behind that of its section.
 pub(super) fn named(unknowns: &Unknowns) -> Vec<(String, &'static str, f64)> {
-    const ARM_KEYS: [(&str, &str); ARM] = [
-        ("arm_nm_per_bar", "N m/bar"),
-        ("arm_linear_nm_per_bar_rad", "N m/(bar rad)"),
-        ("arm_square_nm_per_bar_rad2", "N m/(bar rad²)"),
-    ];
-    const PASSIVE_KEYS: [(&str, &str); PASSIVE] = [
-        ("constant_nm", "N m"),
-        ("linear_nm_per_rad", "N m/rad"),
-        ("square_nm_per_rad2", "N m/rad²"),
-        ("cube_nm_per_rad3", "N m/rad³"),
-    ];
-    const MUSCLES: [&str; 2] = ["muscle_a", "muscle_b"];
-    let names = MUSCLES
+    let of = |section: &str, key: Key| (format!("{section}.{}", key.name), key.unit);
+    let friction = |muscle: &'static str| {
+        (0..STOPS).map(move |stop| {
+            let (name, unit) = of(muscle, keys::FRICTION);
+            (format!("{name}[{stop}]"), unit)
+        })
+    };
+    let names = keys::MUSCLES
         .iter()
-        .flat_map(|muscle| ARM_KEYS.map(|(key, unit)| (format!("{muscle}.{key}"), unit)))
-        .chain(PASSIVE_KEYS.map(|(key, unit)| (format!("passive.{key}"), unit)))
-        .chain([("passive.viscosity_nm_s_per_rad".to_owned(), "N m s/rad")])
-        .chain(MUSCLES.iter().flat_map(|muscle| {
-            (0..STOPS).map(move |stop| (format!("{muscle}.friction_nm_per_rad[{stop}]"), "N m/rad"))
-        }))
-        .chain(MUSCLES.iter().map(|muscle| (format!("{muscle}.knee_bar2"), "bar²")))
-        .chain(MUSCLES.iter().map(|muscle| (format!("{muscle}.slip_constant"), "1")));
+        .flat_map(|muscle| keys::ARM.map(|key| of(muscle, key)))
+        .chain(keys::PASSIVE.map(|key| of(keys::REST, key)))
+        .chain([of(keys::REST, keys::VISCOSITY)])
+        .chain(keys::MUSCLES.into_iter().flat_map(friction))
+        .chain(keys::MUSCLES.map(|muscle| of(muscle, keys::KNEE)))
+        .chain(keys::MUSCLES.map(|muscle| of(muscle, keys::SLIP[0])));
     names.zip(unknowns).map(|((name, unit), value)| (name, unit, *value)).collect()
 }
 
@@ -122,5 +116,26 @@ pub(super) fn parameters(unknowns: &Unknowns, known: &HostJointParameters) -> Ho
         passive: std::array::from_fn(|power| unknowns[REST + power]),
         viscosity: unknowns[VISCOSITY],
         ..known.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_unknown_has_the_name_and_the_place_of_its_parameter() {
+        let named = named(&std::array::from_fn(|place| place as f64));
+        assert_eq!(named.len(), COUNT);
+        for (place, name, unit) in [
+            (ARMS[1] + 1, "muscle_b.arm_linear_nm_per_bar_rad", "N m/(bar rad)"),
+            (REST + 3, "passive.cube_nm_per_rad3", "N m/rad³"),
+            (VISCOSITY, "passive.viscosity_nm_s_per_rad", "N m s/rad"),
+            (FRICTION[1] + 2, "muscle_b.friction_nm_per_rad[2]", "N m/rad"),
+            (LINEAR + 1, "muscle_b.knee_bar2", "bar²"),
+            (LINEAR + 2, "muscle_a.slip_constant", "1"),
+        ] {
+            assert_eq!(named[place], (name.to_owned(), unit, place as f64));
+        }
     }
 }

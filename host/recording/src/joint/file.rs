@@ -9,6 +9,7 @@ use model_core::{List, ParameterError};
 use thiserror::Error;
 use toml::{Table, Value};
 
+use super::keys::{ARM, FRICTION, KNEE, MUSCLES, PASSIVE, REST, SLIP, VISCOSITY, names};
 use super::{HostJoint, HostJointParameters, STOPS};
 use crate::model_file::section::{KeyError, Section};
 use crate::model_file::values::{count, list, table};
@@ -21,13 +22,8 @@ const KIND: &str = "joint";
 /// Degrees in a radian.
 const DEGREES: f64 = 180.0 / PI;
 const ANGLES: [&str; 2] = ["angle_min_deg", "angle_max_deg"];
-const PASSIVE: [&str; 4] = ["constant_nm", "linear_nm_per_rad", "square_nm_per_rad2", "cube_nm_per_rad3"];
-const ARM: [&str; 3] = ["arm_nm_per_bar", "arm_linear_nm_per_bar_rad", "arm_square_nm_per_bar_rad2"];
-const FRICTION: &str = "friction_nm_per_rad";
-const SLIP: [&str; 2] = ["slip_constant", "slip_per_bar"];
 const LOWEST: [&str; 2] = ["lowest_at_angle_min_bar", "lowest_at_angle_max_bar"];
 const HIGHEST: [&str; 2] = ["highest_at_angle_min_bar", "highest_at_angle_max_bar"];
-const MUSCLES: [&str; 2] = ["muscle_a", "muscle_b"];
 
 /// A joint with what is known about it.
 #[derive(Clone, Debug)]
@@ -120,9 +116,9 @@ impl JointFile {
             "stops".into(),
             table([("reaches_deg", list(&degrees(reaches))), ("swing_deg", (swing * DEGREES).into())]),
         );
-        let mut rest = keyed(&PASSIVE, passive);
-        rest.insert("viscosity_nm_s_per_rad".into(), (*viscosity).into());
-        top.insert("passive".into(), Value::Table(rest));
+        let mut rest = keyed(&names(PASSIVE), passive);
+        rest.insert(VISCOSITY.name.into(), (*viscosity).into());
+        top.insert(REST.into(), Value::Table(rest));
         for (name, muscle) in MUSCLES.iter().zip(muscles) {
             top.insert((*name).into(), Value::Table(written(muscle)));
         }
@@ -152,10 +148,10 @@ fn keyed(keys: &[&str], values: &[f64]) -> Table {
 }
 
 fn written(muscle: &PullParameters<f64, STOPS>) -> Table {
-    let mut section = keyed(&ARM, &muscle.arm);
-    section.insert("knee_bar2".into(), muscle.knee.into());
-    section.insert(FRICTION.into(), list(&muscle.friction));
-    section.extend(keyed(&SLIP, &muscle.slip));
+    let mut section = keyed(&names(ARM), &muscle.arm);
+    section.insert(KNEE.name.into(), muscle.knee.into());
+    section.insert(FRICTION.name.into(), list(&muscle.friction));
+    section.extend(keyed(&names(SLIP), &muscle.slip));
     section.extend(keyed(&LOWEST, &muscle.lowest));
     section.extend(keyed(&HIGHEST, &muscle.highest));
     section.insert("valve_lag_s".into(), muscle.valve_lag_s.into());
@@ -181,8 +177,8 @@ fn parse(text: &str) -> Result<JointFile, Problem> {
     let radians = listed(&mut stops, "reaches_deg")?.iter().map(|reach| reach / DEGREES).collect();
     let swing = stops.number("swing_deg")? / DEGREES;
     stops.finish()?;
-    let mut rest = top.section("passive")?;
-    let (passive, viscosity) = (numbers(&mut rest, PASSIVE)?, rest.number("viscosity_nm_s_per_rad")?);
+    let mut rest = top.section(REST)?;
+    let (passive, viscosity) = (numbers(&mut rest, names(PASSIVE))?, rest.number(VISCOSITY.name)?);
     rest.finish()?;
     let [a, b] = MUSCLES;
     let muscles = [muscle(&mut top, a)?, muscle(&mut top, b)?];
@@ -204,10 +200,10 @@ fn parse(text: &str) -> Result<JointFile, Problem> {
 fn muscle(top: &mut Section, name: &str) -> Result<PullParameters<f64, STOPS>, KeyError> {
     let mut section = top.section(name)?;
     let muscle = PullParameters {
-        arm: numbers(&mut section, ARM)?,
-        knee: section.number("knee_bar2")?,
-        friction: listed(&mut section, FRICTION)?,
-        slip: numbers(&mut section, SLIP)?,
+        arm: numbers(&mut section, names(ARM))?,
+        knee: section.number(KNEE.name)?,
+        friction: listed(&mut section, FRICTION.name)?,
+        slip: numbers(&mut section, names(SLIP))?,
         lowest: numbers(&mut section, LOWEST)?,
         highest: numbers(&mut section, HIGHEST)?,
         valve_lag_s: section.number("valve_lag_s")?,

@@ -3,10 +3,12 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`columns`] | a recording of both commands, both pressures, the angle and the torque |
+//! | [`keys`] | the keys of its parameters, with their units |
 //! | [`file`](mod@file) | the model file of a joint, format 2, both directions |
 
 pub mod columns;
 pub mod file;
+pub mod keys;
 
 /// The most stops of a joint on the host.
 pub const STOPS: usize = 12;

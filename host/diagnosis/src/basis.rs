@@ -18,7 +18,7 @@ const CURVE: usize = 17;
 /// Tents that a stop is multiplied by.
 const FEW: usize = 3;
 /// Radii of the stops.
-const RADII: usize = 8;
+pub const RADII: usize = 8;
 /// Smallest radius as a share of the input's span: a fifth of the distance of two tents. Each radius is this ratio times the one
 /// before, so that the largest is half of the span. A stop with a larger radius would never slide.
 const SMALLEST: f64 = 0.012;
@@ -170,6 +170,11 @@ impl Basis {
         }
     }
 
+    /// Whether the muscle has been through its range before.
+    pub fn is_preconditioned(&self) -> bool {
+        self.preconditioned
+    }
+
     /// The same under a prior of smoothness.
     pub fn smooth(self, smoothness: f64) -> Self {
         Self { smoothness, ..self }
@@ -231,7 +236,10 @@ impl Basis {
     /// What `take` says at each scored row on the way through the whole input.
     fn visit<T>(&self, seen: &Seen, rows: &[Row], take: impl Fn(&Walk) -> T) -> Vec<T> {
         // In the widest registers that the processor has: the order of the sums, and so every bit, stays.
-        Arch::new().dispatch(|| self.go(seen, rows, take))
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.go(seen, rows, take),
+        )
     }
 
     #[inline(always)]

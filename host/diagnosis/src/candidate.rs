@@ -5,6 +5,7 @@ use super::effect::{Effect, Form};
 use super::fit::Fit;
 use super::gain::Score;
 use super::physical::{DAMPED, RINGS, has_mass_and_viscosity_in_balance};
+use recording::numbers::root_mean_square;
 
 /// What a set costs whose creep is the tail of a faster effect, as a difference of logarithms of errors: no gain makes up for it.
 const NEVER: f64 = 1e3;
@@ -75,6 +76,12 @@ impl Candidate {
     /// How much less a later set costs; not counted is what only decides between causes that contain each other.
     pub fn evidence(&self, later: &Self) -> f64 {
         (self.cost() - self.containment()) - (later.cost() - later.containment())
+    }
+
+    /// What it errs by as a model that is simulated, without what it gets wrong in the same way at every visit to a state being known:
+    /// root mean square. Output unit.
+    pub fn simulated_error(&self) -> f64 {
+        root_mean_square(&self.residual)
     }
 
     /// How many causes it comes to: beside a mass that hardly overshoots the viscosity that damps it is named too, and beside one
@@ -169,7 +176,6 @@ mod tests {
             weights: Vec::new(),
             residual: Vec::new(),
             unseen: Vec::new(),
-            leverage: Vec::new(),
         };
         Candidate {
             causes: causes.to_vec(),

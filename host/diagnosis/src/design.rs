@@ -6,11 +6,12 @@
 
 use std::ops::{Add, Sub};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use pulp::Arch;
 
 use super::basis::{Basis, COLUMNS, ENTRIES, Entries, GROUPS, Seen, columns, neighbours};
 use super::effect::Effect;
+use super::misfit::{Misfit, Shared, USUAL, add};
 use super::output;
 use super::signals::Signals;
 
@@ -80,6 +81,11 @@ impl Design {
 }
 
 impl Columns<'_> {
+    /// How many.
+    pub(super) fn count(&self) -> usize {
+        COLUMNS + self.dense.len()
+    }
+
     /// The sum of a row with these weights.
     pub(super) fn predict(&self, row: usize, weights: &[f64]) -> f64 {
         self.rows[row].sum(weights)
@@ -105,8 +111,68 @@ impl Columns<'_> {
         let mut sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; GROUPS * count * width]);
         // In the widest registers that the processor has: the order of the sums and their one rounding a product, and so every bit, stay.
         // Without instructions for that rounding, which processors have had for ten years, it takes far longer.
-        Arch::new().dispatch(|| self.add_up(&mut sums, count, width, target, part));
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.add_up(&mut sums, count, width, target, part),
+        );
         sums.map(|sums| self.in_place(&sums, count, width))
+    }
+
+    /// The normal equations of all rows beside what the baseline gets wrong in the same way at every visit to a state.
+    pub(super) fn beside(&self, misfit: Option<&Misfit>, target: impl Fn(usize) -> f64) -> Normal {
+        let [normal] = self.normal(&target, |_| [true]);
+        match misfit {
+            Some(misfit) => {
+                let [shared] = self.shared(misfit, target, |_| [true]);
+                normal.beside(&shared, misfit.factor(USUAL))
+            }
+            None => normal,
+        }
+    }
+
+    /// What columns and target have in common with the misfit's, each row added to the parts that `part` names.
+    pub(super) fn shared<const P: usize>(
+        &self,
+        misfit: &Misfit,
+        target: impl Fn(usize) -> f64,
+        part: impl Fn(usize) -> [bool; P],
+    ) -> [Shared; P] {
+        let (points, all) = (misfit.points(), COLUMNS + self.dense.len());
+        let mut sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; points * (all + 1)]);
+        // As the normal equations are added up.
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.add_shared(&mut sums, misfit, target, part),
+        );
+        sums.map(|mut sums| {
+            let target = DVector::from_vec(sums.split_off(points * all));
+            Shared { columns: DMatrix::from_vec(points, all, sums), target }
+        })
+    }
+
+    #[inline(always)]
+    fn add_shared<const P: usize>(
+        &self,
+        sums: &mut [Vec<f64>; P],
+        misfit: &Misfit,
+        target: impl Fn(usize) -> f64,
+        part: impl Fn(usize) -> [bool; P],
+    ) {
+        let (points, all) = (misfit.points(), COLUMNS + self.dense.len());
+        let mut here: Vec<(usize, f64)> = Vec::new();
+        for row in 0..self.rows.len() {
+            let features = misfit.row(row);
+            here.clear();
+            here.extend(self.of_row(row).chain([(all, target(row))]));
+            for (sums, named) in sums.iter_mut().zip(part(row)) {
+                if !named {
+                    continue;
+                }
+                for &(column, value) in &here {
+                    add(&mut sums[column * points..][..points], features, value);
+                }
+            }
+        }
     }
 
     /// Adds the products of each row's columns up in their group.
@@ -194,7 +260,32 @@ impl Sub for &Normal {
     }
 }
 
+impl Add for &Shared {
+    type Output = Shared;
+    fn add(self, other: Self) -> Shared {
+        Shared { columns: &self.columns + &other.columns, target: &self.target + &other.target }
+    }
+}
+
+impl Sub for &Shared {
+    type Output = Shared;
+    fn sub(self, other: Self) -> Shared {
+        Shared { columns: &self.columns - &other.columns, target: &self.target - &other.target }
+    }
+}
+
 impl Normal {
+    /// The equations beside a misfit, whose factor this is: what it takes up of columns and target has gone.
+    pub(super) fn beside(mut self, shared: &Shared, factor: &Cholesky<f64, Dyn>) -> Self {
+        let lower = factor.l_dirty();
+        let (mut columns, mut target) = (shared.columns.clone(), shared.target.clone());
+        lower.solve_lower_triangular_mut(&mut columns);
+        lower.solve_lower_triangular_mut(&mut target);
+        self.right -= columns.tr_mul(&target);
+        self.matrix -= columns.tr_mul(&columns);
+        self
+    }
+
     /// With the prior of smoothness on the weights of the baseline, where the target is what is left beside these weights.
     pub(super) fn with_prior(mut self, smoothness: f64, weights: &[f64]) -> Self {
         let squares = self.matrix.diagonal();
@@ -212,7 +303,7 @@ impl Normal {
     }
 
     /// The solution in the columns that are `free`, the others 0; and the factor of those columns.
-    pub(super) fn solve(&self, free: &[usize]) -> Option<(Vec<f64>, nalgebra::Cholesky<f64, nalgebra::Dyn>)> {
+    pub(super) fn solve(&self, free: &[usize]) -> Option<(Vec<f64>, Cholesky<f64, Dyn>)> {
         let count = free.len();
         let mut matrix = DMatrix::zeros(count, count);
         for (j, &column) in free.iter().enumerate() {
@@ -222,7 +313,7 @@ impl Normal {
             matrix[(j, j)] = matrix[(j, j)] * (1.0 + RIDGE) + 1e-12;
         }
         let right = DVector::from_iterator(count, free.iter().map(|&column| self.right[column]));
-        let factor = nalgebra::Cholesky::new(matrix)?;
+        let factor = Cholesky::new(matrix)?;
         let solution = factor.solve(&right);
         let mut all = vec![0.0; self.right.len()];
         for (&column, &value) in free.iter().zip(solution.iter()) {

@@ -233,6 +233,20 @@ impl Effect {
         Self::new(Form::Tone, [Parameter::new(frequency_hz, low_hz, high_hz, 1e-3 * width_hz)])
     }
 
+    /// A delay of the input. Unit: s.
+    pub fn delay(delay_s: f64) -> Self {
+        Self::new(Form::Delay, [Parameter::new(delay_s, delay_s, delay_s, 1.0)])
+    }
+
+    /// By how much it makes the input late. Unit: s.
+    pub fn late_s(&self) -> f64 {
+        match (self.form, self.parameters.first()) {
+            (Form::Delay, Some(delay)) => delay.value,
+            (Form::Lag, Some(lag)) => lag.value.exp(),
+            _ => 0.0,
+        }
+    }
+
     /// A step of the zero at this time. Unit: s.
     pub fn step(time_s: f64) -> Self {
         Self::new(Form::Step, [Parameter::new(time_s, time_s, time_s, 1.0)])

@@ -7,18 +7,22 @@
 //! the normal equations less the fold's part.
 
 use std::ops::Range;
+use std::sync::Arc;
+
+use nalgebra::{Cholesky, DVector, Dyn};
 
 use super::basis::{Basis, COLUMNS, Seen, Weights};
-use super::design::{Design, Normal};
+use super::design::{Columns, Design, Normal};
 use super::effect::{Effect, Form};
 use super::equivalent::Stages;
+use super::misfit::{Misfit, STRENGTHS, Shared};
 use super::output;
-use super::signals::{FOLDS, Signals};
+use super::signals::{FOLDS, Row, Signals};
 
 /// Gauss-Newton steps at most.
-const STEPS: usize = 10;
+const STEPS: usize = 20;
 /// A step that gains less than this share of the sum of squares is the last.
-const ENOUGH: f64 = 2e-3;
+const ENOUGH: f64 = 5e-4;
 
 /// A fitted set of effects.
 #[derive(Clone, Debug)]
@@ -33,8 +37,6 @@ pub struct Fit {
     pub residual: Vec<f64>,
     /// The same, each row fitted without its own fold.
     pub unseen: Vec<f64>,
-    /// Leverage of each row on the fit without its fold, as a multiple of the mean.
-    pub leverage: Vec<f64>,
 }
 
 impl Fit {
@@ -75,15 +77,22 @@ pub(super) struct Point {
     free: Vec<usize>,
     pub(super) residual: Vec<f64>,
     pub(super) squares: f64,
+    /// What the baseline gets wrong in the same way at every visit to a state.
+    pub(super) misfit: Option<Arc<Misfit>>,
 }
 
 impl Point {
-    pub(super) fn new(signals: &Signals, basis: &Basis, effects: Vec<Effect>) -> Option<Self> {
+    pub(super) fn new(
+        signals: &Signals,
+        basis: &Basis,
+        effects: Vec<Effect>,
+        misfit: Option<Arc<Misfit>>,
+    ) -> Option<Self> {
         let stages = Stages::new(signals, &effects);
         let design = Design::new(signals, basis, &effects, &stages.seen);
         let target = |row: usize| signals.output[signals.rows[row].at];
         let columns = design.with(&[]);
-        let [normal] = columns.normal(target, |_| [true]);
+        let normal = columns.beside(misfit.as_deref(), target);
         let normal = normal.with_prior(design.smoothness, &[0.0; COLUMNS]);
         let mut free: Vec<usize> = (0..design.columns()).collect();
         let weights = loop {
@@ -98,8 +107,8 @@ impl Point {
         };
         let residual: Vec<f64> =
             (0..design.rows.len()).map(|row| target(row) - columns.predict(row, &weights)).collect();
-        let squares = residual.iter().map(|e| e * e).sum();
-        Some(Self { effects, stages, design, weights, free, residual, squares })
+        let squares = squares(misfit.as_deref(), &residual);
+        Some(Self { effects, stages, design, weights, free, residual, squares, misfit })
     }
 
     /// The change of the fitted values with every nonlinear parameter, as columns.
@@ -142,6 +151,14 @@ impl Point {
     }
 }
 
+/// The sum of squares of a residual beside a misfit, if there is one. Unit: square of the output unit.
+pub(super) fn squares(misfit: Option<&Misfit>, residual: &[f64]) -> f64 {
+    match misfit {
+        Some(misfit) => misfit.squares(residual),
+        None => residual.iter().map(|e| e * e).sum(),
+    }
+}
+
 impl Point {
     /// The columns that can move, of the linear ones and then of the sensitivities: not those of a parameter at a bound.
     pub(super) fn movable(&self, normal: &Normal) -> Vec<usize> {
@@ -174,7 +191,8 @@ pub struct Descent<'a> {
 impl<'a> Descent<'a> {
     /// From where the effects' parameters stand; None where the normal equations cannot be solved.
     pub fn new(signals: &'a Signals, basis: &'a Basis, effects: Vec<Effect>) -> Option<Self> {
-        let point = Point::new(signals, basis, effects)?;
+        let misfit = signals.misfit(basis, &effects);
+        let point = Point::new(signals, basis, effects, misfit)?;
         Some(Self { signals, basis, point, sensitivities: Vec::new(), steps: 0 })
     }
 
@@ -207,14 +225,28 @@ impl<'a> Descent<'a> {
     /// The fit at the end of the way, tried on rows that it has not seen.
     pub fn finish(mut self) -> Fit {
         self.advance(STEPS);
-        cross_validate(self.signals, self.point, self.sensitivities)
+        // With the states as its delay and its thresholds have come to make them.
+        let effects = &self.point.effects;
+        let of_widths = self.signals.misfit_of_widths(self.basis, effects);
+        let misfit = of_widths.or_else(|| self.signals.misfit(self.basis, effects));
+        let is_same = match (&misfit, &self.point.misfit) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (one, other) => one.is_none() && other.is_none(),
+        };
+        if !is_same
+            && let Some(point) = Point::new(self.signals, self.basis, self.point.effects.clone(), misfit)
+        {
+            (self.point, self.sensitivities, self.steps) = (point, Vec::new(), 0);
+            self.advance(STEPS);
+        }
+        cross_validate(self.signals, self.point, &self.sensitivities)
     }
 }
 
 /// The Gauss-Newton step of the nonlinear parameters, within their bounds.
 fn step(point: &Point, sensitivities: &[Vec<f64>]) -> Option<Vec<f64>> {
     let all = point.design.with(sensitivities);
-    let [normal] = all.normal(|row| point.residual[row], |_| [true]);
+    let normal = all.beside(point.misfit.as_deref(), |row| point.residual[row]);
     let normal = normal.with_prior(point.design.smoothness, &point.weights);
     let first = point.design.columns();
     let parameters: Vec<_> = point.effects.iter().flat_map(|effect| &effect.parameters).collect();
@@ -247,7 +279,7 @@ fn descend(signals: &Signals, basis: &Basis, point: &Point, step: &[f64]) -> Opt
         for (parameter, change) in effects.iter_mut().flat_map(|effect| &mut effect.parameters).zip(step) {
             parameter.value = (parameter.value + share * change).clamp(parameter.low, parameter.high);
         }
-        let next = Point::new(signals, basis, effects);
+        let next = Point::new(signals, basis, effects, point.misfit.clone());
         if let Some(next) = next.filter(|next| next.squares < point.squares) {
             return Some(next);
         }
@@ -256,40 +288,112 @@ fn descend(signals: &Signals, basis: &Basis, point: &Point, step: &[f64]) -> Opt
     None
 }
 
+/// What each fold has taught of a fit's columns, beside what is near it.
+struct Folds<'a> {
+    point: &'a Point,
+    all: Columns<'a>,
+    own: [Normal; FOLDS],
+    near: [Normal; FOLDS],
+    total: Normal,
+    /// The columns that may move.
+    free: Vec<usize>,
+}
+
+impl<'a> Folds<'a> {
+    fn new(signals: &Signals, point: &'a Point, sensitivities: &'a [Vec<f64>]) -> Self {
+        let all = point.design.with(sensitivities);
+        let parts = all.normal(|row| point.residual[row], |row| part(&signals.rows[row]));
+        let [own, near] = [0, FOLDS].map(|first| std::array::from_fn(|fold| parts[first + fold].clone()));
+        let total = parts[1..FOLDS].iter().fold(parts[0].clone(), |sum, fold| &sum + fold);
+        let free = point.movable(&total.clone().with_prior(point.design.smoothness, &point.weights));
+        Self { point, all, own, near, total, free }
+    }
+
+    /// The normal equations of the rows that teach a fold.
+    fn taught(&self, fold: usize) -> Normal {
+        &(&self.total - &self.own[fold]) - &self.near[fold]
+    }
+
+    /// Those under the prior, solved.
+    fn solved(&self, taught: Normal) -> Option<(Vec<f64>, Cholesky<f64, Dyn>)> {
+        taught.with_prior(self.point.design.smoothness, &self.point.weights).solve(&self.free)
+    }
+}
+
+/// The folds that a row is in, and then those that it is near.
+fn part(row: &Row) -> [bool; 2 * FOLDS] {
+    std::array::from_fn(|i| if i < FOLDS { row.fold() == i } else { row.near == Some(i - FOLDS) })
+}
+
 /// Residuals of each fold from a fit without it.
-fn cross_validate(signals: &Signals, point: Point, sensitivities: Vec<Vec<f64>>) -> Fit {
-    let all = point.design.with(&sensitivities);
-    // Those of each fold, then those near its blocks.
-    let part = |row: usize| -> [bool; 2 * FOLDS] {
-        let row = &signals.rows[row];
-        std::array::from_fn(|i| if i < FOLDS { row.fold() == i } else { row.near == Some(i - FOLDS) })
+fn cross_validate(signals: &Signals, point: Point, sensitivities: &[Vec<f64>]) -> Fit {
+    let folds = Folds::new(signals, &point, sensitivities);
+    let unseen = match &point.misfit {
+        None => {
+            let mut unseen = point.residual.clone();
+            for fold in 0..FOLDS {
+                let Some((change, _)) = folds.solved(folds.taught(fold)) else { continue };
+                let held = (0..unseen.len()).filter(|&row| signals.rows[row].fold() == fold);
+                held.for_each(|row| unseen[row] -= folds.all.predict(row, &change));
+            }
+            unseen
+        }
+        Some(misfit) => unseen_beside(signals, misfit, &folds),
     };
-    let parts = all.normal(|row| point.residual[row], part);
-    let (folds, near) = parts.split_at(FOLDS);
-    let total = folds[1..].iter().fold(folds[0].clone(), |sum, fold| &sum + fold);
-    let total = total.with_prior(point.design.smoothness, &point.weights);
-    let free = point.movable(&total);
-    let mut place = vec![None; COLUMNS + all.dense.len()];
-    for (i, &column) in free.iter().enumerate() {
+    let Point { effects, stages, weights, residual, .. } = point;
+    Fit { effects, seen: stages.seen, weights, residual, unseen }
+}
+
+/// The same beside a misfit, of the strength with which they are least.
+fn unseen_beside(signals: &Signals, misfit: &Misfit, folds: &Folds<'_>) -> Vec<f64> {
+    let Folds { point, all, .. } = folds;
+    let parts = all.shared(misfit, |row| point.residual[row], |row| part(&signals.rows[row]));
+    let total = parts[1..FOLDS].iter().fold(parts[0].clone(), |sum, fold| &sum + fold);
+    let taught = |fold: usize| &(&total - &parts[fold]) - &parts[FOLDS + fold];
+    let taught: [Shared; FOLDS] = std::array::from_fn(taught);
+    let tried = |strength: usize| {
+        let mut unseen = point.residual.clone();
+        for (fold, shared) in taught.iter().enumerate() {
+            let factor = misfit.taught(strength, fold);
+            let Some((change, _)) = folds.solved(folds.taught(fold).beside(shared, factor)) else { continue };
+            let left = &shared.target - &shared.columns * DVector::from_column_slice(&change);
+            let weights = factor.solve(&left);
+            for row in (0..unseen.len()).filter(|&row| signals.rows[row].fold() == fold) {
+                unseen[row] -= all.predict(row, &change) + misfit.value(row, &weights);
+            }
+        }
+        unseen
+    };
+    let squares = |unseen: &Vec<f64>| unseen.iter().map(|e| e * e).sum::<f64>();
+    let all = (0..STRENGTHS.len()).map(tried);
+    let least = all.min_by(|one, other| squares(one).total_cmp(&squares(other)));
+    least.unwrap_or_else(|| point.residual.clone())
+}
+
+/// Leverage of each row on a fit of these effects without its fold, as a multiple of the mean; None where the normal equations cannot
+/// be solved.
+pub fn leverage(signals: &Signals, basis: &Basis, effects: &[Effect]) -> Option<Vec<f64>> {
+    let point = Point::new(signals, basis, effects.to_vec(), None)?;
+    let sensitivities = point.sensitivities(signals, basis);
+    let folds = Folds::new(signals, &point, &sensitivities);
+    let mut place = vec![None; folds.all.count()];
+    for (i, &column) in folds.free.iter().enumerate() {
         place[column] = Some(i);
     }
-    let (mut unseen, mut leverage) = (point.residual.clone(), vec![0.0; point.residual.len()]);
-    for (fold, (own, near)) in folds.iter().zip(near).enumerate() {
-        let taught = &(&total - own) - near;
-        let Some((change, factor)) = taught.solve(&free) else { continue };
+    let mut leverage = vec![0.0; point.residual.len()];
+    for fold in 0..FOLDS {
+        let Some((_, factor)) = folds.solved(folds.taught(fold)) else { continue };
         let inverse = factor.inverse();
-        for row in (0..unseen.len()).filter(|&row| signals.rows[row].fold() == fold) {
-            unseen[row] -= all.predict(row, &change);
+        for row in (0..leverage.len()).filter(|&row| signals.rows[row].fold() == fold) {
             let here: Vec<(usize, f64)> =
-                all.of_row(row).filter_map(|(column, value)| Some((place[column]?, value))).collect();
+                folds.all.of_row(row).filter_map(|(column, value)| Some((place[column]?, value))).collect();
             leverage[row] = here
                 .iter()
                 .map(|&(i, a)| a * here.iter().map(|&(j, b)| inverse[(i, j)] * b).sum::<f64>())
                 .sum();
         }
     }
-    let mean = free.len() as f64 / leverage.len().max(1) as f64;
+    let mean = folds.free.len() as f64 / leverage.len().max(1) as f64;
     leverage.iter_mut().for_each(|leverage| *leverage /= mean.max(1e-300));
-    let Point { effects, stages, weights, residual, .. } = point;
-    Fit { effects, seen: stages.seen, weights, residual, unseen, leverage }
+    Some(leverage)
 }

@@ -1,6 +1,5 @@
 //! What a set of effects gains on blocks of time that it was not fitted to.
 
-use super::fit::Fit;
 use super::signals::Signals;
 use recording::numbers::median;
 
@@ -9,9 +8,9 @@ const LEVERAGE: f64 = 4.0;
 /// A block counts at most so many times the median one.
 const CLIP: f64 = 4.0;
 
-/// Which rows are scored, the same for all rivals.
-pub fn mask(baseline: &Fit) -> Vec<bool> {
-    baseline.leverage.iter().map(|&leverage| leverage <= LEVERAGE).collect()
+/// Which rows are scored, by their leverage on the baseline, the same for all rivals.
+pub fn mask(leverage: &[f64]) -> Vec<bool> {
+    leverage.iter().map(|&leverage| leverage <= LEVERAGE).collect()
 }
 
 /// Held-out error of each block. Output unit.

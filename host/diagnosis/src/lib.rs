@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
 //! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
+//! | `misfit` | what the baseline gets wrong in the same way at every visit to a state |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
 //! | `rates` | how a measured signal moves |
 //! | `recorded` | all rows of it, for what is quicker than the kept ones show |
@@ -63,6 +64,7 @@ pub mod gain;
 pub mod json;
 mod low_pass;
 mod measured;
+mod misfit;
 mod noisy_input;
 mod ordinary;
 pub mod output;
@@ -325,8 +327,7 @@ fn among(
     let (input_noise, scored_rows) = (signals.input_noise, signals.scored());
     let searched = || {
         let search = Search::new(&mut signals, muscle, excitation.longest_hold_s())?;
-        let found = search.run(&|share| progress(0.15 + 0.6 * share, "sets of causes"));
-        Some((search, found))
+        Some(search.run_for_either_past(&|share| progress(0.15 + 0.6 * share, "sets of causes")))
     };
     // What the valve does and the model without causes say nothing about the muscle's.
     let beside = || (examine(columns, input_noise), Plain::new(columns, &scored_rows));

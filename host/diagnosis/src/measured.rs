@@ -13,7 +13,7 @@ const MEASURES: f64 = 1.5;
 pub fn measure(diagnosis: &mut Diagnosis, extended: &Extended, is_third_order: bool, step_s: f64) {
     // A model that gains nothing, or is much farther from the muscle than the search has come, has nothing to say about them.
     let Extended { baseline_rmse: before, extended_rmse: after, .. } = *extended;
-    let is_near = after < before && after < MEASURES * diagnosis.heldout.1;
+    let is_near = after < before && after < MEASURES * diagnosis.rmse.1;
     let measured =
         is_near.then(|| extend::physical::parameters(&extended.model)).flatten().unwrap_or_default();
     let is_simpler = |cause| is_third_order && matches!(cause, Cause::ViscousLag | Cause::Inertia);

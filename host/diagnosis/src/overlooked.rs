@@ -47,7 +47,7 @@ pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extende
     let without = models[first].as_ref().map_or(extender.without, |model| extender.without_from(model));
     let without = extender.with(&search.baseline).map_or(without, |error| error.min(without));
     let (best, others) = clear(without, &errors)?;
-    if errors[best] > TRUSTED * fast[best].score.mean() {
+    if errors[best] > TRUSTED * fast[best].simulated_error() {
         return None;
     }
     Some(Overlooked {

@@ -119,8 +119,10 @@ fn not_excluded(
     let others: Vec<Cause> =
         search.examinable.iter().copied().filter(|cause| !set.causes.contains(cause)).collect();
     let beyond_chance = standard_errors(NOT_EXCLUDED, others.len(), JUDGES);
-    let is_better = |wider: &Candidate| {
-        let (gain, error) = (set.score.gain(&wider.score), set.score.gain_error(&wider.score));
+    let is_better = |cause: Cause, wider: &Candidate| {
+        // What the baseline gains where the wider set has led it is no gain of the cause.
+        let Some(less) = search.without(wider, cause, sizes) else { return false };
+        let (gain, error) = (less.score.gain(&wider.score), less.score.gain_error(&wider.score));
         wider.shows && wider.outlasts && gain > beyond_chance * error
     };
     let gains = |wider: Candidate| {
@@ -130,8 +132,8 @@ fn not_excluded(
     };
     others
         .par_iter()
-        .filter_map(|&cause| search.with(set, cause, sizes))
-        .filter(is_better)
-        .filter_map(gains)
+        .filter_map(|&cause| Some((cause, search.with(set, cause, sizes)?)))
+        .filter(|(cause, wider)| is_better(*cause, wider))
+        .filter_map(|(_, wider)| gains(wider))
         .collect()
 }

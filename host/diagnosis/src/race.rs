@@ -176,6 +176,13 @@ impl Search<'_> {
         running.into_iter().zip(far).filter(|(_, is_far)| !is_far).map(|(one, _)| one).collect()
     }
 
+    /// A set of another baseline, fitted beside this one.
+    pub fn same(&self, set: &Candidate) -> Option<Candidate> {
+        let mut effects = set.fit.effects.clone();
+        lend(&self.baseline.fit.effects, &mut effects);
+        Some(self.candidate(set.causes.clone(), fit(self.signals, &self.basis, &effects)?))
+    }
+
     /// The sets after the best one from where its nuisances stand: a tie is not to be decided by those.
     fn borrow(&self, sets: &mut [Candidate]) {
         let Some((best, others)) = sets.split_first_mut() else { return };

@@ -149,7 +149,16 @@ fn best_step(search: &Search<'_>, set: &Candidate) -> Option<(f64, Candidate)> {
     Some((time_s, search.candidate(set.causes.clone(), fit)))
 }
 
+/// A step that explains more than a set of causes, of a muscle of either past.
 fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
+    zero_step_of(search, set).or_else(|| {
+        let other = search.of_other_past()?;
+        let set = if set.causes.is_empty() { &other.baseline } else { set };
+        zero_step_of(&other, set)
+    })
+}
+
+fn zero_step_of(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     let (time_s, beside) = best_step(search, set)?;
     if set.evidence(&beside) < EVIDENCE {
         return None;
@@ -177,7 +186,7 @@ pub fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplaine
         pure_error: after,
         removed: (!set.causes.is_empty()).then(|| 1.0 - (after / before).powi(2)),
         rare: search.pure.map_or((0.0, 0.0), |pure| (pure.usual, pure.rare)),
-        heldout: set.score.mean(),
+        simulated: set.simulated_error(),
         least: search.signals.least_error,
         fades: set.fades,
     };
@@ -195,7 +204,7 @@ pub fn is_repeatable(search: &Search<'_>, errors: &[f64]) -> bool {
         pure_error: pure.square.sqrt(),
         removed: None,
         rare: (pure.usual, pure.rare),
-        heldout: root_mean_square(errors),
+        simulated: root_mean_square(errors),
         least: search.signals.least_error,
         fades: false,
     };
@@ -210,8 +219,8 @@ struct Left {
     removed: Option<f64>,
     /// What most visits differ by less than without causes, and what all but few do.
     rare: (f64, f64),
-    /// The error on blocks that no fit has seen.
-    heldout: f64,
+    /// The error as a model that is simulated.
+    simulated: f64,
     /// The least error that there could be.
     least: f64,
     /// Whether strokes fade, see [`Candidate::fades`].
@@ -223,7 +232,7 @@ impl Left {
         let times = self.pure_error / self.least().max(1e-12);
         let is_unmistakable = self.removed.is_none() && times > UNMISTAKABLE;
         let [(large, least), (larger, most)] = LARGE;
-        let size = (self.pure_error / self.heldout.max(1e-12) - large) / (larger - large);
+        let size = (self.pure_error / self.simulated.max(1e-12) - large) / (larger - large);
         let needed = least + (most - least) * size.min(1.0);
         let is_large = size > 0.0 && self.removed.unwrap_or(0.0) < needed;
         times > SEEN && (self.fades || is_unmistakable || is_large) || self.acts_now_and_then()
@@ -237,7 +246,7 @@ impl Left {
 
     /// What states differ by at least.
     fn least(&self) -> f64 {
-        self.least.max(NEAREST * self.heldout)
+        self.least.max(NEAREST * self.simulated)
     }
 }
 
@@ -246,7 +255,7 @@ mod tests {
     use super::Left;
 
     fn left(pure_error: f64, removed: Option<f64>) -> Left {
-        Left { pure_error, removed, rare: (0.2, 0.5), heldout: 1.0, least: 0.07, fades: false }
+        Left { pure_error, removed, rare: (0.2, 0.5), simulated: 1.0, least: 0.07, fades: false }
     }
 
     #[test]

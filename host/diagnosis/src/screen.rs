@@ -9,6 +9,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use super::basis::{Basis, COLUMNS, Weights};
 use super::effect::{Effect, Form};
 use super::fit::{Fit, Point};
+use super::misfit::{Shared, USUAL};
 use super::output;
 use super::signals::Signals;
 
@@ -23,20 +24,29 @@ pub struct Screen<'a> {
     fitted: Vec<f64>,
     free: Vec<usize>,
     factor: Cholesky<f64, Dyn>,
+    /// What these columns have in common with the misfit's.
+    shared: Option<Shared>,
 }
 
 impl<'a> Screen<'a> {
     /// Prepares a fit.
     pub fn new(signals: &'a Signals, basis: &'a Basis, fit: &Fit) -> Option<Self> {
-        let point = Point::new(signals, basis, fit.effects.clone())?;
+        let misfit = signals.misfit(basis, &fit.effects);
+        let point = Point::new(signals, basis, fit.effects.clone(), misfit)?;
         let sensitivities = point.sensitivities(signals, basis);
-        let [normal] = point.design.with(&sensitivities).normal(|row| point.residual[row], |_| [true]);
+        let all = point.design.with(&sensitivities);
+        let target = |row: usize| point.residual[row];
+        let normal = all.beside(point.misfit.as_deref(), target);
+        let shared = point.misfit.as_ref().map(|misfit| {
+            let [shared] = all.shared(misfit, target, |_| [true]);
+            shared
+        });
         let normal = normal.with_prior(point.design.smoothness, &point.weights);
         let free = point.movable(&normal);
         let (_, factor) = normal.solve(&free)?;
         let weights = Weights::new(&point.weights);
         let fitted = basis.sums(&point.stages.seen, &signals.rows, &weights);
-        Some(Self { signals, basis, point, weights, sensitivities, fitted, free, factor })
+        Some(Self { signals, basis, point, weights, sensitivities, fitted, free, factor, shared })
     }
 
     /// By how much the effect would lower the sum of squares, as a share of it.
@@ -100,6 +110,14 @@ impl<'a> Screen<'a> {
             }
         }
         own.fill_upper_triangle_with_lower_triangle();
+        if let Some((misfit, shared)) = self.point.misfit.as_ref().zip(self.shared.as_ref()) {
+            let with: Vec<DVector<f64>> = columns.iter().map(|column| misfit.shared(column)).collect();
+            let with = DMatrix::from_columns(&with);
+            let taken_up = misfit.factor(USUAL).solve(&with);
+            own -= with.tr_mul(&taken_up);
+            right -= taken_up.tr_mul(&shared.target);
+            cross -= shared.columns.select_columns(&self.free).tr_mul(&taken_up);
+        }
         let left = own.clone() - cross.transpose() * self.factor.solve(&cross);
         // What the fitted columns make already is no column of its own.
         let mut kept: Vec<usize> = (0..count).filter(|&j| left[(j, j)] > 1e-6 * own[(j, j)]).collect();

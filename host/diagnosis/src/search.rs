@@ -6,7 +6,7 @@ use super::basis::{Basis, Weights};
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::effect::Effect;
-use super::fit::{Fit, fit};
+use super::fit::{Fit, fit, leverage};
 use super::gain::{Score, mask};
 use super::physical::{Loop, damping_ratio, fades, outlasts, shows};
 use super::pure_error::{PureError, pure_error};
@@ -38,6 +38,8 @@ pub struct Search<'a> {
     pub mask: Vec<bool>,
     /// The set without causes.
     pub baseline: Candidate,
+    /// The baseline of a muscle with the other past: fresh, or not.
+    pub other: Option<Box<(Basis, Candidate)>>,
     /// Causes of the largest set.
     pub largest: usize,
     /// What visits to the same state differ by without causes, if there are enough.
@@ -49,6 +51,7 @@ impl<'a> Search<'a> {
     pub fn new(signals: &'a mut Signals, examinable: Vec<Cause>, longest_hold_s: f64) -> Option<Self> {
         let (low, high) = range(&signals.input);
         let basis = Basis::new(low, high, true);
+        signals.set_misfit([&Basis::new(low, high, false), &basis]);
         let first = fit(signals, &basis, &[])?;
         signals.set_simulated(&basis.simulate(
             &first.seen.input,
@@ -60,7 +63,7 @@ impl<'a> Search<'a> {
         });
         signals.set_slope(|y| turn.slope(y));
         let signals = &*signals;
-        let (basis, fit) = WIDTHS
+        let tried: Vec<(Basis, Fit, Vec<bool>)> = WIDTHS
             .into_par_iter()
             .flat_map(|radius| [(radius, true), (radius, false)])
             .flat_map(|(radius, preconditioned)| {
@@ -68,26 +71,19 @@ impl<'a> Search<'a> {
             })
             .filter_map(|(radius, preconditioned, smoothness)| {
                 let basis = Basis::new(low, high, preconditioned).smooth(smoothness).bent(&first.weights);
-                fit(signals, &basis, &Effect::nuisances(signals, radius)).map(|fit| (basis, fit))
+                let fit = fit(signals, &basis, &Effect::nuisances(signals, radius))?;
+                let mask = mask(&leverage(signals, &basis, &fit.effects)?);
+                Some((basis, fit, mask))
             })
-            .min_by(|one, other| unseen(&one.1).total_cmp(&unseen(&other.1)))?;
-        let mask = mask(&fit);
-        let score = Score::of(signals, &fit.unseen, &mask);
-        let pure = pure_error(signals, &basis, &fit.seen, &fit.residual);
-        let pure_error = pure.map(|error| error.square.sqrt());
-        let residual = fit.residual.clone();
-        let baseline = Candidate {
-            causes: Vec::new(),
-            fit,
-            score,
-            residual,
-            pure_error,
-            spread: pure_error,
-            shows: true,
-            outlasts: true,
-            fades: false,
-            damping_ratio: None,
-        };
+            .collect();
+        let nearest =
+            tried.iter().min_by(|one, other| heldout(signals, one).total_cmp(&heldout(signals, other)))?;
+        let preconditioned = nearest.0.is_preconditioned();
+        let (own, others): (Vec<_>, Vec<_>) =
+            tried.into_iter().partition(|(basis, ..)| basis.is_preconditioned() == preconditioned);
+        let (basis, baseline, mask) = baseline_of(signals, own)?;
+        let other = baseline_of(signals, others).map(|(basis, baseline, _)| Box::new((basis, baseline)));
+        let pure = pure_error(signals, &basis, &baseline.fit.seen, &baseline.residual);
         Some(Self {
             signals,
             thinned: signals.thinned(),
@@ -96,9 +92,18 @@ impl<'a> Search<'a> {
             longest_hold_s,
             mask,
             baseline,
+            other,
             largest: LARGEST,
             pure,
         })
+    }
+
+    /// The same from what a muscle is that has another past: where what is hidden changes the first stroke, either may be nearer.
+    pub fn of_other_past(&self) -> Option<Self> {
+        let (basis, baseline) = &**self.other.as_ref()?;
+        let other = Some(Box::new((self.basis.clone(), self.baseline.clone())));
+        let pure = pure_error(self.signals, basis, &baseline.fit.seen, &baseline.residual);
+        Some(Self { basis: basis.clone(), baseline: baseline.clone(), other, pure, ..self.clone() })
     }
 
     /// A set with its fit, judged.
@@ -138,7 +143,31 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Square sum of what a fit has not seen.
-fn unseen(fit: &Fit) -> f64 {
-    fit.unseen.iter().map(|e| e * e).sum()
+/// What a baseline errs by on held-out blocks, each where it does not extrapolate: the first stroke of a fresh muscle, which is of no other,
+/// is not scored there, and errs where the muscle is taken for one that has been through its range. Output unit.
+fn heldout(signals: &Signals, (_, fit, mask): &(Basis, Fit, Vec<bool>)) -> f64 {
+    Score::of(signals, &fit.unseen, mask).mean()
+}
+
+/// The baseline that errs least on held-out blocks, and which rows are scored with it.
+fn baseline_of(
+    signals: &Signals,
+    tried: Vec<(Basis, Fit, Vec<bool>)>,
+) -> Option<(Basis, Candidate, Vec<bool>)> {
+    let (basis, fit, mask) =
+        tried.into_iter().min_by(|one, other| heldout(signals, one).total_cmp(&heldout(signals, other)))?;
+    let pure_error = pure_error(signals, &basis, &fit.seen, &fit.residual).map(|error| error.square.sqrt());
+    let baseline = Candidate {
+        causes: Vec::new(),
+        score: Score::of(signals, &fit.unseen, &mask),
+        residual: fit.residual.clone(),
+        fit,
+        pure_error,
+        spread: pure_error,
+        shows: true,
+        outlasts: true,
+        fades: false,
+        damping_ratio: None,
+    };
+    Some((basis, baseline, mask))
 }

@@ -11,7 +11,11 @@ use std::sync::Arc;
 
 use super::Columns;
 use super::anatomy::spectrum::InputLines;
+use super::basis::{Basis, Seen};
+use super::effect::{Effect, Form};
+use super::equivalent::{Arrived, Stages};
 use super::low_pass::low_pass;
+use super::misfit::{Misfit, Misfits};
 use super::rates::{JERK_WINDOW, Rate, WINDOW, local_cubic, speed};
 use super::thinning::Thinning;
 use recording::drop_out::DropOut;
@@ -126,6 +130,9 @@ pub struct Signals {
     pub knots: [f64; TENTS],
     /// The rows that are scored.
     pub rows: Vec<Row>,
+    /// What the baseline gets wrong in the same way at every visit to a state, of a fresh muscle and of one that has been through its
+    /// range; none before it is asked for.
+    misfits: Option<[Arc<Misfits>; 2]>,
     /// Number of blocks.
     pub blocks: usize,
     /// Median step of the recording. Unit: s.
@@ -198,6 +205,7 @@ impl Signals {
             speeds,
             knots,
             rows,
+            misfits: None,
             blocks,
             step_s,
             kept_step_s: step_s,
@@ -241,6 +249,27 @@ impl Signals {
         hats(&self.knots, y).map(|hat| hat * stiffer)
     }
 
+    /// Lets the baselines of an input's range be wrong in the same way at every visit to a state.
+    pub fn set_misfit(&mut self, [fresh, preconditioned]: [&Basis; 2]) {
+        self.misfits = Some([fresh, preconditioned].map(|basis| Arc::new(Misfits::new(basis, &self.rows))));
+    }
+
+    /// What a baseline gets wrong so, where the input is as late as these effects make it.
+    pub fn misfit(&self, basis: &Basis, effects: &[Effect]) -> Option<Arc<Misfit>> {
+        let late_s = effects.iter().map(Effect::late_s).sum();
+        let misfits = &self.misfits.as_ref()?[usize::from(basis.is_preconditioned())];
+        misfits.late(late_s, |delay_s| Arrived::new(self, &[Effect::delay(delay_s)]).input)
+    }
+
+    /// The same where thresholds follow a rate: with the states as these effects make them; None where none do.
+    pub fn misfit_of_widths(&self, basis: &Basis, effects: &[Effect]) -> Option<Arc<Misfit>> {
+        let is_wider = |effect: &Effect| matches!(effect.form, Form::Thresholds(_));
+        effects.iter().any(is_wider).then_some(())?;
+        let Seen { wider, .. } = Stages::new(self, effects).seen;
+        let misfits = &self.misfits.as_ref()?[usize::from(basis.is_preconditioned())];
+        misfits.seen(Seen { input: Arrived::new(self, effects).input, wider, bend: 0.0 })
+    }
+
     /// The same, with rate and acceleration of a contraction that was simulated, a value a row. Output unit.
     pub fn moving_as(&self, simulated: &[f64]) -> Self {
         let [smooth, rate, acceleration, _] = local_cubic(&self.time_s, simulated, self.kept_step_s, WINDOW);
@@ -260,8 +289,14 @@ impl Signals {
         let counted: Vec<bool> = self.rows.iter().map(|row| counts(row.at)).collect();
         let of =
             |values: &Vec<f64>| values.iter().zip(&counted).filter(|(_, c)| **c).map(|(&v, _)| v).collect();
+        let rows: Vec<Row> =
+            self.rows.iter().zip(&counted).filter(|(_, c)| **c).map(|(row, _)| *row).collect();
         Self {
-            rows: self.rows.iter().zip(&counted).filter(|(_, c)| **c).map(|(row, _)| *row).collect(),
+            misfits: self
+                .misfits
+                .as_ref()
+                .map(|both| both.each_ref().map(|all| Arc::new(all.of_rows(&rows)))),
+            rows,
             slow: self.slow.iter().map(of).collect(),
             ..self.clone()
         }
@@ -272,7 +307,13 @@ impl Signals {
         let of = |values: &Vec<f64>| thinning.of(values);
         let places = self.rows.iter().zip(&thinning.scored).step_by(every);
         let time_s = of(&self.time_s);
+        let rows: Vec<Row> = places.map(|(row, &at)| Row { at, ..*row }).collect();
         Self {
+            misfits: self
+                .misfits
+                .as_ref()
+                .map(|both| both.each_ref().map(|all| Arc::new(all.of_rows(&rows)))),
+            rows,
             kept: thinning.of(&self.kept),
             recorded: Arc::clone(&self.recorded),
             drop_outs: self.drop_outs.clone(),
@@ -292,7 +333,6 @@ impl Signals {
             tents: thinning.of(&self.tents),
             moving_tents: thinning.of(&self.moving_tents),
             smooth: of(&self.smooth),
-            rows: places.map(|(row, &at)| Row { at, ..*row }).collect(),
             ..*self
         }
     }

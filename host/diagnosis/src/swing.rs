@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::basis::Basis;
 use super::effect::{Driver, Effect, Form};
-use super::fit::{Fit, fit};
+use super::fit::{Fit, fit, squares};
 use super::free_run::{FreeRun, free_run};
 use super::series::{self, Series};
 use super::signals::{Signals, TENTS};
@@ -88,22 +88,26 @@ pub struct Running {
     /// The simulated contraction, a value a row; none where no measured rate stands in the effects, and the fit is a free run
     /// itself. Output unit.
     all: Option<Vec<f64>>,
+    /// Sum of the squares of the errors beside what is repeated at every visit to a state.
+    squares: f64,
 }
 
 impl Running {
     /// As the fit stands.
     pub fn of(signals: &Signals, basis: &Basis, fit: Fit) -> Self {
         if !fit.effects.iter().any(|effect| effect.form.is_fed_back()) {
-            return Self { errors: fit.residual.clone(), fit, all: None };
+            let squares = squares(signals.misfit(basis, &fit.effects).as_deref(), &fit.residual);
+            return Self { errors: fit.residual.clone(), fit, all: None, squares };
         }
         let run = free_run(signals, basis, &fit);
         let errors = of_run(signals, &run);
-        Self { fit, errors, all: Some(run.all) }
+        let squares = squares(signals.misfit(basis, &fit.effects).as_deref(), &errors);
+        Self { fit, errors, all: Some(run.all), squares }
     }
 
-    /// Sum of the squares of the errors.
+    /// Sum of the squares of the errors, see [`Signals::squares`].
     pub fn squares(&self) -> f64 {
-        squares(&self.errors)
+        self.squares
     }
 
     /// The same running free as well as it can: tuned, fitted anew with the motion of that run in the place of the measured
@@ -159,10 +163,6 @@ impl Running {
 fn of_run(signals: &Signals, run: &FreeRun) -> Vec<f64> {
     let rows = signals.rows.iter().zip(&run.scored);
     rows.map(|(row, simulated)| signals.output[row.at] - simulated).collect()
-}
-
-fn squares(errors: &[f64]) -> f64 {
-    errors.iter().map(|e| e * e).sum()
 }
 
 /// The Gauss-Newton step of so many changes. `moved`: the errors with one of them made, and how far.

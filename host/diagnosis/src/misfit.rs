@@ -1,0 +1,242 @@
+//! What the baseline gets wrong in the same way at every visit to a state.
+//!
+//! # Design
+//! No hysteresis of a fixed form is that of a muscle. What it lacks depends on the state, which is the input and its memory, and on
+//! neither time nor rate. So it is a smooth function of the state, with the prior of a Gaussian process (the discrepancy of Kennedy and
+//! O'Hagan, Bayesian calibration of computer models, 2001), through some states that are spread over those that are visited (inducing
+//! points). It is fitted with the weights of the baseline and of the effects, all at once: their normal equations are those of
+//! generalized least squares, whose covariance is that of the noise and of this function. What differs between visits to the same
+//! state is then what speaks for a cause; what does not speaks for none.
+//!
+//! The states are those of the input as late as the effects make it, since in a jump it goes through all of them in less than a delay:
+//! so there is a function for each of a few delays, made when it is first asked for.
+//!
+//! # Limits
+//! A delay is as late as the nearest of those. Where no state is visited twice the function has next to nothing to say, and what the
+//! form lacks may look like a cause.
+
+use std::sync::{Arc, OnceLock};
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use pulp::Arch;
+
+use super::basis::{Basis, RADII, Seen};
+use super::signals::{FOLDS, Row};
+
+/// States that the function goes through, at most.
+const POINTS: usize = 150;
+/// Which stops are the memory, the small first, and what each and the input weigh in the distance of two states: of the stop over its
+/// radius, of the input as a share of its span.
+const MEMORY: [(usize, f64); 3] = [(2, 0.5), (4, 0.8), (6, 1.0)];
+const INPUT: f64 = 2.0;
+/// How far apart states are that have little to say of each other: a sixth of the input's span.
+const WIDTH: f64 = 0.35;
+/// Variances of the noise over those of the function, a row, that are tried: the one is taken that predicts held-out blocks best.
+/// Neighbouring rows err alike, so that a row says far less than a row of noise would.
+pub const STRENGTHS: [f64; 3] = [1e-2, 1e-3, 1e-4];
+/// The one that fits go by on their way.
+pub const USUAL: usize = 1;
+/// What is added to the variance at the points for their covariance to have a factor.
+const JITTER: f64 = 1e-4;
+
+/// The shortest delay that moves a state, how much longer each is than the one before, and how many there are. Unit: s.
+const SHORTEST_S: f64 = 0.01;
+const LONGER: f64 = 1.2;
+const DELAYS: usize = 24;
+
+/// A state: input and memory.
+type State = [f64; MEMORY.len() + 1];
+
+/// The function for a list of rows: its values at the points, whitened, are the weights of its columns.
+#[derive(Debug)]
+pub struct Misfit {
+    /// Columns, row by row.
+    features: Vec<f64>,
+    points: usize,
+    /// For each strength the factor of all rows, and those of the rows that teach each fold.
+    all: [Cholesky<f64, Dyn>; STRENGTHS.len()],
+    taught: [[Cholesky<f64, Dyn>; FOLDS]; STRENGTHS.len()],
+}
+
+/// The functions of some rows, each for a delay.
+#[derive(Debug)]
+pub struct Misfits {
+    basis: Basis,
+    rows: Vec<Row>,
+    late: [OnceLock<Option<Arc<Misfit>>>; 1 + DELAYS],
+}
+
+impl Misfits {
+    /// For these rows.
+    pub fn new(basis: &Basis, rows: &[Row]) -> Self {
+        Self { basis: basis.clone(), rows: rows.to_vec(), late: std::array::from_fn(|_| OnceLock::new()) }
+    }
+
+    /// The same for other rows.
+    pub fn of_rows(&self, rows: &[Row]) -> Self {
+        Self::new(&self.basis, rows)
+    }
+
+    /// That for a delay about as long (s); `delayed` gives the input with one. None where no factor can be found.
+    pub fn late(&self, delay_s: f64, delayed: impl FnOnce(f64) -> Vec<f64>) -> Option<Arc<Misfit>> {
+        let place = (delay_s / SHORTEST_S).max(f64::MIN_POSITIVE).ln() / LONGER.ln() + 1.0;
+        let place = place.round().clamp(0.0, DELAYS as f64);
+        let delay_s = if place > 0.0 { SHORTEST_S * LONGER.powf(place - 1.0) } else { 0.0 };
+        let misfit =
+            || Misfit::new(&self.basis, &Seen { input: delayed(delay_s), ..Seen::default() }, &self.rows);
+        self.late[place as usize].get_or_init(misfit).clone()
+    }
+
+    /// That for what the operators see under effects, their envelope not bent.
+    pub fn seen(&self, seen: Seen) -> Option<Arc<Misfit>> {
+        Misfit::new(&self.basis, &Seen { bend: 0.0, ..seen }, &self.rows)
+    }
+}
+
+/// What columns and a target have in common with those of the function, over some rows.
+#[derive(Clone)]
+pub struct Shared {
+    /// A column for each of theirs.
+    pub columns: DMatrix<f64>,
+    /// Of the target.
+    pub target: DVector<f64>,
+}
+
+impl Misfit {
+    /// For the states of what the operators see at these rows; None where no factor can be found.
+    pub fn new(basis: &Basis, seen: &Seen, rows: &[Row]) -> Option<Arc<Self>> {
+        let wider = |row: &Row| seen.wider.get(row.at).copied().unwrap_or(1.0);
+        let states: Vec<State> =
+            basis.states(seen, rows).iter().zip(rows).map(|(walk, row)| state(walk, wider(row))).collect();
+        let points = spread(&states);
+        let count = points.len();
+        let own = DMatrix::from_fn(count, count, |i, j| {
+            covariance(&points[i], &points[j]) + if i == j { JITTER } else { 0.0 }
+        });
+        let whitening = Cholesky::new(own)?.l();
+        let across = DMatrix::from_fn(count, states.len(), |i, row| covariance(&points[i], &states[row]));
+        let features = whitening.solve_lower_triangular(&across)?.as_slice().to_vec();
+        let points = count;
+        let gram = |counts: &dyn Fn(&Row) -> bool| {
+            let chosen: Vec<f64> = rows
+                .iter()
+                .zip(features.chunks_exact(points))
+                .filter(|(row, _)| counts(row))
+                .flat_map(|(_, features)| features.iter().copied())
+                .collect();
+            let chosen = DMatrix::from_vec(points, chosen.len() / points, chosen);
+            &chosen * chosen.transpose()
+        };
+        let whole = gram(&|_| true);
+        let of_folds: [DMatrix<f64>; FOLDS] = std::array::from_fn(|fold| {
+            &whole - gram(&|row: &Row| row.fold() == fold || row.near == Some(fold))
+        });
+        let factor = |gram: &DMatrix<f64>, strength: f64| {
+            let mut sum = gram.clone();
+            (0..points).for_each(|i| sum[(i, i)] += strength * rows.len() as f64);
+            Cholesky::new(sum)
+        };
+        let mut all = Vec::new();
+        let mut taught = Vec::new();
+        for strength in STRENGTHS {
+            all.push(factor(&whole, strength)?);
+            let folds: Option<Vec<_>> = of_folds.iter().map(|gram| factor(gram, strength)).collect();
+            taught.push(folds?.try_into().ok()?);
+        }
+        Some(Arc::new(Self { features, points, all: all.try_into().ok()?, taught: taught.try_into().ok()? }))
+    }
+
+    /// The sum of squares of a residual, a value a row, less what the function takes up of it. Unit: square of the residual's.
+    pub fn squares(&self, residual: &[f64]) -> f64 {
+        let shared = self.shared(residual);
+        residual.iter().map(|e| e * e).sum::<f64>() - shared.dot(&self.factor(USUAL).solve(&shared))
+    }
+
+    /// The function's columns at a row.
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.features[row * self.points..][..self.points]
+    }
+
+    /// How many columns.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// The factor of all rows under a strength.
+    pub fn factor(&self, strength: usize) -> &Cholesky<f64, Dyn> {
+        &self.all[strength]
+    }
+
+    /// That of the rows that teach a fold.
+    pub fn taught(&self, strength: usize, fold: usize) -> &Cholesky<f64, Dyn> {
+        &self.taught[strength][fold]
+    }
+
+    /// The function with these weights at a row.
+    pub fn value(&self, row: usize, weights: &DVector<f64>) -> f64 {
+        self.row(row).iter().zip(weights.iter()).map(|(feature, weight)| feature * weight).sum()
+    }
+
+    #[inline(always)]
+    fn add_up(&self, sum: &mut [f64], column: &[f64]) {
+        for (features, &value) in self.features.chunks_exact(self.points).zip(column) {
+            add(sum, features, value);
+        }
+    }
+
+    /// What a column, a value a row, has in common with those of the function.
+    pub fn shared(&self, column: &[f64]) -> DVector<f64> {
+        let mut sum = DVector::zeros(self.points);
+        // In the widest registers that the processor has.
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.add_up(sum.as_mut_slice(), column),
+        );
+        sum
+    }
+}
+
+/// Adds a multiple of some values to sums.
+#[inline(always)]
+pub fn add(sums: &mut [f64], values: &[f64], factor: f64) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum = factor.mul_add(*value, *sum);
+    }
+}
+
+/// The state at a place of a walk whose thresholds are so much wider: a stop that slides is the same at any speed.
+fn state(walk: &[f64; RADII + 1], wider: f64) -> State {
+    let mut state = [INPUT * walk[0]; MEMORY.len() + 1];
+    for (place, (stop, weight)) in state[1..].iter_mut().zip(MEMORY) {
+        *place = weight * walk[1 + stop] / wider;
+    }
+    state
+}
+
+fn square_distance(one: &State, other: &State) -> f64 {
+    one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum()
+}
+
+fn covariance(one: &State, other: &State) -> f64 {
+    (-0.5 * square_distance(one, other) / (WIDTH * WIDTH)).exp()
+}
+
+/// Some of the states, each as far from those before as there is one.
+fn spread(states: &[State]) -> Vec<State> {
+    let mut chosen: Vec<State> = states.first().copied().into_iter().collect();
+    let mut away: Vec<f64> = states.iter().map(|state| square_distance(state, &states[0])).collect();
+    while chosen.len() < POINTS {
+        let Some((place, &far)) = away.iter().enumerate().max_by(|one, other| one.1.total_cmp(other.1))
+        else {
+            break;
+        };
+        // Nearer ones say the same.
+        if far < (0.3 * WIDTH).powi(2) {
+            break;
+        }
+        let next = states[place];
+        chosen.push(next);
+        away.iter_mut().zip(states).for_each(|(away, state)| *away = away.min(square_distance(state, &next)));
+    }
+    chosen
+}

@@ -39,6 +39,8 @@ pub const USUAL: usize = 1;
 /// What is added to the variance at the points for their covariance to have a factor.
 const JITTER: f64 = 1e-4;
 
+/// States are told apart to so many parts of 1: which of two that are as far away is a point must not hang on how an input was rounded.
+const TOLD_APART: f64 = 1e6;
 /// The shortest delay that moves a state, how much longer each is than the one before, and how many there are. Unit: s.
 const SHORTEST_S: f64 = 0.01;
 const LONGER: f64 = 1.2;
@@ -210,7 +212,7 @@ fn state(walk: &[f64; RADII + 1], wider: f64) -> State {
     for (place, (stop, weight)) in state[1..].iter_mut().zip(MEMORY) {
         *place = weight * walk[1 + stop] / wider;
     }
-    state
+    state.map(|place| (place * TOLD_APART).round() / TOLD_APART)
 }
 
 fn square_distance(one: &State, other: &State) -> f64 {

@@ -26,7 +26,8 @@ fn the_answer_does_not_depend_on_the_units_of_input_and_output() {
     let differ = |one: &[f64], other: &[f64]| {
         one.iter().zip(other).map(|(one, other)| (one / other - 1.0).abs()).fold(0.0, f64::max)
     };
-    assert!(differ(&errors, &same_errors) < 1e-6, "{errors:?} {same_errors:?}");
+    // Its fits end where a step gains less than a two-thousandth: where that is may hang on rounding, without causes most of all.
+    assert!(differ(&errors, &same_errors) < 0.01, "{errors:?} {same_errors:?}");
     // Its search ends where a step gains less than 0.4 %.
     assert!(differ(&simulated, &same_simulated) < 0.02, "{simulated:?} {same_simulated:?}");
 }

@@ -76,10 +76,9 @@ pub fn settled(
         }
     });
     let Settled { set, alternatives, .. } = &mut settled;
-    let untold = untold(search, (set, &set.causes), sizes);
-    let untold = told_when_simulated(set, untold, extender).into_iter().map(Candidate::names);
+    let untold = not_told_apart(search, (set, &set.causes), sizes);
     let nearer = nearer_when_simulated(set, sizes, extender);
-    untold.chain(nearer).for_each(|rival| {
+    untold.into_iter().chain(nearer).for_each(|rival| {
         if !alternatives.iter().any(|other| is_same(other, &rival)) {
             alternatives.push(rival);
         }
@@ -118,39 +117,12 @@ fn nearer_when_simulated(
     nearer.map(|(rival, _)| rival.names()).collect()
 }
 
-/// What is left of sets that the search does not tell apart from a chosen one: not those of as many causes with which the simulated
-/// operator model is farther from the muscle beyond chance. The search is for the chosen set too, so that both judges are.
-fn told_when_simulated<'b>(
-    set: &Candidate,
-    untold: Vec<&'b Candidate>,
-    extender: &Extender<'_>,
-) -> Vec<&'b Candidate> {
-    let Some(own) = (!untold.is_empty()).then(|| extender.model(set)).flatten() else { return untold };
-    let beyond_chance = standard_errors(FOUND, untold.len(), 1);
-    let is_told = |rival: &Candidate| {
-        let model = (!has_all(&set.causes, rival)).then(|| extender.model(rival)).flatten();
-        let gain = model.and_then(|model| extender.gain_between(&model, &own));
-        gain.is_some_and(|gain| gain.is_beyond(beyond_chance))
-    };
-    let told: Vec<bool> = untold.par_iter().map(|rival| is_told(rival)).collect();
-    untold.into_iter().zip(told).filter(|(_, told)| !told).map(|(rival, _)| rival).collect()
-}
-
 /// The sets that the search does not tell apart from a chosen one, of whose causes these are named: none where none is.
 pub fn not_told_apart(
     search: &Search<'_>,
     (set, named): (&Candidate, &[Cause]),
     sizes: &[Vec<Candidate>],
 ) -> Vec<Vec<Cause>> {
-    untold(search, (set, named), sizes).into_iter().map(Candidate::names).collect()
-}
-
-/// Those sets.
-fn untold<'b>(
-    search: &Search<'_>,
-    (set, named): (&Candidate, &[Cause]),
-    sizes: &'b [Vec<Candidate>],
-) -> Vec<&'b Candidate> {
     // All that the recording can show are asked, though few look so promising that they are fitted.
     let asked = search.examinable.iter().filter(|cause| !named.contains(cause)).count();
     let beyond_chance = standard_errors(FOUND, asked, 1);
@@ -168,7 +140,8 @@ fn untold<'b>(
             && less(larger).is_some_and(|less| gains(&less, larger))
     };
     let untold = |rival: &&Candidate| is_untold(search, (set, named), rival) || is_better(rival);
-    sizes.iter().flatten().filter(|_| !named.is_empty()).filter(untold).collect()
+    let untold = sizes.iter().flatten().filter(|_| !named.is_empty()).filter(untold);
+    untold.map(Candidate::names).collect()
 }
 
 /// Whether a rival with no more causes is not told apart from the chosen set: its error on blocks that no fit has seen is larger by no

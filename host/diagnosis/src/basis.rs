@@ -11,7 +11,7 @@
 
 use pulp::Arch;
 
-use super::signals::Row;
+use super::row::Row;
 
 /// Tents of the static curve: 6 % of the input's span apart.
 const CURVE: usize = 17;

@@ -18,6 +18,7 @@ use super::equivalent::Stages;
 use super::misfit::{Misfit, STRENGTHS, Shared};
 use super::output;
 use super::signals::{FOLDS, Row, Signals};
+use super::states;
 
 /// Gauss-Newton steps at most.
 const STEPS: usize = 20;
@@ -191,7 +192,7 @@ pub struct Descent<'a> {
 impl<'a> Descent<'a> {
     /// From where the effects' parameters stand; None where the normal equations cannot be solved.
     pub fn new(signals: &'a Signals, basis: &'a Basis, effects: Vec<Effect>) -> Option<Self> {
-        let misfit = signals.misfit(basis, &effects);
+        let misfit = states::late(signals, basis, &effects);
         let point = Point::new(signals, basis, effects, misfit)?;
         Some(Self { signals, basis, point, sensitivities: Vec::new(), steps: 0 })
     }
@@ -227,8 +228,7 @@ impl<'a> Descent<'a> {
         self.advance(STEPS);
         // With the states as its delay and its thresholds have come to make them.
         let effects = &self.point.effects;
-        let of_widths = self.signals.misfit_of_widths(self.basis, effects);
-        let misfit = of_widths.or_else(|| self.signals.misfit(self.basis, effects));
+        let misfit = states::seen(self.signals, self.basis, effects);
         let is_same = match (&misfit, &self.point.misfit) {
             (Some(one), Some(other)) => Arc::ptr_eq(one, other),
             (one, other) => one.is_none() && other.is_none(),

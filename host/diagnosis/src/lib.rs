@@ -5,7 +5,8 @@
 //! |---|---|
 //! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
 //! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
-//! | `misfit` | what the baseline gets wrong in the same way at every visit to a state |
+//! | `misfit`, `states` | what the baseline gets wrong in the same way at every visit to a state |
+//! | `row` | a scored row, and the block of time that it is in |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
 //! | `rates` | how a measured signal moves |
 //! | `recorded` | all rows of it, for what is quicker than the kept ones show |
@@ -79,6 +80,7 @@ mod rates;
 mod recorded;
 pub mod reject;
 mod rivals;
+mod row;
 mod scored;
 pub mod screen;
 pub mod search;
@@ -86,6 +88,7 @@ mod series;
 pub mod shown;
 pub mod signals;
 pub mod smoothing;
+mod states;
 pub mod stuck;
 mod swing;
 #[cfg(test)]

@@ -21,7 +21,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use pulp::Arch;
 
 use super::basis::{Basis, RADII, Seen};
-use super::signals::{FOLDS, Row};
+use super::row::{FOLDS, Row};
 
 /// States that the function goes through, at most.
 const POINTS: usize = 150;

@@ -12,6 +12,7 @@ use super::fit::{Fit, Point};
 use super::misfit::{Shared, USUAL};
 use super::output;
 use super::signals::Signals;
+use super::states;
 
 /// A fit, prepared for looking at further effects.
 pub struct Screen<'a> {
@@ -31,7 +32,7 @@ pub struct Screen<'a> {
 impl<'a> Screen<'a> {
     /// Prepares a fit.
     pub fn new(signals: &'a Signals, basis: &'a Basis, fit: &Fit) -> Option<Self> {
-        let misfit = signals.misfit(basis, &fit.effects);
+        let misfit = states::late(signals, basis, &fit.effects);
         let point = Point::new(signals, basis, fit.effects.clone(), misfit)?;
         let sensitivities = point.sensitivities(signals, basis);
         let all = point.design.with(&sensitivities);

@@ -11,12 +11,11 @@ use std::sync::Arc;
 
 use super::Columns;
 use super::anatomy::spectrum::InputLines;
-use super::basis::{Basis, Seen};
-use super::effect::{Effect, Form};
-use super::equivalent::{Arrived, Stages};
+use super::basis::Basis;
 use super::low_pass::low_pass;
-use super::misfit::{Misfit, Misfits};
+use super::misfit::Misfits;
 use super::rates::{JERK_WINDOW, Rate, WINDOW, local_cubic, speed};
+pub use super::row::{FOLDS, Row};
 use super::thinning::Thinning;
 use recording::drop_out::DropOut;
 use recording::noise::NoiseFloor;
@@ -29,8 +28,6 @@ const SCORED_ROWS: usize = 4000;
 const KEPT_STEP_S: f64 = 0.02;
 /// Most of them where only a rank comes out.
 const RANKED_ROWS: usize = 2000;
-/// Folds of the cross-validation.
-pub const FOLDS: usize = 4;
 /// Blocks of time, in all.
 const BLOCKS: f64 = 16.0;
 /// Least and greatest length of a block. Unit: s.
@@ -44,24 +41,6 @@ const STIFFNESS: usize = 21;
 const STIFFEST: f64 = 10.0;
 /// Time constants of a creep, at most.
 const CREEP: usize = 6;
-
-/// Rows of one block.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// Its place among the kept rows.
-    pub at: usize,
-    /// The block of time it lies in.
-    pub block: usize,
-    /// The fold whose block is near, if it is not its own.
-    pub near: Option<usize>,
-}
-
-impl Row {
-    /// The fold that it is held out in.
-    pub fn fold(&self) -> usize {
-        self.block % FOLDS
-    }
-}
 
 /// What is quicker than kept rows show.
 #[derive(Debug)]
@@ -254,20 +233,9 @@ impl Signals {
         self.misfits = Some([fresh, preconditioned].map(|basis| Arc::new(Misfits::new(basis, &self.rows))));
     }
 
-    /// What a baseline gets wrong so, where the input is as late as these effects make it.
-    pub fn misfit(&self, basis: &Basis, effects: &[Effect]) -> Option<Arc<Misfit>> {
-        let late_s = effects.iter().map(Effect::late_s).sum();
-        let misfits = &self.misfits.as_ref()?[usize::from(basis.is_preconditioned())];
-        misfits.late(late_s, |delay_s| Arrived::new(self, &[Effect::delay(delay_s)]).input)
-    }
-
-    /// The same where thresholds follow a rate: with the states as these effects make them; None where none do.
-    pub fn misfit_of_widths(&self, basis: &Basis, effects: &[Effect]) -> Option<Arc<Misfit>> {
-        let is_wider = |effect: &Effect| matches!(effect.form, Form::Thresholds(_));
-        effects.iter().any(is_wider).then_some(())?;
-        let Seen { wider, .. } = Stages::new(self, effects).seen;
-        let misfits = &self.misfits.as_ref()?[usize::from(basis.is_preconditioned())];
-        misfits.seen(Seen { input: Arrived::new(self, effects).input, wider, bend: 0.0 })
+    /// What a baseline gets wrong so; None before it is asked for.
+    pub fn misfits(&self, basis: &Basis) -> Option<&Misfits> {
+        Some(&self.misfits.as_ref()?[usize::from(basis.is_preconditioned())])
     }
 
     /// The same, with rate and acceleration of a contraction that was simulated, a value a row. Output unit.

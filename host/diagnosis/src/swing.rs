@@ -13,6 +13,7 @@ use super::fit::{Fit, fit, squares};
 use super::free_run::{FreeRun, free_run};
 use super::series::{self, Series};
 use super::signals::{Signals, TENTS};
+use super::states;
 
 /// Steps at most.
 const STEPS: usize = 3;
@@ -96,12 +97,12 @@ impl Running {
     /// As the fit stands.
     pub fn of(signals: &Signals, basis: &Basis, fit: Fit) -> Self {
         if !fit.effects.iter().any(|effect| effect.form.is_fed_back()) {
-            let squares = squares(signals.misfit(basis, &fit.effects).as_deref(), &fit.residual);
+            let squares = squares(states::late(signals, basis, &fit.effects).as_deref(), &fit.residual);
             return Self { errors: fit.residual.clone(), fit, all: None, squares };
         }
         let run = free_run(signals, basis, &fit);
         let errors = of_run(signals, &run);
-        let squares = squares(signals.misfit(basis, &fit.effects).as_deref(), &errors);
+        let squares = squares(states::late(signals, basis, &fit.effects).as_deref(), &errors);
         Self { fit, errors, all: Some(run.all), squares }
     }
 

@@ -242,3 +242,45 @@ fn spread(states: &[State]) -> Vec<State> {
     }
     chosen
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eight triangles over the range, and their rows in blocks of half a triangle.
+    fn recorded() -> (Vec<f64>, Vec<Row>) {
+        let input = (0..3200).map(|row| 1.0 - (f64::from(row % 400) / 200.0 - 1.0).abs()).collect();
+        let rows = (0..3200).map(|at| Row { at, block: at / 200, near: None }).collect();
+        (input, rows)
+    }
+
+    #[test]
+    fn what_is_repeated_at_every_visit_to_a_state_is_taken_up_and_what_goes_with_time_is_not() {
+        let (input, rows) = recorded();
+        let seen = Seen { input: input.clone(), ..Seen::default() };
+        let misfit = Misfit::new(&Basis::new(0.0, 1.0, true), &seen, &rows).expect("factors");
+        let left = |residual: Vec<f64>| {
+            misfit.squares(&residual) / residual.iter().map(|error| error * error).sum::<f64>()
+        };
+        let repeated = left(input.iter().map(|u| (6.0 * u).sin()).collect());
+        let drifting = left((0..3200).map(|row| f64::from(row) / 3200.0 - 0.5).collect());
+        assert!(repeated < 0.05, "{repeated}");
+        assert!(drifting > 0.8, "{drifting}");
+    }
+
+    #[test]
+    fn delays_that_are_about_as_long_have_the_same_states() {
+        let (input, rows) = recorded();
+        let misfits = Misfits::new(&Basis::new(0.0, 1.0, true), &rows);
+        let late = |delay_s| misfits.late(delay_s, |_| input.clone()).expect("factors");
+        assert!(Arc::ptr_eq(&late(0.0), &late(0.004)));
+        assert!(Arc::ptr_eq(&late(0.100), &late(0.104)));
+        assert!(!Arc::ptr_eq(&late(0.05), &late(0.1)));
+    }
+
+    #[test]
+    fn a_stop_that_slides_is_in_the_same_state_at_any_speed() {
+        let sliding = |wider: f64| state(&[wider; RADII + 1], wider)[1..].to_vec();
+        assert_eq!(sliding(1.0), sliding(1.7));
+    }
+}

@@ -164,8 +164,8 @@ impl Search<'_> {
         (best.0, sizes)
     }
 
-    /// The search of the past that the set which the evidence is for goes better with, and what it finds, as [`Self::run`] has it. What is
-    /// hidden may make a fresh muscle look like one that has been through its range, or the other way around.
+    /// Runs the search, and again with the other past of the muscle where the set that was found costs less with that. Returns the search
+    /// whose set costs less, and what it has found ([`Self::run`]).
     pub fn run_for_either_past(
         self,
         progress: &(dyn Fn(f64) + Sync),

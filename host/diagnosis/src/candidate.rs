@@ -78,8 +78,7 @@ impl Candidate {
         (self.cost() - self.containment()) - (later.cost() - later.containment())
     }
 
-    /// What it errs by as a model that is simulated, without what it gets wrong in the same way at every visit to a state being known:
-    /// root mean square. Output unit.
+    /// The error of its simulation alone, nothing taken off that is repeated at every visit to a state: root mean square. Output unit.
     pub fn simulated_error(&self) -> f64 {
         root_mean_square(&self.residual)
     }

@@ -11,7 +11,7 @@ use pulp::Arch;
 
 use super::basis::{Basis, COLUMNS, ENTRIES, Entries, GROUPS, Seen, columns, neighbours};
 use super::effect::Effect;
-use super::misfit::{Misfit, Shared, USUAL, add};
+use super::misfit::{Misfit, Shared, add};
 use super::output;
 use super::signals::Signals;
 
@@ -54,6 +54,8 @@ pub(super) struct Columns<'a> {
 pub(super) struct Normal {
     pub(super) matrix: DMatrix<f64>,
     right: DVector<f64>,
+    /// What the same rows have in common with the misfit, if there is one.
+    pub(super) shared: Option<Shared>,
 }
 
 impl Design {
@@ -99,50 +101,59 @@ impl Columns<'_> {
         columns(entries.group).into_iter().zip(entries.values).chain(dense)
     }
 
-    /// The normal equations of the rows, each added to those that `part` names.
+    /// The normal equations of the rows, each added to those that `part` names, with what they have in common with a misfit.
     pub(super) fn normal<const P: usize>(
         &self,
-        target: impl Fn(usize) -> f64,
-        part: impl Fn(usize) -> [bool; P],
+        misfit: Option<&Misfit>,
+        target: impl Fn(usize) -> f64 + Copy,
+        part: impl Fn(usize) -> [bool; P] + Copy,
     ) -> [Normal; P] {
         // The target is the last column.
         let count = ENTRIES + self.dense.len() + 1;
         let width = count.next_multiple_of(LANES);
-        let mut sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; GROUPS * count * width]);
+        let sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; GROUPS * count * width]);
         // In the widest registers that the processor has: the order of the sums and their one rounding a product, and so every bit, stay.
         // Without instructions for that rounding, which processors have had for ten years, it takes far longer.
-        Arch::new().dispatch(
+        // It consumes what it adds to: a closure that could be called twice is not compiled into the place that has those registers.
+        let sums = Arch::new().dispatch(
             #[inline(always)]
-            || self.add_up(&mut sums, count, width, target, part),
+            || {
+                let mut sums = sums;
+                self.add_up(&mut sums, count, width, target, part);
+                sums
+            },
         );
-        sums.map(|sums| self.in_place(&sums, count, width))
-    }
-
-    /// The normal equations of all rows beside what the baseline gets wrong in the same way at every visit to a state.
-    pub(super) fn beside(&self, misfit: Option<&Misfit>, target: impl Fn(usize) -> f64) -> Normal {
-        let [normal] = self.normal(&target, |_| [true]);
-        match misfit {
-            Some(misfit) => {
-                let [shared] = self.shared(misfit, target, |_| [true]);
-                normal.beside(&shared, misfit.factor(USUAL))
-            }
-            None => normal,
+        let mut normals = sums.map(|sums| self.in_place(&sums, count, width));
+        if let Some(misfit) = misfit {
+            let shared = self.shared(misfit, target, part);
+            normals.iter_mut().zip(shared).for_each(|(normal, shared)| normal.shared = Some(shared));
         }
+        normals
     }
 
-    /// What columns and target have in common with the misfit's, each row added to the parts that `part` names.
-    pub(super) fn shared<const P: usize>(
+    /// Those of all rows.
+    pub(super) fn of_all(&self, misfit: Option<&Misfit>, target: impl Fn(usize) -> f64 + Copy) -> Normal {
+        let [normal] = self.normal(misfit, target, |_| [true]);
+        normal
+    }
+
+    /// What columns and target have in common with a misfit's columns, each row added to the parts that `part` names.
+    fn shared<const P: usize>(
         &self,
         misfit: &Misfit,
         target: impl Fn(usize) -> f64,
         part: impl Fn(usize) -> [bool; P],
     ) -> [Shared; P] {
-        let (points, all) = (misfit.points(), COLUMNS + self.dense.len());
-        let mut sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; points * (all + 1)]);
+        let (points, all) = (misfit.points(), self.count());
+        let sums: [Vec<f64>; P] = std::array::from_fn(|_| vec![0.0; points * (all + 1)]);
         // As the normal equations are added up.
-        Arch::new().dispatch(
+        let sums = Arch::new().dispatch(
             #[inline(always)]
-            || self.add_shared(&mut sums, misfit, target, part),
+            || {
+                let mut sums = sums;
+                self.add_shared(&mut sums, misfit, target, part);
+                sums
+            },
         );
         sums.map(|mut sums| {
             let target = DVector::from_vec(sums.split_off(points * all));
@@ -158,7 +169,7 @@ impl Columns<'_> {
         target: impl Fn(usize) -> f64,
         part: impl Fn(usize) -> [bool; P],
     ) {
-        let (points, all) = (misfit.points(), COLUMNS + self.dense.len());
+        let (points, all) = (misfit.points(), self.count());
         let mut here: Vec<(usize, f64)> = Vec::new();
         for row in 0..self.rows.len() {
             let features = misfit.row(row);
@@ -212,8 +223,9 @@ impl Columns<'_> {
 
     /// The sums of the groups, each in its place.
     fn in_place(&self, sums: &[f64], count: usize, width: usize) -> Normal {
-        let all = COLUMNS + self.dense.len();
-        let mut normal = Normal { matrix: DMatrix::zeros(all, all), right: DVector::zeros(all) };
+        let all = self.count();
+        let mut normal =
+            Normal { matrix: DMatrix::zeros(all, all), right: DVector::zeros(all), shared: None };
         for (group, sums) in sums.chunks_exact(count * width).enumerate() {
             let places: Vec<usize> = columns(group).into_iter().chain(COLUMNS..all).collect();
             for (j, &place) in places.iter().enumerate() {
@@ -249,36 +261,35 @@ fn add_products(sums: &mut [f64], width: usize, values: &[Block]) {
 impl Add for &Normal {
     type Output = Normal;
     fn add(self, other: Self) -> Normal {
-        Normal { matrix: &self.matrix + &other.matrix, right: &self.right + &other.right }
+        self.with(other, 1.0)
     }
 }
 
 impl Sub for &Normal {
     type Output = Normal;
     fn sub(self, other: Self) -> Normal {
-        Normal { matrix: &self.matrix - &other.matrix, right: &self.right - &other.right }
-    }
-}
-
-impl Add for &Shared {
-    type Output = Shared;
-    fn add(self, other: Self) -> Shared {
-        Shared { columns: &self.columns + &other.columns, target: &self.target + &other.target }
-    }
-}
-
-impl Sub for &Shared {
-    type Output = Shared;
-    fn sub(self, other: Self) -> Shared {
-        Shared { columns: &self.columns - &other.columns, target: &self.target - &other.target }
+        self.with(other, -1.0)
     }
 }
 
 impl Normal {
-    /// The equations beside a misfit, whose factor this is: what it takes up of columns and target has gone.
-    pub(super) fn beside(mut self, shared: &Shared, factor: &Cholesky<f64, Dyn>) -> Self {
+    /// The sum with so many times other equations.
+    fn with(&self, other: &Self, times: f64) -> Self {
+        let shared = self.shared.as_ref().zip(other.shared.as_ref()).map(|(own, other)| Shared {
+            columns: &own.columns + times * &other.columns,
+            target: &own.target + times * &other.target,
+        });
+        let (matrix, right) = (&self.matrix + times * &other.matrix, &self.right + times * &other.right);
+        Self { matrix, right, shared }
+    }
+
+    /// The equations beside the misfit, whose factor for their rows this is: what it takes up of columns and target has gone.
+    pub(super) fn beside(mut self, factor: Option<&Cholesky<f64, Dyn>>) -> Self {
+        let Some((Shared { columns, target }, factor)) = self.shared.as_ref().zip(factor) else {
+            return self;
+        };
         let lower = factor.l_dirty();
-        let (mut columns, mut target) = (shared.columns.clone(), shared.target.clone());
+        let (mut columns, mut target) = (columns.clone(), target.clone());
         lower.solve_lower_triangular_mut(&mut columns);
         lower.solve_lower_triangular_mut(&mut target);
         self.right -= columns.tr_mul(&target);
@@ -343,7 +354,7 @@ mod tests {
         let all = design.with(&[]);
         let target = |row: usize| number(row, 99);
         let part = |row: usize| [row % 50 < 23, row.is_multiple_of(3)];
-        let normals = all.normal(target, part);
+        let normals = all.normal(None, target, part);
         for (which, normal) in normals.iter().enumerate() {
             let count = design.columns();
             let (mut matrix, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
@@ -384,11 +395,11 @@ mod tests {
         let bends_under = |smoothness: f64| {
             let design = smoothed(smoothness);
             let all = design.with(&[]);
-            let [normal] = all.normal(target, |_| [true]);
+            let [normal] = all.normal(None, target, |_| [true]);
             let normal = normal.with_prior(smoothness, &[0.0; COLUMNS]);
             let (weights, _) = normal.solve(&free).expect("it can be solved");
             let left = |row: usize| target(row) - all.predict(row, &weights);
-            let [there] = all.normal(left, |_| [true]);
+            let [there] = all.normal(None, left, |_| [true]);
             let (change, _) = there.with_prior(smoothness, &weights).solve(&free).expect("it can be solved");
             // The ridge, which has no weights to count from, moves them by a little.
             let size = |all: &[f64]| all.iter().map(|value| value.abs()).fold(0.0, f64::max);
@@ -413,7 +424,7 @@ mod tests {
             (0..400).map(|row| column(row) + 1e-4 * difference(row)).collect(),
         ];
         let design = Design { rows, dense, firsts: Vec::new(), one_sign: Vec::new(), smoothness: 0.0 };
-        let [normal] = design.with(&[]).normal(|row| column(row) + 1e-3 * difference(row), |_| [true]);
+        let [normal] = design.with(&[]).normal(None, |row| column(row) + 1e-3 * difference(row), |_| [true]);
         let (weights, _) = normal.solve(&[COLUMNS, COLUMNS + 1]).expect("it can be solved");
         let [one, other] = [weights[COLUMNS], weights[COLUMNS + 1]];
         assert!((one + other - 1.0).abs() < 1e-3 && (one - other).abs() < 0.1, "{one} {other}");

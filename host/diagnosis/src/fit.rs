@@ -15,14 +15,15 @@ use super::basis::{Basis, COLUMNS, Seen, Weights};
 use super::design::{Columns, Design, Normal};
 use super::effect::{Effect, Form};
 use super::equivalent::Stages;
-use super::misfit::{Misfit, STRENGTHS, Shared};
+use super::misfit::{Misfit, STRENGTHS};
 use super::output;
-use super::signals::{FOLDS, Row, Signals};
+use super::signals::{FOLDS, Signals};
 use super::states;
 
 /// Gauss-Newton steps at most.
 const STEPS: usize = 20;
-/// A step that gains less than this share of the sum of squares is the last.
+/// A step that gains less than this share of the sum of squares is the last. Where it was 2e-3, envelope and width of the baseline were
+/// still on their way, and a larger set gained what its own had left.
 const ENOUGH: f64 = 5e-4;
 
 /// A fitted set of effects.
@@ -93,7 +94,7 @@ impl Point {
         let design = Design::new(signals, basis, &effects, &stages.seen);
         let target = |row: usize| signals.output[signals.rows[row].at];
         let columns = design.with(&[]);
-        let normal = columns.beside(misfit.as_deref(), target);
+        let normal = columns.of_all(misfit.as_deref(), target).beside(misfit.as_deref().map(Misfit::usual));
         let normal = normal.with_prior(design.smoothness, &[0.0; COLUMNS]);
         let mut free: Vec<usize> = (0..design.columns()).collect();
         let weights = loop {
@@ -246,7 +247,8 @@ impl<'a> Descent<'a> {
 /// The Gauss-Newton step of the nonlinear parameters, within their bounds.
 fn step(point: &Point, sensitivities: &[Vec<f64>]) -> Option<Vec<f64>> {
     let all = point.design.with(sensitivities);
-    let normal = all.beside(point.misfit.as_deref(), |row| point.residual[row]);
+    let misfit = point.misfit.as_deref();
+    let normal = all.of_all(misfit, |row| point.residual[row]).beside(misfit.map(Misfit::usual));
     let normal = normal.with_prior(point.design.smoothness, &point.weights);
     let first = point.design.columns();
     let parameters: Vec<_> = point.effects.iter().flat_map(|effect| &effect.parameters).collect();
@@ -288,13 +290,11 @@ fn descend(signals: &Signals, basis: &Basis, point: &Point, step: &[f64]) -> Opt
     None
 }
 
-/// What each fold has taught of a fit's columns, beside what is near it.
+/// What the rows that teach each fold say of a fit's columns.
 struct Folds<'a> {
     point: &'a Point,
     all: Columns<'a>,
-    own: [Normal; FOLDS],
-    near: [Normal; FOLDS],
-    total: Normal,
+    taught: [Normal; FOLDS],
     /// The columns that may move.
     free: Vec<usize>,
 }
@@ -302,72 +302,62 @@ struct Folds<'a> {
 impl<'a> Folds<'a> {
     fn new(signals: &Signals, point: &'a Point, sensitivities: &'a [Vec<f64>]) -> Self {
         let all = point.design.with(sensitivities);
-        let parts = all.normal(|row| point.residual[row], |row| part(&signals.rows[row]));
-        let [own, near] = [0, FOLDS].map(|first| std::array::from_fn(|fold| parts[first + fold].clone()));
-        let total = parts[1..FOLDS].iter().fold(parts[0].clone(), |sum, fold| &sum + fold);
+        // Those of each fold, then those near its blocks.
+        let part = |row: usize| -> [bool; 2 * FOLDS] {
+            let row = &signals.rows[row];
+            std::array::from_fn(|i| if i < FOLDS { row.fold() == i } else { row.near == Some(i - FOLDS) })
+        };
+        let parts = all.normal(point.misfit.as_deref(), |row| point.residual[row], part);
+        let (folds, near) = parts.split_at(FOLDS);
+        let total = folds[1..].iter().fold(folds[0].clone(), |sum, fold| &sum + fold);
         let free = point.movable(&total.clone().with_prior(point.design.smoothness, &point.weights));
-        Self { point, all, own, near, total, free }
+        let taught = std::array::from_fn(|fold| &(&total - &folds[fold]) - &near[fold]);
+        Self { point, all, taught, free }
     }
 
-    /// The normal equations of the rows that teach a fold.
-    fn taught(&self, fold: usize) -> Normal {
-        &(&self.total - &self.own[fold]) - &self.near[fold]
-    }
-
-    /// Those under the prior, solved.
-    fn solved(&self, taught: Normal) -> Option<(Vec<f64>, Cholesky<f64, Dyn>)> {
+    /// The change of the weights that the rows teach which teach a fold, beside a misfit whose factor for them this is.
+    fn solved(
+        &self,
+        fold: usize,
+        misfit: Option<&Cholesky<f64, Dyn>>,
+    ) -> Option<(Vec<f64>, Cholesky<f64, Dyn>)> {
+        let taught = self.taught[fold].clone().beside(misfit);
         taught.with_prior(self.point.design.smoothness, &self.point.weights).solve(&self.free)
     }
-}
 
-/// The folds that a row is in, and then those that it is near.
-fn part(row: &Row) -> [bool; 2 * FOLDS] {
-    std::array::from_fn(|i| if i < FOLDS { row.fold() == i } else { row.near == Some(i - FOLDS) })
-}
-
-/// Residuals of each fold from a fit without it.
-fn cross_validate(signals: &Signals, point: Point, sensitivities: &[Vec<f64>]) -> Fit {
-    let folds = Folds::new(signals, &point, sensitivities);
-    let unseen = match &point.misfit {
-        None => {
-            let mut unseen = point.residual.clone();
-            for fold in 0..FOLDS {
-                let Some((change, _)) = folds.solved(folds.taught(fold)) else { continue };
-                let held = (0..unseen.len()).filter(|&row| signals.rows[row].fold() == fold);
-                held.for_each(|row| unseen[row] -= folds.all.predict(row, &change));
-            }
-            unseen
-        }
-        Some(misfit) => unseen_beside(signals, misfit, &folds),
-    };
-    let Point { effects, stages, weights, residual, .. } = point;
-    Fit { effects, seen: stages.seen, weights, residual, unseen }
-}
-
-/// The same beside a misfit, of the strength with which they are least.
-fn unseen_beside(signals: &Signals, misfit: &Misfit, folds: &Folds<'_>) -> Vec<f64> {
-    let Folds { point, all, .. } = folds;
-    let parts = all.shared(misfit, |row| point.residual[row], |row| part(&signals.rows[row]));
-    let total = parts[1..FOLDS].iter().fold(parts[0].clone(), |sum, fold| &sum + fold);
-    let taught = |fold: usize| &(&total - &parts[fold]) - &parts[FOLDS + fold];
-    let taught: [Shared; FOLDS] = std::array::from_fn(taught);
-    let tried = |strength: usize| {
-        let mut unseen = point.residual.clone();
-        for (fold, shared) in taught.iter().enumerate() {
-            let factor = misfit.taught(strength, fold);
-            let Some((change, _)) = folds.solved(folds.taught(fold).beside(shared, factor)) else { continue };
-            let left = &shared.target - &shared.columns * DVector::from_column_slice(&change);
-            let weights = factor.solve(&left);
+    /// The residual of each fold from a fit without it, under a strength of the misfit, if there is one.
+    fn unseen(&self, signals: &Signals, misfit: Option<(&Misfit, usize)>) -> Vec<f64> {
+        let mut unseen = self.point.residual.clone();
+        for (fold, taught) in self.taught.iter().enumerate() {
+            let misfit = misfit.map(|(misfit, strength)| (misfit, misfit.taught(strength, fold)));
+            let Some((change, _)) = self.solved(fold, misfit.map(|(_, factor)| factor)) else { continue };
+            let repeated = misfit.zip(taught.shared.as_ref()).map(|((misfit, factor), shared)| {
+                let left = &shared.target - &shared.columns * DVector::from_column_slice(&change);
+                (misfit, factor.solve(&left))
+            });
             for row in (0..unseen.len()).filter(|&row| signals.rows[row].fold() == fold) {
-                unseen[row] -= all.predict(row, &change) + misfit.value(row, &weights);
+                let repeated = repeated.as_ref().map_or(0.0, |(misfit, weights)| misfit.value(row, weights));
+                unseen[row] -= self.all.predict(row, &change) + repeated;
             }
         }
         unseen
-    };
+    }
+}
+
+/// Residuals of each fold from a fit without it, under the strength of the misfit with which they are least.
+fn cross_validate(signals: &Signals, point: Point, sensitivities: &[Vec<f64>]) -> Fit {
+    let folds = Folds::new(signals, &point, sensitivities);
     let squares = |unseen: &Vec<f64>| unseen.iter().map(|e| e * e).sum::<f64>();
-    let all = (0..STRENGTHS.len()).map(tried);
-    let least = all.min_by(|one, other| squares(one).total_cmp(&squares(other)));
-    least.unwrap_or_else(|| point.residual.clone())
+    let unseen = match point.misfit.as_deref() {
+        None => folds.unseen(signals, None),
+        Some(misfit) => (1..STRENGTHS.len())
+            .map(|strength| folds.unseen(signals, Some((misfit, strength))))
+            .fold(folds.unseen(signals, Some((misfit, 0))), |least, next| {
+                if squares(&next) < squares(&least) { next } else { least }
+            }),
+    };
+    let Point { effects, stages, weights, residual, .. } = point;
+    Fit { effects, seen: stages.seen, weights, residual, unseen }
 }
 
 /// Leverage of each row on a fit of these effects without its fold, as a multiple of the mean; None where the normal equations cannot
@@ -382,7 +372,7 @@ pub fn leverage(signals: &Signals, basis: &Basis, effects: &[Effect]) -> Option<
     }
     let mut leverage = vec![0.0; point.residual.len()];
     for fold in 0..FOLDS {
-        let Some((_, factor)) = folds.solved(folds.taught(fold)) else { continue };
+        let Some((_, factor)) = folds.solved(fold, None) else { continue };
         let inverse = factor.inverse();
         for row in (0..leverage.len()).filter(|&row| signals.rows[row].fold() == fold) {
             let here: Vec<(usize, f64)> =

@@ -23,27 +23,33 @@ use pulp::Arch;
 use super::basis::{Basis, RADII, Seen};
 use super::row::{FOLDS, Row};
 
-/// States that the function goes through, at most.
+/// States that the function goes through, at most: more cost more time, and the width below leaves no room for many more.
 const POINTS: usize = 150;
-/// Which stops are the memory, the small first, and what each and the input weigh in the distance of two states: of the stop over its
-/// radius, of the input as a share of its span.
+/// Which stops are the memory (3, 10 and 29 % of the input's span), and what each weighs in the distance of two states, over its radius.
+/// These and the two that follow are a prior that was chosen before any recording was looked at: a larger stop moves the output by more,
+/// and the input most. How much of the function is believed is what each recording says, by [`STRENGTHS`].
 const MEMORY: [(usize, f64); 3] = [(2, 0.5), (4, 0.8), (6, 1.0)];
+/// What the input weighs, as a share of its span.
 const INPUT: f64 = 2.0;
-/// How far apart states are that have little to say of each other: a sixth of the input's span.
+/// The distance over which the function goes on much the same: about a sixth of the input's span.
 const WIDTH: f64 = 0.35;
+/// No point is added that is nearer to another one than this share of the width: the function is the same there.
+const NEAREST: f64 = 0.3;
 /// Variances of the noise over those of the function, a row, that are tried: the one is taken that predicts held-out blocks best.
 /// Neighbouring rows err alike, so that a row says far less than a row of noise would.
 pub const STRENGTHS: [f64; 3] = [1e-2, 1e-3, 1e-4];
-/// The one that fits go by on their way.
-pub const USUAL: usize = 1;
-/// What is added to the variance at the points for their covariance to have a factor.
+/// The place of the one that fits go by on their way.
+const USUAL: usize = 1;
+/// Added to the variance at the points, which is 1, so that their covariance can be factorised: a hundredth of the standard deviation.
 const JITTER: f64 = 1e-4;
-
-/// States are told apart to so many parts of 1: which of two that are as far away is a point must not hang on how an input was rounded.
+/// States are rounded to one part in so many, far more than rounding errors of the input and far less than a width: which of two equally
+/// distant states becomes a point does not depend on the input's unit then.
 const TOLD_APART: f64 = 1e6;
-/// The shortest delay that moves a state, how much longer each is than the one before, and how many there are. Unit: s.
+/// The shortest delay that has a function of its own: half of what kept rows are apart. Unit: s.
 const SHORTEST_S: f64 = 0.01;
+/// Each delay is so many times the one before: no delay is off by more than a tenth.
 const LONGER: f64 = 1.2;
+/// How many there are: up to 0.7 s.
 const DELAYS: usize = 24;
 
 /// A state: input and memory.
@@ -55,8 +61,9 @@ pub struct Misfit {
     /// Columns, row by row.
     features: Vec<f64>,
     points: usize,
-    /// For each strength the factor of all rows, and those of the rows that teach each fold.
-    all: [Cholesky<f64, Dyn>; STRENGTHS.len()],
+    /// The factor of all rows under the usual strength.
+    usual: Cholesky<f64, Dyn>,
+    /// For each strength those of the rows that teach each fold.
     taught: [[Cholesky<f64, Dyn>; FOLDS]; STRENGTHS.len()],
 }
 
@@ -110,15 +117,14 @@ impl Misfit {
         let wider = |row: &Row| seen.wider.get(row.at).copied().unwrap_or(1.0);
         let states: Vec<State> =
             basis.states(seen, rows).iter().zip(rows).map(|(walk, row)| state(walk, wider(row))).collect();
-        let points = spread(&states);
-        let count = points.len();
-        let own = DMatrix::from_fn(count, count, |i, j| {
-            covariance(&points[i], &points[j]) + if i == j { JITTER } else { 0.0 }
+        let through = spread(&states);
+        let points = through.len();
+        let own = DMatrix::from_fn(points, points, |i, j| {
+            covariance(&through[i], &through[j]) + if i == j { JITTER } else { 0.0 }
         });
         let whitening = Cholesky::new(own)?.l();
-        let across = DMatrix::from_fn(count, states.len(), |i, row| covariance(&points[i], &states[row]));
+        let across = DMatrix::from_fn(points, states.len(), |i, row| covariance(&through[i], &states[row]));
         let features = whitening.solve_lower_triangular(&across)?.as_slice().to_vec();
-        let points = count;
         let gram = |counts: &dyn Fn(&Row) -> bool| {
             let chosen: Vec<f64> = rows
                 .iter()
@@ -138,20 +144,19 @@ impl Misfit {
             (0..points).for_each(|i| sum[(i, i)] += strength * rows.len() as f64);
             Cholesky::new(sum)
         };
-        let mut all = Vec::new();
         let mut taught = Vec::new();
         for strength in STRENGTHS {
-            all.push(factor(&whole, strength)?);
             let folds: Option<Vec<_>> = of_folds.iter().map(|gram| factor(gram, strength)).collect();
             taught.push(folds?.try_into().ok()?);
         }
-        Some(Arc::new(Self { features, points, all: all.try_into().ok()?, taught: taught.try_into().ok()? }))
+        let (usual, taught) = (factor(&whole, STRENGTHS[USUAL])?, taught.try_into().ok()?);
+        Some(Arc::new(Self { features, points, usual, taught }))
     }
 
     /// The sum of squares of a residual, a value a row, less what the function takes up of it. Unit: square of the residual's.
     pub fn squares(&self, residual: &[f64]) -> f64 {
         let shared = self.shared(residual);
-        residual.iter().map(|e| e * e).sum::<f64>() - shared.dot(&self.factor(USUAL).solve(&shared))
+        residual.iter().map(|e| e * e).sum::<f64>() - shared.dot(&self.usual.solve(&shared))
     }
 
     /// The function's columns at a row.
@@ -164,9 +169,9 @@ impl Misfit {
         self.points
     }
 
-    /// The factor of all rows under a strength.
-    pub fn factor(&self, strength: usize) -> &Cholesky<f64, Dyn> {
-        &self.all[strength]
+    /// The factor of all rows under the usual strength.
+    pub fn usual(&self) -> &Cholesky<f64, Dyn> {
+        &self.usual
     }
 
     /// That of the rows that teach a fold.
@@ -188,13 +193,16 @@ impl Misfit {
 
     /// What a column, a value a row, has in common with those of the function.
     pub fn shared(&self, column: &[f64]) -> DVector<f64> {
-        let mut sum = DVector::zeros(self.points);
-        // In the widest registers that the processor has.
+        let sum = DVector::zeros(self.points);
+        // In the widest registers that the processor has, as the normal equations are.
         Arch::new().dispatch(
             #[inline(always)]
-            || self.add_up(sum.as_mut_slice(), column),
-        );
-        sum
+            || {
+                let mut sum = sum;
+                self.add_up(sum.as_mut_slice(), column);
+                sum
+            },
+        )
     }
 }
 
@@ -232,8 +240,7 @@ fn spread(states: &[State]) -> Vec<State> {
         else {
             break;
         };
-        // Nearer ones say the same.
-        if far < (0.3 * WIDTH).powi(2) {
+        if far < (NEAREST * WIDTH).powi(2) {
             break;
         }
         let next = states[place];

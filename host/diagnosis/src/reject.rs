@@ -149,7 +149,7 @@ fn best_step(search: &Search<'_>, set: &Candidate) -> Option<(f64, Candidate)> {
     Some((time_s, search.candidate(set.causes.clone(), fit)))
 }
 
-/// A step that explains more than a set of causes, of a muscle of either past.
+/// A step of the zero that explains more than a set of causes, whether the muscle was fresh or not.
 fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     zero_step_of(search, set).or_else(|| {
         let other = search.of_other_past()?;

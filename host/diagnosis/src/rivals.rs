@@ -35,7 +35,7 @@ const FREE: f64 = 2.0;
 const FAR: f64 = 0.1;
 /// The operator model has at most this share of its error with it.
 const LEAVES: f64 = 0.7;
-/// The most that the operator model errs by where it is to decide, over what the search's own model errs by.
+/// The operator model decides where its error is at most this many times that of the search's own simulation.
 pub(super) const TRUSTED: f64 = 1.1;
 /// Sets whose costs differ by less than this cannot be told apart.
 const APART: f64 = 0.04;

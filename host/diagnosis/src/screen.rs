@@ -9,7 +9,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use super::basis::{Basis, COLUMNS, Weights};
 use super::effect::{Effect, Form};
 use super::fit::{Fit, Point};
-use super::misfit::{Shared, USUAL};
+use super::misfit::{Misfit, Shared};
 use super::output;
 use super::signals::Signals;
 use super::states;
@@ -36,12 +36,10 @@ impl<'a> Screen<'a> {
         let point = Point::new(signals, basis, fit.effects.clone(), misfit)?;
         let sensitivities = point.sensitivities(signals, basis);
         let all = point.design.with(&sensitivities);
-        let target = |row: usize| point.residual[row];
-        let normal = all.beside(point.misfit.as_deref(), target);
-        let shared = point.misfit.as_ref().map(|misfit| {
-            let [shared] = all.shared(misfit, target, |_| [true]);
-            shared
-        });
+        let misfit = point.misfit.as_deref();
+        let normal = all.of_all(misfit, |row| point.residual[row]);
+        let shared = normal.shared.clone();
+        let normal = normal.beside(misfit.map(Misfit::usual));
         let normal = normal.with_prior(point.design.smoothness, &point.weights);
         let free = point.movable(&normal);
         let (_, factor) = normal.solve(&free)?;
@@ -114,7 +112,7 @@ impl<'a> Screen<'a> {
         if let Some((misfit, shared)) = self.point.misfit.as_ref().zip(self.shared.as_ref()) {
             let with: Vec<DVector<f64>> = columns.iter().map(|column| misfit.shared(column)).collect();
             let with = DMatrix::from_columns(&with);
-            let taken_up = misfit.factor(USUAL).solve(&with);
+            let taken_up = misfit.usual().solve(&with);
             own -= with.tr_mul(&taken_up);
             right -= taken_up.tr_mul(&shared.target);
             cross -= shared.columns.select_columns(&self.free).tr_mul(&taken_up);

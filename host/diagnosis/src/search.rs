@@ -98,7 +98,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The same from what a muscle is that has another past: where what is hidden changes the first stroke, either may be nearer.
+    /// The same search with the baseline of the other past: what is hidden may make a fresh muscle look like one that has been through
+    /// its range.
     pub fn of_other_past(&self) -> Option<Self> {
         let (basis, baseline) = &**self.other.as_ref()?;
         let other = Some(Box::new((self.basis.clone(), self.baseline.clone())));
@@ -143,8 +144,9 @@ impl<'a> Search<'a> {
     }
 }
 
-/// What a baseline errs by on held-out blocks, each where it does not extrapolate: the first stroke of a fresh muscle, which is of no other,
-/// is not scored there, and errs where the muscle is taken for one that has been through its range. Output unit.
+/// The error of a baseline on held-out blocks, without the rows in which it extrapolates. A fresh muscle passes the states of its first
+/// stroke once: a baseline for a fresh muscle extrapolates there, so that these rows are left out; one for a muscle that has been
+/// through its range does not, and its error there counts. Output unit.
 fn heldout(signals: &Signals, (_, fit, mask): &(Basis, Fit, Vec<bool>)) -> f64 {
     Score::of(signals, &fit.unseen, mask).mean()
 }

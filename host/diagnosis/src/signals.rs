@@ -238,6 +238,11 @@ impl Signals {
         Some(&self.misfits.as_ref()?[usize::from(basis.is_preconditioned())])
     }
 
+    /// The same in other rows.
+    fn misfits_of(&self, rows: &[Row]) -> Option<[Arc<Misfits>; 2]> {
+        Some(self.misfits.as_ref()?.each_ref().map(|all| Arc::new(all.of_rows(rows))))
+    }
+
     /// The same, with rate and acceleration of a contraction that was simulated, a value a row. Output unit.
     pub fn moving_as(&self, simulated: &[f64]) -> Self {
         let [smooth, rate, acceleration, _] = local_cubic(&self.time_s, simulated, self.kept_step_s, WINDOW);
@@ -260,10 +265,7 @@ impl Signals {
         let rows: Vec<Row> =
             self.rows.iter().zip(&counted).filter(|(_, c)| **c).map(|(row, _)| *row).collect();
         Self {
-            misfits: self
-                .misfits
-                .as_ref()
-                .map(|both| both.each_ref().map(|all| Arc::new(all.of_rows(&rows)))),
+            misfits: self.misfits_of(&rows),
             rows,
             slow: self.slow.iter().map(of).collect(),
             ..self.clone()
@@ -277,10 +279,7 @@ impl Signals {
         let time_s = of(&self.time_s);
         let rows: Vec<Row> = places.map(|(row, &at)| Row { at, ..*row }).collect();
         Self {
-            misfits: self
-                .misfits
-                .as_ref()
-                .map(|both| both.each_ref().map(|all| Arc::new(all.of_rows(&rows)))),
+            misfits: self.misfits_of(&rows),
             rows,
             kept: thinning.of(&self.kept),
             recorded: Arc::clone(&self.recorded),

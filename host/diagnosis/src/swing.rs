@@ -89,24 +89,21 @@ pub struct Running {
     /// The simulated contraction, a value a row; none where no measured rate stands in the effects, and the fit is a free run
     /// itself. Output unit.
     all: Option<Vec<f64>>,
-    /// Sum of the squares of the errors beside what is repeated at every visit to a state.
+    /// See [`Self::squares`].
     squares: f64,
 }
 
 impl Running {
     /// As the fit stands.
     pub fn of(signals: &Signals, basis: &Basis, fit: Fit) -> Self {
-        if !fit.effects.iter().any(|effect| effect.form.is_fed_back()) {
-            let squares = squares(states::late(signals, basis, &fit.effects).as_deref(), &fit.residual);
-            return Self { errors: fit.residual.clone(), fit, all: None, squares };
-        }
-        let run = free_run(signals, basis, &fit);
-        let errors = of_run(signals, &run);
+        let is_fed_back = fit.effects.iter().any(|effect| effect.form.is_fed_back());
+        let run = is_fed_back.then(|| free_run(signals, basis, &fit));
+        let errors = run.as_ref().map_or_else(|| fit.residual.clone(), |run| of_run(signals, run));
         let squares = squares(states::late(signals, basis, &fit.effects).as_deref(), &errors);
-        Self { fit, errors, all: Some(run.all), squares }
+        Self { fit, errors, all: run.map(|run| run.all), squares }
     }
 
-    /// Sum of the squares of the errors, see [`Signals::squares`].
+    /// Sum of the squares of the errors, less what is repeated at every visit to a state.
     pub fn squares(&self) -> f64 {
         self.squares
     }

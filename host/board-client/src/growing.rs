@@ -72,7 +72,7 @@ impl Growing {
         let Some(rows) = text.strip_prefix(head) else { return Err(PartError::OtherExcitation(file)) };
         let fields = |line: &str| line.split(',').count();
         let columns = head.lines().last().map_or(0, fields);
-        // A row that the interruption has cut short is none.
+        // A row that was cut short by the interruption does not count.
         let is_row = |line: &&str| time_s(line).is_some() && fields(line) == columns;
         let seam = at(&Reached {
             last_s: rows.lines().filter(is_row).filter_map(time_s).fold(0.0, f64::max),

@@ -9,8 +9,9 @@ use super::excitation::Excitation;
 use super::run::PERIOD_S;
 use crate::growing::{Reached, Seam};
 
-/// From the last row before a seam to the first one behind it. Unit: s.
-pub const GAP_S: f64 = 1.0;
+/// From the last row before a seam to the first one behind it: twice the half second after which a
+/// board that hears nothing vents, and after which `JointRecording` takes a gap for one. Unit: s.
+const GAP_S: f64 = 1.0;
 
 /// Where a recording goes on, and the tick of its excitation that is next.
 pub fn seam(excitation: &Excitation, reached: &Reached) -> (Seam, usize) {

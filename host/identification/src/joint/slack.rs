@@ -27,17 +27,17 @@ use super::{JointError, SWING_RAD};
 
 /// Half the time that a residual is averaged over: as the speed. Unit: s.
 const HALF_S: f64 = 0.1;
-/// A row is off by far where its averaged residual is so many times the RMS residual of the fitted
-/// rows. In sound recordings of the rig's joints the largest is 3.0 to 3.7 times it, once all rows
-/// are fitted; in those with slack rows, which are not, 16 to 150 times.
+/// A row is far off if its averaged residual is larger than this many times the RMS residual of the
+/// fitted rows. In sound recordings of the rig's joints the largest is 3.0 to 3.7 times it, once
+/// all rows are fitted; in those with slack rows, which are not, 16 to 150 times.
 const FAR: f64 = 8.0;
 /// Height of a band of pressures. Unit: bar.
 const BAND_BAR: f64 = 0.1;
-/// Share of a band's rows that are off by far, from which on it is slack. Where a pressure was let
-/// down fast, inertia makes a few rows of each band that it passes so.
+/// A band is slack if at least this share of its rows is far off. A few are in any band that a
+/// pressure passes fast, because of inertia.
 const MANY: f64 = 0.2;
-/// A fit that is so many times worse than the best before it has come to slack rows. One to sound
-/// rows is at most 1.2 times worse.
+/// If the RMS residual of a fit is more than this many times the smallest one so far, the fit
+/// includes slack rows. With sound rows alone it has been at most 1.2 times.
 const WORSE: f64 = 1.5;
 /// Most fits. The fit of a sound recording comes down in two to four.
 const ROUNDS: usize = 12;
@@ -65,7 +65,7 @@ pub(super) fn find(recording: &JointRecording) -> Result<Vec<Slack>, JointError>
     Ok((0..2).flat_map(|muscle| stretches(recording, muscle, below_bar[muscle])).collect())
 }
 
-/// The pressures below which either muscle was slack; below all where it never was. Unit: bar.
+/// The pressure below which each muscle was slack; minus infinity if it never was. Unit: bar.
 fn pressures_below(recording: &JointRecording) -> Result<[f64; 2], JointError> {
     let JointRecording { pressures_bar: [a, b], scored, .. } = recording;
     let lower = |row: usize| a[row].min(b[row]);
@@ -130,8 +130,8 @@ fn far_off(recording: &JointRecording) -> Result<(Vec<bool>, f64), JointError> {
     Ok((recording.parts().flat_map(is_far).collect(), rms))
 }
 
-/// The upper end of the highest band of pressures of which many rows are off by far; below all
-/// where there is none. Unit: bar.
+/// The upper end of the highest pressure band in which many rows are far off; minus infinity if
+/// there is no such band. Unit: bar.
 fn top_of_many(pressures: impl Iterator<Item = (f64, bool)>) -> f64 {
     let mut bands: BTreeMap<i64, (usize, usize)> = BTreeMap::new();
     for (bar, is_far) in pressures {

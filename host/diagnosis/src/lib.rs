@@ -48,7 +48,8 @@
 //! neighbour of it; the pure error then says that something is left.
 
 pub mod anatomy;
-pub mod basis;
+pub mod autoregression;
+mod basis;
 pub mod beam;
 pub mod candidate;
 pub mod cause;
@@ -71,6 +72,7 @@ mod ordinary;
 pub mod output;
 mod overlooked;
 pub mod physical;
+mod placebo;
 pub mod plan;
 pub mod poor;
 mod proven;

@@ -19,6 +19,8 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use pulp::Arch;
+use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
 
 use super::basis::{Basis, RADII, Seen};
 use super::row::{FOLDS, Row};
@@ -177,6 +179,12 @@ impl Misfit {
     /// That of the rows that teach a fold.
     pub fn taught(&self, strength: usize, fold: usize) -> &Cholesky<f64, Dyn> {
         &self.taught[strength][fold]
+    }
+
+    /// Weights of a function drawn from the prior, beside errors of this variance in so many rows.
+    pub fn drawn(&self, variance: f64, rows: usize, random: &mut impl Rng) -> DVector<f64> {
+        let size = (variance / (STRENGTHS[USUAL] * rows as f64)).sqrt();
+        DVector::from_fn(self.points, |_, _| size * random.sample::<f64, _>(StandardNormal))
     }
 
     /// The function with these weights at a row.

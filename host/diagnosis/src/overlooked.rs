@@ -3,7 +3,9 @@
 //! The baseline of the search is linear in its weights and errs by more than an operator model does; what adds less than that is
 //! hardly seen there, such as the ringing of a small mass after a few jumps. So where nothing is named and nothing unexplained is
 //! seen, the fast causes that the search has looked at are tried once more, each in the operator model that runs free, of all rows.
-//! That model does not decide where its error is larger than the search's: a cause may then only correct the form of its hysteresis.
+//! That model alone does not decide where its error is larger than the search's: a cause may then only correct the form of its hysteresis.
+//! A cause is found where it takes a fifth of that model's error away; or where both find it, the search beyond what placebos gain and
+//! the simulated model by more than chance.
 //!
 //! Only fast ones, since next to nothing else looks like them: without any a warm-up takes away up to a sixth of the model's error,
 //! a mass, a delay, a lag or a width up to a twentieth.
@@ -12,7 +14,9 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::cause::Cause;
+use super::chance::{FOUND, standard_errors};
 use super::extend::{Extender, Extension};
+use super::placebo::Placebos;
 use super::rivals::TRUSTED;
 use super::search::Search;
 use recording::numbers::legible;
@@ -34,6 +38,25 @@ pub struct Overlooked {
 
 /// The fast cause of single ones that were looked at which the operator model is clearly better with; None where there is none.
 pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Overlooked> {
+    let (set, others, [with, without]) =
+        clearly(search, singles, extender).or_else(|| beyond_chance(search, singles, extender))?;
+    Some(Overlooked {
+        alternatives: others.iter().map(Candidate::names).collect(),
+        set,
+        evidence: format!(
+            "simulated, the operator model with it is off by {} instead of {} {} over all rows",
+            legible(with, 3),
+            legible(without, 3),
+            extender.output_unit()
+        ),
+    })
+}
+
+/// A set, others that do as well, and the errors of the simulated operator model with the set and without.
+type Found = (Candidate, Vec<Candidate>, [f64; 2]);
+
+/// Of the fast sets that were looked at the one that takes most of the operator model's error away, if that is much.
+fn clearly(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Found> {
     let is_fast = |set: &&Candidate| set.shows && set.causes.iter().all(|cause| cause.is_fast());
     let fast: Vec<&Candidate> = singles.iter().filter(is_fast).collect();
     if fast.is_empty() {
@@ -47,19 +70,37 @@ pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extende
     let without = models[first].as_ref().map_or(extender.without, |model| extender.without_from(model));
     let without = extender.with(&search.baseline).map_or(without, |error| error.min(without));
     let (best, others) = clear(without, &errors)?;
-    if errors[best] > TRUSTED * fast[best].simulated_error() {
+    let others = others.into_iter().map(|other| fast[other].clone()).collect();
+    let is_trusted = errors[best] <= TRUSTED * fast[best].simulated_error();
+    is_trusted.then(|| (fast[best].clone(), others, [errors[best], without]))
+}
+
+/// The fast set that costs least of those that two judges find, each by more than is by chance: the search beyond what placebos gain, and
+/// the simulated operator models.
+fn beyond_chance(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Found> {
+    let fast: Vec<Cause> = search.examinable.iter().copied().filter(|cause| cause.is_fast()).collect();
+    let placebos = Placebos::of(search, &search.baseline, &search.examinable)?;
+    let looked_at = [singles.to_vec()];
+    let is_found = |set: &Candidate, cause: Cause| {
+        let without = search.without(set, cause, &looked_at);
+        set.shows && without.is_some_and(|without| placebos.find(search.gain(&without, set)))
+    };
+    let of =
+        |&cause: &Cause| search.with(&search.baseline, cause, &looked_at).filter(|set| is_found(set, cause));
+    let mut sets: Vec<Candidate> = fast.par_iter().filter_map(of).collect();
+    if sets.is_empty() {
         return None;
     }
-    Some(Overlooked {
-        set: fast[best].clone(),
-        alternatives: others.into_iter().map(|other| fast[other].names()).collect(),
-        evidence: format!(
-            "simulated, the operator model with it is off by {} instead of {} {} over all rows",
-            legible(errors[best], 3),
-            legible(without, 3),
-            extender.output_unit()
-        ),
-    })
+    let plain = extender.model(&search.baseline)?;
+    let least = standard_errors(FOUND, fast.len(), 1);
+    let gains = |set: &Candidate| {
+        extender.gain_between(&plain, &extender.model(set)?).filter(|gain| gain.is_beyond(least))
+    };
+    sets.retain(|set| gains(set).is_some());
+    sets.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
+    let gain = gains(sets.first()?)?;
+    let set = sets.remove(0);
+    Some((set, sets, [gain.after.rmse, gain.before.rmse]))
 }
 
 /// The place of the least error, if that is clearly less than `without`, and those of the errors that are hardly more than it.

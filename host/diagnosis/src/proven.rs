@@ -5,6 +5,7 @@ use super::candidate::Candidate;
 use super::cause::Cause;
 use super::chance::{NOT_EXCLUDED, standard_errors};
 use super::extend::{Extended, Extender, Operator};
+use super::placebo::Placebos;
 use super::reject::{Unexplained, no_gain, unexplained};
 use super::valve::ValveFit;
 use identification::IdentificationError;
@@ -106,9 +107,9 @@ fn holding(
     (set, extended)
 }
 
-/// The sets with one cause more which two judges find better, each by more of its own standard errors than is by chance: the search, on blocks of time
-/// that no fit has seen, and the simulated models. The search does not name that cause, since it is not worth its place; but to call a
-/// recording explained says that nothing else is in it, and both of them see something else.
+/// The sets with one cause more which two judges find better, each by more than is by chance: the search, on blocks of time that no fit has
+/// seen or beyond what placebos gain in all rows, and the simulated models. The search does not name that cause, since it is not worth its
+/// place; but to call a recording explained says that nothing else is in it, and both of them see something else.
 fn not_excluded(
     extender: &Extender<'_>,
     (set, extended): (&Candidate, &Extended),
@@ -119,11 +120,13 @@ fn not_excluded(
     let others: Vec<Cause> =
         search.examinable.iter().copied().filter(|cause| !set.causes.contains(cause)).collect();
     let beyond_chance = standard_errors(NOT_EXCLUDED, others.len(), JUDGES);
+    let placebos = Placebos::of(search, set, &others);
     let is_better = |cause: Cause, wider: &Candidate| {
         // What the baseline gains where the wider set has led it is no gain of the cause.
         let Some(less) = search.without(wider, cause, sizes) else { return false };
         let (gain, error) = (less.score.gain(&wider.score), less.score.gain_error(&wider.score));
-        wider.shows && wider.outlasts && gain > beyond_chance * error
+        let is_found = || placebos.as_ref().is_some_and(|placebos| placebos.find(search.gain(&less, wider)));
+        wider.shows && wider.outlasts && (gain > beyond_chance * error || is_found())
     };
     let gains = |wider: Candidate| {
         let model = extender.extend(&wider, valve, given, &|_| ())?;

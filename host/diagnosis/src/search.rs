@@ -6,11 +6,12 @@ use super::basis::{Basis, Weights};
 use super::candidate::Candidate;
 use super::cause::Cause;
 use super::effect::Effect;
-use super::fit::{Fit, fit, leverage};
+use super::fit::{Fit, fit, leverage, squares};
 use super::gain::{Score, mask};
 use super::physical::{Loop, damping_ratio, fades, outlasts, shows};
 use super::pure_error::{PureError, pure_error};
 use super::signals::Signals;
+use super::states;
 use super::swing::Running;
 use recording::numbers::range;
 
@@ -105,6 +106,16 @@ impl<'a> Search<'a> {
         let other = Some(Box::new((self.basis.clone(), self.baseline.clone())));
         let pure = pure_error(self.signals, basis, &baseline.fit.seen, &baseline.residual);
         Some(Self { basis: basis.clone(), baseline: baseline.clone(), other, pure, ..self.clone() })
+    }
+
+    /// What a set gains over one without some of its causes where both run free: the logarithm of the ratio of their sums of squares beside
+    /// the misfit.
+    pub fn gain(&self, less: &Candidate, set: &Candidate) -> f64 {
+        let squares = |set: &Candidate| {
+            let misfit = states::seen(self.signals, &self.basis, &set.fit.effects);
+            squares(misfit.as_deref(), &set.residual).max(f64::MIN_POSITIVE)
+        };
+        (squares(less) / squares(set)).ln()
     }
 
     /// A set with its fit, judged.

@@ -40,10 +40,10 @@ def build():
     return target / "release" / "mgpi", target
 
 
-def peer_python(target):
-    """The Python of the peer's environment, which is made at the first run and when a pinned version changes."""
-    requirements = HERE / "requirements.txt"
-    folder = target / "peer-venv"
+def peer_python(target, requirements="requirements.txt"):
+    """The Python of the peers' environment, which is made at the first run and when a pinned version changes."""
+    requirements = HERE / requirements
+    folder = target / requirements.stem.replace("requirements", "peer-venv")
     python, stamp = folder / "bin" / "python", folder / "installed"
     digest = hashlib.sha256(requirements.read_bytes()).hexdigest()
     if not stamp.exists() or stamp.read_text() != digest:

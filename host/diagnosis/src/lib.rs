@@ -30,6 +30,7 @@
 //! | `proven` | whether what is named holds in a model that is simulated, all together and each cause |
 //! | [`mod@poor`], [`trivial`] | whether the model that is written describes the recording |
 //! | `noisy_input` | the input smoothed where its noise would pass for movement |
+//! | [`turn`] | the loop over the whole range: its slope and its width |
 //! | [`physical`] | the parameters in units that people measure in |
 //! | [`shown`] | their names and units, those of the recording |
 //! | [`mod@extend`] | the operator model extended by the named causes, running free, and its gain |
@@ -98,6 +99,7 @@ mod swing;
 mod synthetic;
 mod thinning;
 pub mod trivial;
+pub mod turn;
 mod unexamined;
 pub mod valve;
 pub mod verdict;

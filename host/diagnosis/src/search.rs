@@ -8,11 +8,12 @@ use super::cause::Cause;
 use super::effect::Effect;
 use super::fit::{Fit, fit, leverage, squares};
 use super::gain::{Score, mask};
-use super::physical::{Loop, damping_ratio, fades, outlasts, shows};
+use super::physical::{damping_ratio, fades, outlasts, shows};
 use super::pure_error::{PureError, pure_error};
 use super::signals::Signals;
 use super::states;
 use super::swing::Running;
+use super::turn::Loop;
 use recording::numbers::range;
 
 /// Radii of the baseline's width that are started from, as shares of the input's span.

@@ -14,11 +14,10 @@ use model_core::extension::{
 
 use crate::Columns;
 use crate::candidate::Candidate;
-use crate::cause::Cause;
 use crate::effect::{Driver, Effect, Form, Rate};
-use crate::physical::Loop;
 use crate::search::Search;
 use crate::signals::{Signals, TENTS, hats};
+use crate::turn::Loop;
 use crate::valve::{BandForm, ValveFit};
 
 /// So many standard deviations of its noise a pressure may move by unseen.
@@ -42,9 +41,8 @@ pub fn extensions(columns: &Columns, search: &Search<'_>, set: &Candidate) -> Ex
     let carrier = Carrier { columns, signals, turn: Loop::of(search.signals, &search.basis, &set.fit) };
     let first = set.fit.effects.len() - set.causes.len();
     let mut all = ExtensionParameters::default();
-    for (i, &cause) in set.causes.iter().enumerate() {
-        let weights = set.fit.output_weights(signals, first + i);
-        carrier.add(&mut all, cause, &set.fit.effects[first + i], weights);
+    for (place, effect) in set.fit.effects.iter().enumerate().skip(first) {
+        carrier.add(&mut all, effect, set.fit.output_weights(signals, place));
     }
     all
 }
@@ -98,7 +96,7 @@ struct Carrier<'a> {
 }
 
 impl Carrier<'_> {
-    fn add(&self, all: &mut ExtensionParameters<f64>, cause: Cause, effect: &Effect, weights: &[f64]) {
+    fn add(&self, all: &mut ExtensionParameters<f64>, effect: &Effect, weights: &[f64]) {
         let signals = self.signals;
         let parameter = |i: usize| effect.parameters.get(i).map_or(0.0, |parameter| parameter.value);
         let weight = |i: usize| weights.get(i).copied().unwrap_or(0.0);
@@ -119,7 +117,6 @@ impl Carrier<'_> {
                 all.transport_delay = Some(TransportDelayParameters { delay_s: parameter(0).max(0.0) });
             }
             Form::Lag => all.valve_lag = Some(ValveLagParameters::new(parameter(0).exp())),
-            Form::Driven(Driver::Rate) => self.add_viscosity(all, Site::Pressure, through(0)),
             Form::OutputLag => self.add_viscosity(all, Site::Contraction, behind(0)),
             Form::Inertia => {
                 all.inertia = Some(moving(0));
@@ -132,14 +129,14 @@ impl Carrier<'_> {
             }
             Form::Driven(driver) => {
                 let offset = through(effect.parameters.len() - TENTS);
-                self.add_driven(all, cause, driver, parameter(0), (Site::Pressure, offset));
+                self.add_driven(all, driver, parameter(0), (Site::Pressure, offset));
             }
             Form::Added(driver) => {
                 let offset = ProfileParameters {
                     knots: signals.knots.into_iter().collect(),
                     values: (0..TENTS).map(|tent| -weight(tent)).collect(),
                 };
-                self.add_driven(all, cause, driver, parameter(0), (Site::Contraction, offset));
+                self.add_driven(all, driver, parameter(0), (Site::Contraction, offset));
             }
             Form::Thresholds(rate) => {
                 let gain = self.profile(|y| parameter(1) / self.typical_at(rate, y).powf(parameter(0)));
@@ -223,7 +220,7 @@ impl Carrier<'_> {
             all.sites.viscous_lag = site;
             return;
         };
-        let Ok(more) = Profile::try_new(&viscosity, "viscous_lag", "") else { return };
+        let Ok(more) = Profile::try_new(&viscosity, "profile", "") else { return };
         for (&knot, value) in sum.knots.iter().zip(&mut sum.values) {
             *value += more.value(knot)
                 * match (site, all.sites.viscous_lag) {
@@ -237,25 +234,25 @@ impl Carrier<'_> {
     fn add_driven(
         &self,
         all: &mut ExtensionParameters<f64>,
-        cause: Cause,
         driver: Driver,
         lambda: f64,
         (site, offset): (Site, ProfileParameters<f64>),
     ) {
-        match (driver, cause) {
-            (Driver::WarmUp, _) => {
+        match driver {
+            Driver::WarmUp => {
                 all.warm_up = Some(WarmUpParameters { travel: lambda.exp(), offset });
                 all.sites.warm_up = site;
             }
-            (_, Cause::Load) => {
+            Driver::Load => {
                 all.sites.load = site;
                 all.load = Some(ScheduleParameters { reference: mean(&self.columns.load_n), offset });
             }
-            _ => {
+            Driver::Temperature => {
                 all.sites.temperature = site;
                 let reference = mean(&self.columns.temperature_c);
                 all.temperature = Some(ScheduleParameters { reference, offset });
             }
+            Driver::Rate => self.add_viscosity(all, site, offset),
         }
     }
 

@@ -8,7 +8,7 @@ use model_core::extension::PressureRateParameters;
 
 use super::Extension;
 use super::carry::LEAST_SLOPE;
-use crate::physical::Loop;
+use crate::turn::Loop;
 use identification::{HostModel, simulate};
 
 /// The model with the gain by the rate of the contraction that its gain by that of the input comes to; as it is where it has none.

@@ -9,7 +9,8 @@ use model_core::extension::{ProfileParameters, RateDependentThresholdsParameters
 use super::Extension;
 use crate::cause::Cause;
 use crate::effect::{Driver, Rate};
-use crate::physical::{self, Loop, Parameters};
+use crate::physical::{self, Parameters};
+use crate::turn::Loop;
 
 /// The parameters of the muscle's effects: a model that runs free is not misled by the noise of measured rates, and its operator
 /// takes up less of what the effects do. None where there is no loop to take them from.

@@ -11,7 +11,7 @@ use model_core::extension::{ProfileParameters, Site};
 
 use super::Extension;
 use super::carry::LEAST_SLOPE;
-use crate::physical::Loop;
+use crate::turn::Loop;
 use identification::{DEAD_ZONES, HostParameters};
 
 /// The least slope, so that there is a logarithm. Any unit.

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::{Cause, Law};
 use super::effect::{Effect, Form};
 use super::fit::fit;
 use super::race::{Runner, is_same};
@@ -18,8 +18,6 @@ use super::series::{arrange, beside};
 
 /// Sets of each size that go on.
 const BEAM: usize = 3;
-/// Tones to try.
-const TONES: usize = 2;
 /// Causes that are fitted beside a set, and effects of each.
 const PROMISING: usize = 5;
 const STARTS: usize = 2;
@@ -55,15 +53,7 @@ const HOPELESS: f64 = 0.04;
 impl Search<'_> {
     /// The effects that could stand for a cause beside a set.
     fn starts(&self, set: &Candidate, cause: Cause) -> Vec<Effect> {
-        match cause {
-            Cause::PeriodicDisturbance => self
-                .signals
-                .tones(&set.fit.unseen, TONES)
-                .into_iter()
-                .map(|frequency_hz| Effect::tone(frequency_hz, self.signals))
-                .collect(),
-            _ => beside(&set.fit.effects, Effect::starts(cause, self.signals)),
-        }
+        beside(&set.fit.effects, cause.starts(self.signals, &set.fit.unseen))
     }
 
     /// The promising causes beside a set, each with its most promising effects.
@@ -117,7 +107,7 @@ impl Search<'_> {
         let alike = sizes.iter().flatten().filter(|other| is_same(&other.causes, &wider));
         let known = alike.min_by(|one, other| one.cost().total_cmp(&other.cost())).cloned();
         let raced = || {
-            let runners = self.runners(set, cause, Effect::starts(cause, self.signals));
+            let runners = self.runners(set, cause, cause.starts(self.signals, &[]));
             self.race(runners, f64::INFINITY).into_iter().next()
         };
         known.or_else(raced)
@@ -263,7 +253,7 @@ impl Search<'_> {
             .iter()
             .zip(without)
             .filter_map(|(cause, without)| Some((cause, without.as_ref()?)))
-            .flat_map(|(cause, without)| cause.rivals().iter().map(move |&rival| (without, rival)))
+            .flat_map(|(cause, without)| cause.rivals().map(move |rival| (without, rival)))
             .filter(|(_, rival)| self.examinable.contains(rival) && !set.causes.contains(rival))
             .collect();
         swaps
@@ -292,7 +282,7 @@ impl Search<'_> {
 
 /// Whether next to no misfit of shape looks like a cause.
 fn is_distinct(cause: &Cause) -> bool {
-    cause.is_fast() && !cause.is_near_shape()
+    cause.is_fast() && cause.law() != Law::Width
 }
 
 /// The share of the sum of squares that an evidence comes to, which is a difference of logarithms of errors.

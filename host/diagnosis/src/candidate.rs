@@ -1,10 +1,11 @@
 //! A set of causes with its fit, and what it costs.
 
-use super::cause::Cause;
+use super::causes::{Cause, Law};
 use super::effect::{Effect, Form};
 use super::fit::Fit;
+use super::fitted::Doubt;
 use super::gain::Score;
-use super::physical::{DAMPED, RINGS, has_mass_and_viscosity_in_balance};
+use super::second_order::{DAMPED, RINGS, has_mass_and_viscosity_in_balance};
 use recording::numbers::root_mean_square;
 
 /// What a set costs whose creep is the tail of a faster effect, as a difference of logarithms of errors: no gain makes up for it.
@@ -43,12 +44,8 @@ pub struct Candidate {
     pub pure_error: Option<f64>,
     /// The same where states that are no longer visited twice count too. Output unit.
     pub spread: Option<f64>,
-    /// Whether the motion that its causes name shows.
-    pub shows: bool,
-    /// Whether its creep goes on beyond the longest hold, if it has one.
-    pub outlasts: bool,
-    /// Whether a warm-up of it takes strokes away with travel instead of bringing them.
-    pub fades: bool,
+    /// What speaks against its causes.
+    pub doubts: Vec<Doubt>,
     /// The damping ratio of its mass, if it has one, by all that damps it.
     pub damping_ratio: Option<f64>,
 }
@@ -61,16 +58,26 @@ impl Candidate {
         let alone = 1 + usize::from(self.is_third_order());
         let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(alone);
         let complexity: f64 = self.causes.iter().map(|cause| cause.complexity()).sum();
-        let unseen = match (self.shows, &self.causes[..]) {
-            (true, _) => 0.0,
-            (false, [Cause::Inertia]) => UNSEEN_ALONE,
-            (false, _) => UNSEEN,
+        let unseen = match &self.causes[..] {
+            _ if self.shows() => 0.0,
+            [one] if one.law() == Law::Mass => UNSEEN_ALONE,
+            _ => UNSEEN,
         };
         let leaning = if self.leans() { LEANING } else { 0.0 };
-        let fading = if self.fades { FADING } else { 0.0 };
-        let over = if self.outlasts { 0.0 } else { NEVER };
+        let fading = if self.doubts.contains(&Doubt::Fading) { FADING } else { 0.0 };
+        let over = if self.outlasts() { 0.0 } else { NEVER };
         let form = ALIKE * dynamic as f64 + unseen + leaning + fading + over;
         self.score.mean().max(1e-12).ln() + pure + complexity + self.containment() + form
+    }
+
+    /// Whether the motion that its causes name shows.
+    pub fn shows(&self) -> bool {
+        !self.doubts.contains(&Doubt::Unseen)
+    }
+
+    /// Whether what it names as slow goes on beyond the longest hold.
+    pub fn outlasts(&self) -> bool {
+        !self.doubts.contains(&Doubt::Over)
     }
 
     /// How much less a later set costs; not counted is what only decides between causes that contain each other.
@@ -92,13 +99,17 @@ impl Candidate {
 
     /// Whether it comes to one cause more than it has.
     pub fn comes_to_more(&self) -> bool {
-        self.is_damped() && !self.causes.contains(&Cause::ViscousLag)
+        self.is_damped() && !self.has(Law::Viscosity)
     }
 
     /// The causes that it names: a mass that hardly overshoots has the viscosity in it that damps it.
     pub fn names(&self) -> Vec<Cause> {
-        let damping = self.comes_to_more().then_some(Cause::ViscousLag);
+        let damping = self.comes_to_more().then(|| Cause::of_law(Law::Viscosity)).flatten();
         self.causes.iter().copied().chain(damping).collect()
+    }
+
+    fn has(&self, law: Law) -> bool {
+        self.causes.iter().any(|cause| cause.law() == law)
     }
 
     /// What it has to be better by than what its causes contain. A mass that overshoots has more in it than a lag.
@@ -119,7 +130,7 @@ impl Candidate {
     /// Whether a cause that resists motion has the help of a small delay that is as long as it may be. A damped mass alone
     /// is a lag and a delay by itself.
     fn leans(&self) -> bool {
-        let is_both = self.causes[..] == [Cause::Inertia] && self.is_damped();
+        let is_both = self.causes.len() == 1 && self.is_damped();
         self.causes.iter().any(|cause| cause.resists_motion()) && has_whole_small_delay(&self.fit) && !is_both
     }
 
@@ -132,7 +143,7 @@ impl Candidate {
             return None;
         }
         let is_both = |other: &&Self| {
-            let has = |cause: &Cause| *cause == Cause::ViscousLag || self.causes.contains(cause);
+            let has = |cause: &Cause| cause.law() == Law::Viscosity || self.causes.contains(cause);
             other.causes.len() == self.causes.len() + 1 && other.causes.iter().all(has)
         };
         let both = looked_at.iter().flatten().find(is_both)?;
@@ -143,7 +154,7 @@ impl Candidate {
     pub fn has_viscous_width(&self) -> bool {
         let of_width = |effect: &&Effect| matches!(effect.form, Form::Thresholds(_) | Form::Friction(_));
         let power = self.fit.effects.iter().find(of_width).and_then(|effect| effect.parameters.first());
-        let is_alone = !self.causes.contains(&Cause::ViscousLag);
+        let is_alone = !self.has(Law::Viscosity);
         is_alone && power.is_some_and(|power| power.value >= WHOLE * power.high)
     }
 
@@ -164,6 +175,7 @@ fn has_whole_small_delay(fit: &Fit) -> bool {
 mod tests {
     use super::*;
     use crate::basis::Seen;
+    use crate::causes::cause;
     use crate::effect::{Driver, Parameter, Rate};
 
     /// With a small delay of a share of its bound.
@@ -183,18 +195,16 @@ mod tests {
             residual: Vec::new(),
             pure_error: None,
             spread: None,
-            shows: true,
-            outlasts: true,
-            fades: false,
+            doubts: Vec::new(),
             damping_ratio,
         }
     }
 
     #[test]
     fn a_mass_pays_for_the_lag_that_it_contains_unless_it_rings() {
-        let mass = |ratio| set(&[Cause::Inertia], Some(ratio), 0.0).cost();
+        let mass = |ratio| set(&[cause("inertia")], Some(ratio), 0.0).cost();
         assert_eq!(mass(0.2), set(&[], None, 0.0).cost());
-        assert_eq!(mass(0.7), mass(0.2) + Cause::Inertia.containment());
+        assert_eq!(mass(0.7), mass(0.2) + cause("inertia").containment());
     }
 
     #[test]
@@ -202,10 +212,10 @@ mod tests {
         let leaning = |causes: &[Cause], ratio| {
             set(causes, ratio, 1.0).cost() - set(causes, ratio, 0.5).cost() > 0.5 * LEANING
         };
-        assert!(leaning(&[Cause::ViscousLag], None));
-        assert!(leaning(&[Cause::Inertia], Some(0.3)));
-        assert!(!leaning(&[Cause::Inertia], Some(0.8)));
-        assert!(leaning(&[Cause::Inertia, Cause::Creep], Some(0.8)));
+        assert!(leaning(&[cause("viscous_lag")], None));
+        assert!(leaning(&[cause("inertia")], Some(0.3)));
+        assert!(!leaning(&[cause("inertia")], Some(0.8)));
+        assert!(leaning(&[cause("inertia"), cause("creep")], Some(0.8)));
     }
 
     #[test]
@@ -216,27 +226,27 @@ mod tests {
             set.fit.effects.push(Effect { form: Form::Thresholds(Rate::Input), parameters: vec![power] });
             Candidate { score: Score { blocks: vec![error] }, ..set }
         };
-        let alone = [Cause::RateDependentWidth];
-        let both = [Cause::ViscousLag, Cause::RateDependentWidth];
+        let alone = [cause("rate_dependent_width")];
+        let both = [cause("viscous_lag"), cause("rate_dependent_width")];
         let looked_at = vec![vec![], vec![width(0.7, 0.9, &both)]];
         let named = |set: Candidate| set.with_viscosity(&looked_at).map(|both| both.causes);
         assert_eq!(named(width(0.75, 1.0, &alone)), Some(both.to_vec()));
         assert_eq!(named(width(0.6, 1.0, &alone)), None);
         assert_eq!(named(width(0.75, 0.8, &alone)), None);
-        assert_eq!(named(width(0.75, 1.0, &[Cause::TransportDelay, Cause::RateDependentWidth])), None);
+        assert_eq!(named(width(0.75, 1.0, &[cause("transport_delay"), cause("rate_dependent_width")])), None);
     }
 
     #[test]
     fn a_damped_mass_comes_to_two_causes() {
-        assert_eq!(set(&[Cause::Inertia], Some(0.8), 0.0).count(), 2);
-        assert_eq!(set(&[Cause::Inertia], Some(0.3), 0.0).count(), 1);
-        assert_eq!(set(&[Cause::Inertia, Cause::ViscousLag], Some(0.8), 0.0).count(), 2);
+        assert_eq!(set(&[cause("inertia")], Some(0.8), 0.0).count(), 2);
+        assert_eq!(set(&[cause("inertia")], Some(0.3), 0.0).count(), 1);
+        assert_eq!(set(&[cause("inertia"), cause("viscous_lag")], Some(0.8), 0.0).count(), 2);
     }
 
     #[test]
     fn a_mass_that_overshoots_and_the_viscous_force_in_its_balance_come_to_one_cause() {
         let both = |forms: [Form; 2], ratio| {
-            let mut set = set(&[Cause::Inertia, Cause::ViscousLag], Some(ratio), 0.0);
+            let mut set = set(&[cause("inertia"), cause("viscous_lag")], Some(ratio), 0.0);
             set.fit.effects.extend(forms.map(|form| Effect { form, parameters: Vec::new() }));
             set.count()
         };

@@ -10,16 +10,8 @@
 //! are tried, and the better one stands for the cause. An equivalent input is `u = p(t - delay) - sum of h(y) d(t)`: a
 //! force that acts on the muscle, over its area. `h` is made of a few tents over the contraction.
 
-use super::anatomy::spectrum::LEAST_PERIODS;
-use super::cause::Cause;
 pub use super::rates::Rate;
 use super::signals::{Signals, TENTS};
-use recording::numbers::root_mean_square;
-
-/// Lags and a delay up to here, together, are those of any proportional regulator, and not named. Unit: s.
-pub const ORDINARY_LAG_S: f64 = 0.07;
-/// The shortest lag of a valve that is looked for, in steps of the recording: a shorter one is over before the next sample.
-const LEAST_LAG: f64 = 0.2;
 
 /// A nonlinear parameter with its bounds.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +27,8 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    fn new(value: f64, low: f64, high: f64, step: f64) -> Self {
+    /// A value within bounds.
+    pub fn new(value: f64, low: f64, high: f64, step: f64) -> Self {
         Self { value: value.clamp(low, high), low, high, step }
     }
 
@@ -45,8 +38,13 @@ impl Parameter {
     }
 
     /// A parameter that is searched for by its logarithm.
-    fn logarithm(value: f64, low: f64, high: f64) -> Self {
+    pub fn logarithm(value: f64, low: f64, high: f64) -> Self {
         Self::new(value.ln(), low.ln(), high.ln(), 1e-3)
+    }
+
+    /// Strengths from `low` on, one a tent, whose step moves the input by a thousandth of its span at a typical value of what drives it.
+    pub fn strengths(signals: &Signals, typical: f64, low: f64) -> [Self; TENTS] {
+        [Self::new(0.0, low, f64::INFINITY, 1e-3 * signals.input_span / typical.max(1e-9)); TENTS]
     }
 }
 
@@ -133,104 +131,9 @@ pub struct Effect {
 }
 
 impl Effect {
-    fn new(form: Form, parameters: impl IntoIterator<Item = Parameter>) -> Self {
+    /// With its parameters, in the order that its form says.
+    pub fn new(form: Form, parameters: impl IntoIterator<Item = Parameter>) -> Self {
         Self { form, parameters: parameters.into_iter().collect() }
-    }
-
-    /// A valve's lag no longer than any regulator's; None where the samples are too far apart for one.
-    pub fn ordinary_lag(signals: &Signals) -> Option<Self> {
-        let low_s = LEAST_LAG * signals.step_s;
-        let lag = |lag_s| Self::new(Form::Lag, [Parameter::logarithm(lag_s, low_s, ORDINARY_LAG_S)]);
-        (low_s < 0.5 * ORDINARY_LAG_S).then(|| lag(0.5 * ORDINARY_LAG_S))
-    }
-
-    /// The effects to try for a cause, from their several starts; none where the recording has not what it takes.
-    pub fn starts(cause: Cause, signals: &Signals) -> Vec<Self> {
-        let duration_s = signals.duration_s();
-        let span = signals.input_span;
-        let longest_s = duration_s / 3.0;
-        // A strength that moves the input by a thousandth of its span at a typical value of what drives it.
-        let strengths = |unit: f64, low: f64| {
-            (0..TENTS).map(move |_| Parameter::new(0.0, low, f64::INFINITY, 1e-3 * span / unit.max(1e-9)))
-        };
-        let free = f64::NEG_INFINITY;
-        match cause {
-            Cause::TransportDelay => [0.015, 0.04, 0.1, 0.25, 0.6]
-                .map(|delay_s| {
-                    let delay = Parameter::new(delay_s, 0.0, longest_s.min(3.0), 0.1 * signals.step_s);
-                    Self::new(Form::Delay, [delay])
-                })
-                .to_vec(),
-            Cause::ValveLag => [0.03, 0.1, 0.4]
-                .map(|lag_s| {
-                    let low_s = LEAST_LAG * signals.step_s;
-                    Self::new(Form::Lag, [Parameter::logarithm(lag_s, low_s, longest_s.clamp(low_s, 10.0))])
-                })
-                .to_vec(),
-            Cause::Load | Cause::Temperature => {
-                let (driver, column) = match cause {
-                    Cause::Load => (Driver::Load, &signals.load),
-                    _ => (Driver::Temperature, &signals.temperature),
-                };
-                let Some(column) = column else { return Vec::new() };
-                let strengths = strengths(root_mean_square(column), free);
-                vec![Self::new(Form::Driven(driver), strengths), Self::new(Form::Added(driver), [])]
-            }
-            Cause::WarmUp => {
-                let way = signals.travel.last().copied().unwrap_or(0.0).max(1e-9);
-                [0.03, 0.12]
-                    .into_iter()
-                    .flat_map(|share| {
-                        let lambda = Parameter::logarithm(share * way, 0.01 * way, way / 3.0);
-                        let strengths = std::iter::once(lambda).chain(strengths(1.0, free));
-                        [
-                            Self::new(Form::Driven(Driver::WarmUp), strengths),
-                            Self::new(Form::Added(Driver::WarmUp), [lambda]),
-                        ]
-                    })
-                    .collect()
-            }
-            Cause::ViscousLag => {
-                let strengths = strengths(root_mean_square(&signals.rate), 0.0);
-                vec![Self::new(Form::Driven(Driver::Rate), strengths), Self::new(Form::OutputLag, [])]
-            }
-            Cause::Inertia => {
-                let masses = strengths(root_mean_square(&signals.acceleration), 0.0);
-                let viscosities = strengths(root_mean_square(&signals.rate), 0.0);
-                let both = masses.chain(viscosities);
-                vec![Self::new(Form::Inertia, both), Self::new(Form::OutputInertia, [])]
-            }
-            Cause::RateDependentWidth => {
-                // A width that grows nearly as the speed is viscosity.
-                let power = Parameter::new(0.5, 0.2, 0.75, 1e-3);
-                let gain = Parameter::new(0.0, 0.0, 10.0, 1e-2);
-                let range = Parameter::logarithm(0.05 * span, 0.005 * span, 0.4 * span);
-                let friction = [power, range].into_iter().chain(strengths(0.05 * span, 0.0));
-                vec![
-                    Self::new(Form::Thresholds(Rate::Input), [power, gain]),
-                    Self::new(Form::Thresholds(Rate::Contraction), [power, gain]),
-                    Self::new(Form::Friction(Rate::Contraction), friction),
-                ]
-            }
-            Cause::Creep => {
-                let weights = signals.creep_s.iter().map(|_| Parameter::new(0.0, 0.0, 0.9, 1e-3));
-                vec![Self::new(Form::Creep, []), Self::new(Form::CreepOfInput, weights)]
-            }
-            Cause::Drift => vec![Self::new(Form::Drift, [])],
-            // A tone's starts come from the residual's spectrum; the valve and the shape are examined elsewhere.
-            Cause::PeriodicDisturbance
-            | Cause::ValveDeadband
-            | Cause::SupplySaturation
-            | Cause::HysteresisShape => Vec::new(),
-        }
-    }
-
-    /// A tone of this frequency. Unit: Hz.
-    pub fn tone(frequency_hz: f64, signals: &Signals) -> Self {
-        let width_hz = 1.0 / signals.duration_s();
-        let low_hz = (frequency_hz - 2.0 * width_hz).max(LEAST_PERIODS * width_hz);
-        let high_hz = frequency_hz + 2.0 * width_hz;
-        Self::new(Form::Tone, [Parameter::new(frequency_hz, low_hz, high_hz, 1e-3 * width_hz)])
     }
 
     /// A delay of the input. Unit: s.

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::cause::Cause;
+use crate::causes::Cause;
 use crate::diagnosed::Diagnosed;
 use crate::extend::HeldOutGain;
 use crate::poor::Poor;

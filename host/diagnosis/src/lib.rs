@@ -4,7 +4,8 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`anatomy`] | shows the residual: what it goes with, where it is worst, what is noise, what the recording can show |
-//! | [`cause`], [`candidate`] | the causes that can be named, and a set of them with its fit |
+//! | [`causes`] | the causes that can be named: a file each |
+//! | [`candidate`] | a set of them with its fit |
 //! | `misfit`, `states` | what the baseline gets wrong in the same way at every visit to a state |
 //! | `row` | a scored row, and the block of time that it is in |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
@@ -31,7 +32,9 @@
 //! | [`mod@poor`], [`trivial`] | whether the model that is written describes the recording |
 //! | `noisy_input` | the input smoothed where its noise would pass for movement |
 //! | [`turn`] | the loop over the whole range: its slope and its width |
-//! | [`physical`] | the parameters in units that people measure in |
+//! | [`fitted`], [`physical`] | what a cause reads from a fitted set: parameters in units that people measure in, doubts |
+//! | [`simulated`] | what it reads from a model that is simulated |
+//! | `second_order` | mass and viscosity together |
 //! | [`shown`] | their names and units, those of the recording |
 //! | [`mod@extend`] | the operator model extended by the named causes, running free, and its gain |
 //! | `measured` | the named causes' parameters as that has them |
@@ -53,7 +56,7 @@ pub mod autoregression;
 mod basis;
 pub mod beam;
 pub mod candidate;
-pub mod cause;
+pub mod causes;
 mod chance;
 mod design;
 pub mod diagnosed;
@@ -61,6 +64,7 @@ pub mod effect;
 pub mod equivalent;
 pub mod extend;
 pub mod fit;
+pub mod fitted;
 mod follower;
 pub mod free_run;
 pub mod gain;
@@ -87,9 +91,11 @@ mod row;
 mod scored;
 pub mod screen;
 pub mod search;
+mod second_order;
 mod series;
 pub mod shown;
 pub mod signals;
+pub mod simulated;
 pub mod smoothing;
 mod states;
 pub mod stuck;
@@ -110,11 +116,12 @@ mod tests;
 
 use thiserror::Error;
 
-use anatomy::examinable::{Examinable, Inseparable, ValveView, examinable, inseparable};
+use anatomy::examinable::{Examinable, Inseparable, examinable, inseparable};
 use anatomy::excitation::Excitation;
 use anatomy::{Anatomy, LEAST_ROWS, Residual, TooShort};
 use candidate::Candidate;
-use cause::Cause;
+use causes::needs::ValveView;
+use causes::{Cause, Fits};
 use extend::{Extended, Extender, Operator, Plain, likely};
 use identification::IdentificationError;
 use measured::measure;
@@ -251,7 +258,7 @@ pub struct Diagnosis {
 impl Diagnosis {
     /// Whether a cause is found between command and pressure, and not in the muscle.
     pub fn is_judged_at_the_valve(&self, cause: Cause) -> bool {
-        self.valve.as_ref().is_some_and(|fit| fit.causes.iter().any(|(found, _)| *found == cause))
+        of_valve(self.valve.as_ref()).any(|found| found == cause)
     }
 }
 
@@ -324,12 +331,9 @@ fn among(
     let examinable = examinable(&excitation, view, columns.input_unit.symbol());
     let is_excited =
         |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
-    let needs_none = |cause| unexamined::needs_no_column(cause) || cause == Cause::ValveLag;
-    let can_show = |cause| is_excited(cause) || asked == Asked::All && needs_none(cause);
-    let muscle = Cause::ALL
-        .into_iter()
-        .filter(|&cause| can_show(cause) && (cause != Cause::ValveLag || columns.input_is_command));
-    let muscle = muscle.collect();
+    let can_show = |cause: Cause| is_excited(cause) || asked == Asked::All && cause.fits() != Fits::Excited;
+    let is_behind_input = |cause: Cause| cause.fits() != Fits::Command || columns.input_is_command;
+    let muscle = Cause::ALL.into_iter().filter(|&cause| can_show(cause) && is_behind_input(cause)).collect();
     progress(0.1, "baseline");
     let (input_noise, scored_rows) = (signals.input_noise, signals.scored());
     let searched = || {
@@ -347,7 +351,7 @@ fn among(
     let ordinary = || with_ordinary_lag(&search, &best, &sizes);
     let (best, alternatives, evidence) = match columns.input_is_command.then(ordinary).flatten() {
         Some(ordinary) => {
-            let is_named = |cause: &Cause| *cause != Cause::ValveLag;
+            let is_named = |cause: &Cause| best.causes.contains(cause);
             let named: Vec<Cause> = ordinary.causes.iter().copied().filter(is_named).collect();
             let alternatives = not_told_apart(&search, (&ordinary, &named), &sizes);
             (ordinary, alternatives, None)
@@ -451,9 +455,9 @@ fn among(
     diagnosis.unexamined = unexamined;
     measure(&mut diagnosis, &extended, is_third_order, noise::steps(&columns.time_s).0);
     if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
-        diagnosis.causes.push(Named::given_shape(given, &extended.model.parameters, columns.output_unit));
+        diagnosis.causes.extend(Named::given_shape(given, &extended.model.parameters, columns.output_unit));
     }
-    diagnosis.causes.extend(form.map(|form| Named::shape(&form, columns.output_unit)));
+    diagnosis.causes.extend(form.and_then(|form| Named::shape(&form, columns.output_unit)));
     if diagnosis.verdict == Verdict::Adequate && !diagnosis.causes.is_empty() {
         diagnosis.verdict = Verdict::Explained;
     }
@@ -496,12 +500,12 @@ fn conclude(
 ) -> Result<Diagnosis, DiagnosisError> {
     let baseline = &search.baseline;
     let mut causes = verdict::named(search, &best, sizes, valve.as_ref(), columns.output_unit);
-    causes.retain(|named| !is_ordinary(named));
+    causes.retain(|named| !is_ordinary(named.cause, &named.parameters));
     let mut alternatives = if causes.is_empty() { Vec::new() } else { alternatives };
     // What the valve does stands apart from the muscle, whose causes alone have rivals.
-    let of_valve = || valve.iter().flat_map(|valve| &valve.causes).map(|(cause, _)| *cause);
     for alternative in &mut alternatives {
-        let more: Vec<Cause> = of_valve().filter(|cause| !alternative.contains(cause)).collect();
+        let more: Vec<Cause> =
+            of_valve(valve.as_ref()).filter(|cause| !alternative.contains(cause)).collect();
         alternative.extend(more);
     }
     // Of second order, a set may come to other names than its causes'.
@@ -547,6 +551,12 @@ fn conclude(
         past_unknown_until_s: columns.past_unknown_until_s,
         smoothing: columns.smoothing,
     })
+}
+
+/// The causes that are found between command and pressure.
+fn of_valve(valve: Option<&ValveFit>) -> impl Iterator<Item = Cause> {
+    let named = valve.into_iter().flat_map(|fit| &fit.named);
+    named.filter_map(|(part, _)| Cause::of_valve(*part)).map(|(cause, _)| cause)
 }
 
 fn check(columns: &Columns) -> Result<(), DiagnosisError> {

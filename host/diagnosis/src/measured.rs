@@ -1,8 +1,8 @@
 //! The parameters of the named causes as the extended model has them, which runs free.
 
 use super::Diagnosis;
-use super::cause::Cause;
-use super::extend::{self, Extended};
+use super::causes::Cause;
+use super::extend::Extended;
 use super::verdict::{Named, Verdict};
 
 /// The extended model measures its causes where it errs by less than so many times what the search does, which has more freedom.
@@ -14,13 +14,11 @@ pub fn measure(diagnosis: &mut Diagnosis, extended: &Extended, is_third_order: b
     // A model that gains nothing, or is much farther from the muscle than the search has come, has nothing to say about them.
     let Extended { baseline_rmse: before, extended_rmse: after, .. } = *extended;
     let is_near = after < before && after < MEASURES * diagnosis.rmse.1;
-    let measured =
-        is_near.then(|| extend::physical::parameters(&extended.model)).flatten().unwrap_or_default();
-    let is_simpler = |cause| is_third_order && matches!(cause, Cause::ViscousLag | Cause::Inertia);
-    for (cause, parameters) in measured.into_iter().filter(|(cause, _)| !is_simpler(*cause)) {
-        if let Some(named) = diagnosis.causes.iter_mut().find(|named| named.cause == cause) {
-            named.measure(parameters);
-        }
+    let model = is_near.then(|| extended.model.simulated()).flatten();
+    let is_simpler = |cause: Cause| is_third_order && cause.is_of_second_order();
+    for named in diagnosis.causes.iter_mut().filter(|named| !is_simpler(named.cause)) {
+        let measured = model.as_ref().and_then(|model| named.cause.measured(model));
+        measured.into_iter().for_each(|measured| named.cause.take_over(&mut named.parameters, measured));
     }
     diagnosis.causes.retain(|named| shows(named, step_s));
     if diagnosis.causes.is_empty() && matches!(diagnosis.verdict, Verdict::Explained | Verdict::Confounded) {
@@ -48,6 +46,7 @@ fn shows(named: &Named, step_s: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::causes::cause;
 
     #[test]
     fn what_is_faster_than_rows_is_not_named() {
@@ -59,11 +58,11 @@ mod tests {
             without: None,
         };
         let is_shown = |cause, name, value| shows(&named(cause, name, value), 0.01);
-        assert!(is_shown(Cause::TransportDelay, "delay_s", 0.006));
-        assert!(!is_shown(Cause::TransportDelay, "delay_s", 0.0));
-        assert!(!is_shown(Cause::ViscousLag, "time_constant_s", 0.004));
-        assert!(is_shown(Cause::Inertia, "natural_frequency_hz", 40.0));
-        assert!(!is_shown(Cause::Inertia, "natural_frequency_hz", 60.0));
-        assert!(is_shown(Cause::Drift, "mm_per_s", 0.001));
+        assert!(is_shown(cause("transport_delay"), "delay_s", 0.006));
+        assert!(!is_shown(cause("transport_delay"), "delay_s", 0.0));
+        assert!(!is_shown(cause("viscous_lag"), "time_constant_s", 0.004));
+        assert!(is_shown(cause("inertia"), "natural_frequency_hz", 40.0));
+        assert!(!is_shown(cause("inertia"), "natural_frequency_hz", 60.0));
+        assert!(is_shown(cause("drift"), "mm_per_s", 0.001));
     }
 }

@@ -4,16 +4,12 @@
 //! explains a recording as well as a fast cause of the muscle, within the misfit that is left, it takes the place of that. It goes into the model, and is not named.
 
 use super::candidate::Candidate;
-use super::cause::Cause;
-use super::effect::{Effect, ORDINARY_LAG_S};
+use super::causes::{Cause, Ordinary};
+use super::fitted::{Parameters, value};
 use super::physical::parameters;
 use super::pure_error::pure_error;
 use super::rivals::differ_less_than_misfit;
 use super::search::Search;
-use super::verdict::Named;
-
-/// The name of a lag's parameter.
-const TIME_CONSTANT: &str = "time_constant_s";
 
 /// The best set in which a regulator's lag replaces a fast cause and explains the recording as well; None if no set does.
 pub fn with_ordinary_lag(
@@ -21,13 +17,14 @@ pub fn with_ordinary_lag(
     set: &Candidate,
     sizes: &[Vec<Candidate>],
 ) -> Option<Candidate> {
-    if set.causes.contains(&Cause::ValveLag) {
+    let ordinary = |cause: Cause| Some((cause, (cause.ordinary()?.start)(search.signals)?));
+    let (lag, start) = Cause::ALL.into_iter().find_map(ordinary)?;
+    if set.causes.contains(&lag) {
         return None;
     }
-    let start = Effect::ordinary_lag(search.signals)?;
     let in_place_of = |&cause: &Cause| {
         let kept = search.without(set, cause, sizes)?;
-        let runners = search.runners(&kept, Cause::ValveLag, vec![start.clone()]);
+        let runners = search.runners(&kept, lag, vec![start.clone()]);
         search.race(runners, f64::INFINITY).into_iter().next()
     };
     let fast = set.causes.iter().filter(|cause| cause.is_fast());
@@ -38,29 +35,32 @@ pub fn with_ordinary_lag(
 
 /// The search with a regulator's ordinary lag in its baseline, where that lag is all that a set has.
 pub fn beside_ordinary_lag<'a>(search: &Search<'a>, set: &Candidate) -> Option<Search<'a>> {
-    let [Cause::ValveLag] = set.causes[..] else { return None };
+    if set.causes.len() != 1 {
+        return None;
+    }
+    ordinary_lag(search, set)?;
     let baseline = Candidate { causes: Vec::new(), ..set.clone() };
     let pure = pure_error(search.signals, &search.basis, &set.fit.seen, &set.residual);
-    has_ordinary_lag(search, set).then(|| Search { baseline, pure, ..search.clone() })
+    Some(Search { baseline, pure, ..search.clone() })
 }
 
 /// The causes of a set around another one, but for the ordinary lag of the regulator that this one has: that is not named.
 pub fn without_ordinary_lag(search: &Search<'_>, set: &Candidate, mut wider: Vec<Cause>) -> Vec<Cause> {
-    if has_ordinary_lag(search, set) {
-        wider.retain(|cause| *cause != Cause::ValveLag);
+    if let Some(lag) = ordinary_lag(search, set) {
+        wider.retain(|cause| *cause != lag);
     }
     wider
 }
 
-/// Whether a set has a lag of the valve that is as short as any regulator's.
-fn has_ordinary_lag(search: &Search<'_>, set: &Candidate) -> bool {
+/// The lag of a set that is as short as any regulator's, if it has one.
+fn ordinary_lag(search: &Search<'_>, set: &Candidate) -> Option<Cause> {
     let all = parameters(search.signals, &search.basis, &set.causes, &set.fit);
-    let mut of_valve = all.iter().filter(|(cause, _)| *cause == Cause::ValveLag).flat_map(|(_, all)| all);
-    of_valve.any(|(name, value)| *name == TIME_CONSTANT && *value <= ORDINARY_LAG_S)
+    all.iter().find(|(cause, parameters)| is_ordinary(*cause, parameters)).map(|(cause, _)| *cause)
 }
 
-/// Whether what is named is the lag of any regulator.
-pub fn is_ordinary(named: &Named) -> bool {
-    let lag_s = named.parameter(TIME_CONSTANT);
-    named.cause == Cause::ValveLag && lag_s.is_some_and(|lag_s| lag_s <= ORDINARY_LAG_S)
+/// Whether a cause with these parameters is what any recording of a command has.
+pub fn is_ordinary(cause: Cause, parameters: &Parameters) -> bool {
+    cause.ordinary().is_some_and(|Ordinary { up_to: (name, most), .. }| {
+        value(parameters, name).is_some_and(|value| value <= most)
+    })
 }

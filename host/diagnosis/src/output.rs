@@ -76,7 +76,7 @@ pub fn count(effect: &Effect, signals: &Signals) -> usize {
 mod tests {
     use super::*;
     use crate::Columns;
-    use crate::cause::Cause;
+    use crate::causes::Cause;
 
     #[test]
     fn an_effect_puts_as_many_columns_on_the_output_as_are_counted() {
@@ -92,9 +92,12 @@ mod tests {
             ..Columns::default()
         };
         let signals = Signals::new(&recorded);
-        let starts = Cause::ALL.into_iter().flat_map(|cause| Effect::starts(cause, &signals));
-        let others = [Effect::tone(0.5, &signals), Effect::step(30.0), Effect::wander()];
-        for effect in starts.chain(others) {
+        let tone: Vec<f64> =
+            signals.rows.iter().map(|row| (TAU * 0.5 * signals.time_s[row.at]).sin()).collect();
+        let starts: Vec<Effect> =
+            Cause::ALL.into_iter().flat_map(|cause| cause.starts(&signals, &tone)).collect();
+        assert!(starts.iter().any(|effect| effect.form == Form::Tone));
+        for effect in starts.into_iter().chain([Effect::step(30.0), Effect::wander()]) {
             assert_eq!(count(&effect, &signals), columns(&effect, &signals).0.len(), "{:?}", effect.form);
         }
     }

@@ -13,7 +13,7 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::Cause;
 use super::chance::{FOUND, standard_errors};
 use super::extend::{Extender, Extension};
 use super::placebo::Placebos;
@@ -57,7 +57,7 @@ type Found = (Candidate, Vec<Candidate>, [f64; 2]);
 
 /// Of the fast sets that were looked at the one that takes most of the operator model's error away, if that is much.
 fn clearly(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Found> {
-    let is_fast = |set: &&Candidate| set.shows && set.causes.iter().all(|cause| cause.is_fast());
+    let is_fast = |set: &&Candidate| set.shows() && set.causes.iter().all(|cause| cause.is_fast());
     let fast: Vec<&Candidate> = singles.iter().filter(is_fast).collect();
     if fast.is_empty() {
         return None;
@@ -83,7 +83,7 @@ fn beyond_chance(search: &Search<'_>, singles: &[Candidate], extender: &Extender
     let looked_at = [singles.to_vec()];
     let is_found = |set: &Candidate, cause: Cause| {
         let without = search.without(set, cause, &looked_at);
-        set.shows && without.is_some_and(|without| placebos.find(search.gain(&without, set)))
+        set.shows() && without.is_some_and(|without| placebos.find(search.gain(&without, set)))
     };
     let of =
         |&cause: &Cause| search.with(&search.baseline, cause, &looked_at).filter(|set| is_found(set, cause));

@@ -2,7 +2,7 @@
 
 use super::DiagnosisError;
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::Cause;
 use super::chance::{NOT_EXCLUDED, standard_errors};
 use super::extend::{Extended, Extender, Operator};
 use super::placebo::Placebos;
@@ -46,10 +46,10 @@ pub fn proven(
     let plainly = || {
         let without = |valve| extender.extend(&search.baseline, valve, given, progress);
         // An ordinary valve is left out where the model cannot have it.
-        let plain = without(valve.filter(|valve| valve.causes.is_empty())).or_else(|| without(None));
+        let plain = without(valve.filter(|valve| valve.named.is_empty())).or_else(|| without(None));
         plain.ok_or(DiagnosisError::NoModel(IdentificationError::Lengths))
     };
-    let named = !set.causes.is_empty() || valve.is_some_and(|valve| !valve.causes.is_empty());
+    let named = !set.causes.is_empty() || valve.is_some_and(|valve| !valve.named.is_empty());
     if !named {
         return Ok(Proven {
             set: set.clone(),
@@ -88,7 +88,7 @@ fn holding(
     valve: Option<&ValveFit>,
     (sizes, given): (&[Vec<Candidate>], Option<&Operator>),
 ) -> (Candidate, Extended) {
-    let of_valve = valve.map_or(0, |valve| valve.causes.len());
+    let of_valve = valve.map_or(0, |valve| valve.named.len());
     while !set.causes.is_empty() && set.causes.len() + of_valve > 1 {
         let without: Vec<(Candidate, Extended)> = set
             .causes
@@ -126,7 +126,7 @@ fn not_excluded(
         let Some(less) = search.without(wider, cause, sizes) else { return false };
         let (gain, error) = (less.score.gain(&wider.score), less.score.gain_error(&wider.score));
         let is_found = || placebos.as_ref().is_some_and(|placebos| placebos.find(search.gain(&less, wider)));
-        wider.shows && wider.outlasts && (gain > beyond_chance * error || is_found())
+        wider.shows() && wider.outlasts() && (gain > beyond_chance * error || is_found())
     };
     let gains = |wider: Candidate| {
         let model = extender.extend(&wider, valve, given, &|_| ())?;

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::{Cause, Law};
 use super::effect::{Effect, Form};
 use super::fit::{Descent, Fit, fit};
 use super::search::{Search, WIDTHS};
@@ -77,7 +77,7 @@ impl Search<'_> {
             effects[place] = start;
             effects
         };
-        Effect::starts(cause, self.signals).into_iter().filter(is_near).map(anew).collect()
+        cause.starts(self.signals, &set.fit.unseen).into_iter().filter(is_near).map(anew).collect()
     }
 
     /// What sets with one more cause than this have to come below in the heats: a sum of squares.
@@ -210,7 +210,7 @@ fn lend(from: &[Effect], to: &mut [Effect]) {
 
 /// Whether these have a width and a viscous force, which may have taken the other's part, see [`Candidate::with_viscosity`].
 fn is_viscous_width(causes: &[Cause]) -> bool {
-    [Cause::RateDependentWidth, Cause::ViscousLag].iter().all(|cause| causes.contains(cause))
+    [Law::Width, Law::Viscosity].iter().all(|law| causes.iter().any(|cause| cause.law() == *law))
 }
 
 /// Whether two fits have the same effects, in whatever order.

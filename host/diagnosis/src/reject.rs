@@ -20,6 +20,7 @@ use super::candidate::Candidate;
 use super::effect::Effect;
 use super::extend::Extended;
 use super::fit::fit;
+use super::fitted::Doubt;
 use super::poor::Poor;
 use super::pure_error::pure_error;
 use super::screen::Screen;
@@ -188,7 +189,7 @@ pub fn not_repeatable(search: &Search<'_>, set: &Candidate) -> Option<Unexplaine
         rare: search.pure.map_or((0.0, 0.0), |pure| (pure.usual, pure.rare)),
         simulated: set.simulated_error(),
         least: search.signals.least_error,
-        fades: set.fades,
+        fades: set.doubts.contains(&Doubt::Fading),
     };
     let tones_hz = search.signals.tones(&set.residual, 3);
     let pure_error = if left.acts_now_and_then() { left.rare.1 } else { after };
@@ -223,7 +224,7 @@ struct Left {
     simulated: f64,
     /// The least error that there could be.
     least: f64,
-    /// Whether strokes fade, see [`Candidate::fades`].
+    /// Whether strokes fade, see [`Doubt::Fading`].
     fades: bool,
 }
 

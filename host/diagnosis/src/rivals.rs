@@ -18,7 +18,7 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::Cause;
 use super::chance::{FOUND, standard_errors};
 use super::extend::{Extender, Extension};
 use super::race::is_same;
@@ -97,8 +97,8 @@ fn nearer_when_simulated(
         return Vec::new();
     }
     let is_rival = |rival: &&Candidate| {
-        rival.shows
-            && rival.outlasts
+        rival.shows()
+            && rival.outlasts()
             && rival.count() <= set.count()
             && !is_within(rival, set)
             && !is_within(set, rival)
@@ -154,8 +154,8 @@ pub(super) fn is_untold(
     (set, named): (&Candidate, &[Cause]),
     rival: &Candidate,
 ) -> bool {
-    let is_rival = rival.shows
-        && rival.outlasts
+    let is_rival = rival.shows()
+        && rival.outlasts()
         && rival.causes.len() <= set.causes.len()
         && !named.iter().all(|cause| rival.names().contains(cause))
         && !has_all(&rival.causes, set);
@@ -190,7 +190,9 @@ pub fn alike(search: &Search<'_>, set: &Candidate, group: &[Cause], sizes: &[Vec
         for (other, rival) in rivals.collect::<Vec<_>>() {
             let is_untold = |rival: &Candidate| {
                 let gain = rival.score.gain(&set.score);
-                rival.shows && rival.outlasts && gain <= beyond_chance * rival.score.gain_error(&set.score)
+                rival.shows()
+                    && rival.outlasts()
+                    && gain <= beyond_chance * rival.score.gain_error(&set.score)
             };
             match rival.filter(is_untold) {
                 Some(rival) => alike.untold.push(rival.names()),
@@ -203,8 +205,8 @@ pub fn alike(search: &Search<'_>, set: &Candidate, group: &[Cause], sizes: &[Vec
 
 /// Whether a set has all named causes and more.
 fn is_larger((set, named): (&Candidate, &[Cause]), larger: &Candidate) -> bool {
-    larger.shows
-        && larger.outlasts
+    larger.shows()
+        && larger.outlasts()
         && larger.causes.len() > named.len()
         && has_all(named, larger)
         && !is_same(&set.causes, &larger.causes)
@@ -283,7 +285,7 @@ fn says_enough(search: &Search<'_>, best: &Candidate, rival: &Candidate) -> bool
 
 /// Whether a set may stand in the place of the best one.
 fn is_rival(best: &Candidate, set: &Candidate) -> bool {
-    set.shows
+    set.shows()
         && !best.causes.is_empty()
         && set.count() <= best.count()
         && !is_within(set, best)
@@ -294,7 +296,7 @@ fn is_rival(best: &Candidate, set: &Candidate) -> bool {
 /// Whether a set has a fast cause more, and has been dropped though it costs far less.
 fn is_larger_rival(best: &Candidate, set: &Candidate) -> bool {
     let more = || set.causes.iter().filter(|cause| !best.causes.contains(cause));
-    set.shows
+    set.shows()
         && best.causes.len() == 1
         && is_within(best, set)
         && set.count() > best.count()

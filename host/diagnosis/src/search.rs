@@ -4,12 +4,13 @@ use rayon::prelude::*;
 
 use super::basis::{Basis, Weights};
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::Cause;
 use super::effect::Effect;
 use super::fit::{Fit, fit, leverage, squares};
 use super::gain::{Score, mask};
-use super::physical::{damping_ratio, fades, outlasts, shows};
+use super::physical::doubts;
 use super::pure_error::{PureError, pure_error};
+use super::second_order::damping_ratio;
 use super::signals::Signals;
 use super::states;
 use super::swing::Running;
@@ -138,21 +139,9 @@ impl<'a> Search<'a> {
         let pure_error = pure.map(|error| error.square.sqrt().max(least));
         let spread = self.pure.zip(pure).map(|(before, after)| after.beside(&before, &free).max(least));
         let (signals, basis) = (self.signals, &self.basis);
-        let (shows, fades) = (shows(signals, basis, &causes, &fit), fades(signals, basis, &causes, &fit));
-        let outlasts = outlasts(signals, self.longest_hold_s, &causes, &fit);
+        let doubts = doubts(signals, basis, &causes, &fit, self.longest_hold_s);
         let damping_ratio = damping_ratio(signals, basis, &causes, &fit);
-        Candidate {
-            causes,
-            fit,
-            score,
-            pure_error,
-            spread,
-            residual: free,
-            shows,
-            outlasts,
-            fades,
-            damping_ratio,
-        }
+        Candidate { causes, fit, score, pure_error, spread, residual: free, doubts, damping_ratio }
     }
 }
 
@@ -178,9 +167,7 @@ fn baseline_of(
         fit,
         pure_error,
         spread: pure_error,
-        shows: true,
-        outlasts: true,
-        fades: false,
+        doubts: Vec::new(),
         damping_ratio: None,
     };
     Some((basis, baseline, mask))

@@ -1,12 +1,13 @@
 //! Effects hidden in a plant that is neither of the rig's: a saturating curve and three plays, with noise.
 
+use crate::causes::cause;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::anatomy::axis::Axis;
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::Cause;
 use super::effect::{Effect, Form, Parameter};
 use super::equivalent::Arrived;
 use super::extend::{Extender, Plain};
@@ -120,7 +121,7 @@ fn a_delay_is_named_and_measured() {
     let plant = Plant::new();
     let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
     let diagnosis = diagnosed(&plant.recorded(&hysteresis(&late)));
-    assert_eq!(names(&diagnosis), [Cause::TransportDelay]);
+    assert_eq!(names(&diagnosis), [cause("transport_delay")]);
     assert!((parameter(&diagnosis, "delay_s") - 0.09).abs() < 0.005);
 }
 
@@ -130,7 +131,7 @@ fn a_drift_is_named_and_measured() {
     let output: Vec<f64> =
         hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, t)| y + 0.03 * t).collect();
     let diagnosis = diagnosed(&plant.recorded(&output));
-    assert_eq!(names(&diagnosis), [Cause::Drift]);
+    assert_eq!(names(&diagnosis), [cause("drift")]);
     assert!((parameter(&diagnosis, "mm_per_s") - 0.03).abs() < 0.003);
 }
 
@@ -141,7 +142,7 @@ fn a_tone_is_named_and_measured() {
     let output: Vec<f64> =
         hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, &t)| y + tone(t)).collect();
     let diagnosis = diagnosed(&plant.recorded(&output));
-    assert_eq!(names(&diagnosis), [Cause::PeriodicDisturbance]);
+    assert_eq!(names(&diagnosis), [cause("periodic_disturbance")]);
     assert!((parameter(&diagnosis, "frequency_hz") - 0.37).abs() < 0.002);
     assert!((parameter(&diagnosis, "amplitude_mm") - 0.8).abs() < 0.08);
 }
@@ -157,7 +158,7 @@ fn a_recorded_load_is_named_and_an_unrecorded_one_is_not() {
     let unrecorded = plant.recorded(&output);
     let load_n = Some(plant.time_s.iter().map(|&t| load(t)).collect());
     let diagnosis = diagnosed(&Columns { load_n, ..unrecorded.clone() });
-    assert_eq!(names(&diagnosis), [Cause::Load]);
+    assert_eq!(names(&diagnosis), [cause("load")]);
     assert!((parameter(&diagnosis, "offset_mm_per_n") + 0.1).abs() < 0.015);
     // Its misfit is shown over the load as it was recorded.
     let mut over = diagnosis.anatomy.axes.iter().filter(|mean| mean.axis == Axis::Load);
@@ -176,7 +177,7 @@ fn what_settles_with_travel_is_a_warm_up_and_what_fades_in_steps_is_not() {
         pair[1] * (1.0 + 0.1 * (-travel_mm / 400.0_f64).exp())
     });
     let settling: Vec<f64> = output.iter().take(1).copied().chain(settling).collect();
-    assert_eq!(names(&diagnosed(&plant.recorded(&settling))), [Cause::WarmUp]);
+    assert_eq!(names(&diagnosed(&plant.recorded(&settling))), [cause("warm_up")]);
     let lost = |t: f64| [0.0, 0.08, 0.13, 0.11, 0.13][(t / 16.0) as usize % 5];
     let fading: Vec<f64> = output.iter().zip(&plant.time_s).map(|(y, &t)| y * (1.0 - lost(t))).collect();
     assert_eq!(diagnosed(&plant.recorded(&fading)).verdict, Verdict::Unexplained);
@@ -196,7 +197,7 @@ fn a_slow_valve_is_told_from_the_muscle() {
         *y += 0.03 * b;
     }
     let diagnosis = diagnosed(&slow);
-    assert_eq!(names(&diagnosis), [Cause::ValveLag]);
+    assert_eq!(names(&diagnosis), [cause("valve_lag")]);
     assert!((parameter(&diagnosis, "time_constant_s") - 0.3).abs() < 0.01);
 }
 
@@ -289,7 +290,7 @@ fn a_command_that_goes_on_between_the_recorded_rows_is_no_delay() {
         ..Columns::default()
     };
     let found = examine(&columns, 0.002).expect("there is a command");
-    assert_eq!(found.causes, [], "{:?}", found.valve);
+    assert_eq!(found.named, [], "{:?}", found.valve);
 }
 
 #[test]
@@ -297,16 +298,17 @@ fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     let plant = Plant::new();
     let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
     let mut signals = Signals::new(&plant.recorded(&hysteresis(&late)));
-    let search = Search::new(&mut signals, vec![Cause::TransportDelay], 0.0).expect("a baseline");
-    let starts = Effect::starts(Cause::TransportDelay, search.signals);
-    let found = search.race(search.runners(&search.baseline, Cause::TransportDelay, starts), f64::INFINITY);
+    let search = Search::new(&mut signals, vec![cause("transport_delay")], 0.0).expect("a baseline");
+    let starts = cause("transport_delay").starts(search.signals, &[]);
+    let found =
+        search.race(search.runners(&search.baseline, cause("transport_delay"), starts), f64::INFINITY);
     let erring = |times: f64| {
         let mut other = search.baseline.clone();
         other.score.blocks.iter_mut().for_each(|block| *block *= times);
         other
     };
     let without = |sizes: &[Vec<_>]| {
-        let without = search.without(&found[0], Cause::TransportDelay, sizes).expect("a fit");
+        let without = search.without(&found[0], cause("transport_delay"), sizes).expect("a fit");
         assert!(without.causes.is_empty());
         without.score.mean()
     };
@@ -328,10 +330,10 @@ fn a_damped_mass_that_fits_as_well_is_a_rival_of_a_delay_and_none_of_the_lag_tha
         let set = of(cause, None);
         is_untold(&search, (&set, &set.causes), mass)
     };
-    let (damped, ringing) = (of(Cause::Inertia, Some(1.0)), of(Cause::Inertia, Some(0.1)));
-    assert!(rivals(Cause::TransportDelay, &damped));
-    assert!(!rivals(Cause::ViscousLag, &damped));
-    assert!(rivals(Cause::ViscousLag, &ringing));
+    let (damped, ringing) = (of(cause("inertia"), Some(1.0)), of(cause("inertia"), Some(0.1)));
+    assert!(rivals(cause("transport_delay"), &damped));
+    assert!(!rivals(cause("viscous_lag"), &damped));
+    assert!(rivals(cause("viscous_lag"), &ringing));
 }
 
 #[test]
@@ -339,7 +341,7 @@ fn a_set_with_which_the_simulated_model_is_nearer_is_not_told_from_the_one_that_
     let plant = Plant::new();
     let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
     let columns = plant.recorded(&hysteresis(&late));
-    let causes = vec![Cause::TransportDelay, Cause::ViscousLag];
+    let causes = vec![cause("transport_delay"), cause("viscous_lag")];
     let mut signals = Signals::new(&columns);
     let search = Search::new(&mut signals, causes.clone(), 0.0).expect("a baseline");
     let [delay, mut lag] = [0, 1].map(|i| search.with(&search.baseline, causes[i], &[]).expect("a fit"));
@@ -351,7 +353,7 @@ fn a_set_with_which_the_simulated_model_is_nearer_is_not_told_from_the_one_that_
     assert!(rivals(&delay, &lag).is_empty());
     // Were the search wrong about both of them, and far apart, the simulated models would still be for the delay.
     lag.score.blocks.iter_mut().zip(&delay.score.blocks).for_each(|(block, other)| *block = 0.1 * other);
-    assert_eq!(rivals(&lag, &delay), [[Cause::TransportDelay]]);
+    assert_eq!(rivals(&lag, &delay), [[cause("transport_delay")]]);
 }
 
 #[test]
@@ -387,8 +389,8 @@ fn a_cause_that_gains_nothing_beside_another_neither_holds_nor_is_a_rival() {
     let plant = Plant::new();
     let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
     let columns = plant.recorded(&hysteresis(&late));
-    let [one, two] = proven_one_and_both(&columns, [Cause::TransportDelay, Cause::Drift]);
-    assert_eq!(two.set.causes, [Cause::TransportDelay]);
+    let [one, two] = proven_one_and_both(&columns, [cause("transport_delay"), cause("drift")]);
+    assert_eq!(two.set.causes, [cause("transport_delay")]);
     assert_eq!(two.extended.model.extensions.drift, None);
     assert!(two.extended.model.extensions.transport_delay.is_some() && two.refuted.is_none());
     assert!(one.wider.is_empty() && two.wider.is_empty());
@@ -400,25 +402,15 @@ fn a_cause_that_gains_beside_what_is_named_is_not_excluded() {
     let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
     let drifting = |(y, t): (f64, &f64)| y + 0.01 * t;
     let drifting: Vec<f64> = hysteresis(&late).into_iter().zip(&plant.time_s).map(drifting).collect();
-    let both = [Cause::TransportDelay, Cause::Drift];
+    let both = [cause("transport_delay"), cause("drift")];
     let [one, two] = proven_one_and_both(&plant.recorded(&drifting), both);
-    assert_eq!(one.set.causes, [Cause::TransportDelay]);
+    assert_eq!(one.set.causes, [cause("transport_delay")]);
     assert_eq!(one.wider, [both.to_vec()]);
     assert_eq!(two.set.causes, both);
 }
 
 fn named(cause: Cause, parameters: Vec<(&'static str, f64)>) -> Named {
     Named { cause, parameters, share: 1.0, evidence: Vec::new(), without: None }
-}
-
-#[test]
-fn a_width_keeps_the_gain_that_it_has_and_takes_the_measured_exponent() {
-    let mut width = named(Cause::RateDependentWidth, vec![("width_gain", 0.4), ("rate_exponent", 0.4)]);
-    width.measure(vec![("width_gain_of_contraction_rate", 0.05), ("rate_exponent", 0.5)]);
-    assert_eq!(width.parameters, [("width_gain", 0.4), ("rate_exponent", 0.5)]);
-    let mut creep = named(Cause::Creep, vec![("time_constants_s", 1.0)]);
-    creep.measure(vec![("time_constants_s", 2.0), ("time_constants_s", 20.0)]);
-    assert_eq!(creep.parameters, [("time_constants_s", 2.0), ("time_constants_s", 20.0)]);
 }
 
 #[test]

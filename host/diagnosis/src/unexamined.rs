@@ -10,7 +10,7 @@
 use super::Diagnosis;
 use super::anatomy::examinable::Examinable;
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::{Cause, Fits, Law};
 use super::reject::{Unexplained, unexplained};
 use super::rivals::is_untold;
 use super::search::Search;
@@ -31,11 +31,11 @@ pub fn unexamined(
     }
     let leaves_something = left.is_some();
     let is_new = |cause: &Cause| !search.examinable.contains(cause);
-    let goes_alone = |cause: &Cause| matches!(cause, Cause::Drift | Cause::WarmUp);
-    let can_stand = |cause: &Cause| needs_no_column(*cause) && (leaves_something || !goes_alone(cause));
+    let goes_alone = |cause: &Cause| cause.law() == Law::Progress;
+    let can_stand = |cause: &Cause| cause.fits() == Fits::Any && (leaves_something || !goes_alone(cause));
     let all = judged.iter().map(|judged| judged.cause).filter(|cause| is_new(cause) && can_stand(cause));
     let new: Vec<Cause> = all.collect();
-    let is_rival = |cause: &Cause| set.causes.iter().any(|named| named.rivals().contains(cause));
+    let is_rival = |cause: &Cause| set.causes.iter().any(|named| named.rivals().any(|rival| rival == *cause));
     let found = if leaves_something && !new.is_empty() {
         let examinable = search.examinable.iter().chain(&new).copied().collect();
         let wider = Search { examinable, largest: LARGEST, ..search.clone() };
@@ -54,8 +54,8 @@ pub fn unexamined(
 fn as_good(others: &Search<'_>, set: &Candidate, without: &[Option<Candidate>]) -> Option<Candidate> {
     let places = set.causes.iter().zip(without).filter_map(|(cause, kept)| Some((cause, kept.as_ref()?)));
     let exchanged = places.flat_map(|(cause, kept)| {
-        let rivals = cause.rivals().iter().filter(|rival| others.examinable.contains(rival));
-        rivals.filter_map(|rival| others.with(kept, *rival, &[]))
+        let rivals = cause.rivals().filter(|rival| others.examinable.contains(rival));
+        rivals.filter_map(|rival| others.with(kept, rival, &[]))
     });
     let untold = exchanged.filter(|rival| is_untold(others, (set, &set.causes), rival));
     untold.min_by(|one, other| one.cost().total_cmp(&other.cost()))
@@ -69,25 +69,5 @@ pub fn admit(diagnosis: &mut Diagnosis) {
         judged.why.push_str(
             "; but no cause that it has an excitation for explains the recording, and this one does",
         );
-    }
-}
-
-/// Whether it can be fitted to any recording of input and output.
-pub fn needs_no_column(cause: Cause) -> bool {
-    match cause {
-        Cause::TransportDelay
-        | Cause::ViscousLag
-        | Cause::RateDependentWidth
-        | Cause::Inertia
-        | Cause::Creep
-        | Cause::Drift
-        | Cause::WarmUp => true,
-        Cause::ValveLag
-        | Cause::ValveDeadband
-        | Cause::SupplySaturation
-        | Cause::Load
-        | Cause::Temperature
-        | Cause::PeriodicDisturbance
-        | Cause::HysteresisShape => false,
     }
 }

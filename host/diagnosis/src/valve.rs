@@ -10,14 +10,14 @@
 use rayon::prelude::*;
 
 use super::Columns;
-use super::cause::Cause;
-use super::effect::ORDINARY_LAG_S;
 use super::equivalent::delayed;
 use super::low_pass::{low_pass, low_pass_of_second_order};
 use recording::noise::steps;
 use recording::numbers::range;
 use recording::unit::Unit;
 
+/// Lags and a delay up to here, together, are those of any proportional regulator, and not named. Unit: s.
+pub const ORDINARY_LAG_S: f64 = 0.07;
 /// Logarithm of the ratio of errors that an effect has to gain.
 const GAIN: f64 = 0.12;
 /// Up to here a delay is that of the recording, and not named: a row's command is written behind its sample, and acts by the
@@ -66,13 +66,26 @@ pub struct Valve {
     pub supply_bar: Option<f64>,
 }
 
+/// A part of a valve that is named where the pressure shows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ValvePart {
+    /// See [`Valve::delay_s`].
+    Delay,
+    /// See [`Valve::band`].
+    Band,
+    /// See [`Valve::supply_bar`].
+    Supply,
+    /// A lag longer than any regulator's.
+    Lag,
+}
+
 /// What was found between command and pressure.
 #[derive(Clone, Debug)]
 pub struct ValveFit {
     /// The valve.
     pub valve: Valve,
-    /// The causes that are named, each with the logarithmic gain of having it.
-    pub causes: Vec<(Cause, f64)>,
+    /// The parts that are named, each with the logarithmic gain of having it.
+    pub named: Vec<(ValvePart, f64)>,
     /// Root mean square of measured less simulated pressure. Unit of the pressure.
     pub rmse_bar: f64,
     /// The same for a valve that does what it is told at once. Unit of the pressure.
@@ -148,12 +161,12 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         }
     }
     let (valve, rmse_bar) = best;
-    let mut causes: Vec<(Cause, f64)> = Vec::new();
+    let mut named: Vec<(ValvePart, f64)> = Vec::new();
     let recorded_s = RECORDED_DELAY * task.step_s;
     let later = delayed(task.command, task.time_s, recorded_s);
-    for (cause, poorer) in valve.poorer() {
+    for (part, poorer) in valve.poorer() {
         let mut without = task.polished(poorer).1;
-        if cause == Cause::TransportDelay {
+        if part == ValvePart::Delay {
             let is_ordinary = |delay_s| delay_s + valve.lag_s <= ORDINARY_LAG_S;
             if valve.delay_s.is_some_and(|delay_s| delay_s <= recorded_s || is_ordinary(delay_s)) {
                 continue;
@@ -163,30 +176,35 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         }
         let gain = (without / rmse_bar).ln();
         if gain > GAIN {
-            causes.push((cause, gain));
+            named.push((part, gain));
         }
     }
     if valve.lag_s > ORDINARY_LAG_S {
         let at_once = task.error(&Valve { lag_s: 1e-6, ..valve }.simulate(task.time_s, task.command));
-        causes.push((Cause::ValveLag, (at_once / rmse_bar).ln()));
+        named.push((ValvePart::Lag, (at_once / rmse_bar).ln()));
     }
-    Some(ValveFit { valve, causes, rmse_bar, ideal_rmse_bar, unit: columns.input_unit })
+    Some(ValveFit { valve, named, rmse_bar, ideal_rmse_bar, unit: columns.input_unit })
 }
 
 impl Valve {
-    /// This valve without each of its effects but the lag.
-    fn poorer(&self) -> Vec<(Cause, Self)> {
-        let mut all = Vec::new();
-        if self.delay_s.is_some() {
-            all.push((Cause::TransportDelay, Self { delay_s: None, ..*self }));
+    /// What a part measures. Unit: s, of the pressure.
+    pub fn value(&self, part: ValvePart) -> Option<f64> {
+        match part {
+            ValvePart::Delay => self.delay_s,
+            ValvePart::Band => self.band.map(|(_, band)| band),
+            ValvePart::Supply => self.supply_bar,
+            ValvePart::Lag => Some(self.longer_lag_s()),
         }
-        if self.band.is_some() {
-            all.push((Cause::ValveDeadband, Self { band: None, ..*self }));
-        }
-        if self.supply_bar.is_some() {
-            all.push((Cause::SupplySaturation, Self { supply_bar: None, ..*self }));
-        }
-        all
+    }
+
+    /// This valve without each of its parts but the lag.
+    fn poorer(&self) -> impl Iterator<Item = (ValvePart, Self)> {
+        let all = [
+            (ValvePart::Delay, Self { delay_s: None, ..*self }),
+            (ValvePart::Band, Self { band: None, ..*self }),
+            (ValvePart::Supply, Self { supply_bar: None, ..*self }),
+        ];
+        all.into_iter().filter(|(part, _)| self.value(*part).is_some())
     }
 
     /// The longer of two lags; of one that rings how late it is on a ramp. Unit: s.

@@ -3,14 +3,16 @@
 use std::f64::consts::PI;
 
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::{Cause, Law};
 use super::extend::Given;
 use super::extend::start::knots;
-use super::physical::{self, DAMPED, Parameters};
+use super::fitted::{Parameters, value};
+use super::physical;
 use super::poor::Poor;
 use super::reject::Unexplained;
 use super::search::Search;
-use super::valve::ValveFit;
+use super::second_order::{DAMPED, DAMPING_RATIO, damped, damping, has_mass_and_viscosity_in_balance};
+use super::valve::{ValveFit, ValvePart};
 use identification::HostParameters;
 use recording::numbers::legible;
 use recording::unit::Unit;
@@ -59,27 +61,14 @@ pub struct Named {
 impl Named {
     /// The parameter of this name, if it has one.
     pub fn parameter(&self, wanted: &str) -> Option<f64> {
-        self.parameters.iter().find(|(name, _)| *name == wanted).map(|(_, value)| *value)
-    }
-
-    /// Takes over its parameters as measured anew; of a width those that it has, since not every gain is of the same rate.
-    pub(super) fn measure(&mut self, parameters: Parameters) {
-        if self.cause != Cause::RateDependentWidth {
-            self.parameters = parameters;
-            return;
-        }
-        for (name, value) in &mut self.parameters {
-            if let Some((_, measured)) = parameters.iter().find(|(measured, _)| measured == name) {
-                *value = *measured;
-            }
-        }
+        value(&self.parameters, wanted)
     }
 
     /// That the form of the model that is written leaves most of its error. `unit`: of the output.
-    pub fn shape(form: &Poor, unit: Unit) -> Self {
+    pub fn shape(form: &Poor, unit: Unit) -> Option<Self> {
         let any = form.better.map_or(f64::NAN, |(_, rmse)| rmse);
-        Self {
-            cause: Cause::HysteresisShape,
+        Some(Self {
+            cause: Cause::of_law(Law::Form)?,
             parameters: Vec::new(),
             share: 1.0 - (any / form.rmse).powi(2),
             evidence: vec![format!(
@@ -88,23 +77,23 @@ impl Named {
                 legible(form.rmse, 3)
             )],
             without: None,
-        }
+        })
     }
 
     /// That the form of a given operator model is too poor; the parameters are the sizes of the richer one. `unit`: of the output.
-    pub fn given_shape(given: &Given, richer: &HostParameters, unit: Unit) -> Self {
+    pub fn given_shape(given: &Given, richer: &HostParameters, unit: Unit) -> Option<Self> {
         let evidence = format!(
             "fitted to the recording, the form of the given model is off by {} {unit}, a richer one by {} {unit}",
             legible(given.refitted_rmse, 3),
             legible(given.richer_rmse, 3)
         );
-        Self {
-            cause: Cause::HysteresisShape,
+        Some(Self {
+            cause: Cause::of_law(Law::Form)?,
             parameters: sizes(richer),
             share: given.share(),
             evidence: vec![evidence],
             without: None,
-        }
+        })
     }
 }
 
@@ -173,18 +162,25 @@ pub fn named(
             Named { cause, parameters, share, evidence, without }
         })
         .collect();
-    if physical::has_mass_and_viscosity_in_balance(&best.fit) {
+    if has_mass_and_viscosity_in_balance(&best.fit) {
         join(&mut all);
     }
-    all.extend(damping(&all));
-    for (cause, gain) in valve.into_iter().flat_map(|fit| &fit.causes) {
-        let Some(fit) = valve else { break };
-        if all.iter().any(|named| named.cause == *cause) {
-            continue;
+    all.extend(damping_beside(&all));
+    for of_valve in valve.map_or_else(Vec::new, at_the_valve) {
+        if all.iter().all(|named| named.cause != of_valve.cause) {
+            all.push(of_valve);
         }
-        all.push(Named {
-            cause: *cause,
-            parameters: physical::of_valve(&fit.valve, *cause),
+    }
+    all
+}
+
+/// The causes between command and pressure.
+fn at_the_valve(fit: &ValveFit) -> Vec<Named> {
+    let named = |&(part, gain): &(ValvePart, f64)| {
+        let (cause, name) = Cause::of_valve(part)?;
+        Some(Named {
+            cause,
+            parameters: fit.valve.value(part).map(|value| (name, value)).into_iter().collect(),
             share: 1.0 - (-2.0 * gain).exp(),
             evidence: vec![format!(
                 "between command and pressure: without it the error is {:.1} times as large as {} {}",
@@ -193,37 +189,35 @@ pub fn named(
                 fit.unit
             )],
             without: None,
-        });
-    }
-    all
+        })
+    };
+    fit.named.iter().filter_map(named).collect()
 }
 
 /// A mass and a viscous force in the balance are one equation of second order: the viscosity damps the mass, and is a cause of
 /// its own only where the mass then hardly overshoots.
 fn join(named: &mut Vec<Named>) {
-    let of = |cause: Cause, wanted: &str| {
-        named.iter().find(|named| named.cause == cause).and_then(|named| named.parameter(wanted))
-    };
-    let (own, frequency_hz) =
-        (of(Cause::Inertia, "damping_ratio"), of(Cause::Inertia, "natural_frequency_hz"));
-    let lag_s = of(Cause::ViscousLag, "time_constant_s");
-    let Some(((own, frequency_hz), lag_s)) = own.zip(frequency_hz).zip(lag_s) else { return };
-    let whole = physical::damped(own, frequency_hz, lag_s);
+    let of = |law: Law| named.iter().find(|named| named.cause.law() == law);
+    let Some((own, frequency_hz)) = of(Law::Mass).and_then(|mass| damping(&mass.parameters)) else { return };
+    let lag_s = of(Law::Viscosity).and_then(|viscosity| viscosity.parameters.first());
+    let Some(&(_, lag_s)) = lag_s else { return };
+    let whole = damped(own, frequency_hz, lag_s);
     if whole < DAMPED {
-        named.retain(|named| named.cause != Cause::ViscousLag);
+        named.retain(|named| named.cause.law() != Law::Viscosity);
         let parameters = named.iter_mut().flat_map(|named| &mut named.parameters);
-        parameters.filter(|(name, _)| *name == "damping_ratio").for_each(|(_, ratio)| *ratio = whole);
+        parameters.filter(|(name, _)| *name == DAMPING_RATIO).for_each(|(_, ratio)| *ratio = whole);
     }
 }
 
 /// The viscosity beside a mass that hardly overshoots. In the balance of forces a mass and a viscous force are one
 /// equation of second order: alone a mass rings, and what takes the ringing away is named too.
-fn damping(named: &[Named]) -> Option<Named> {
-    let mass = named.iter().find(|named| named.cause == Cause::Inertia)?;
-    let (ratio, frequency_hz) = physical::damping(&mass.parameters).filter(|(ratio, _)| *ratio >= DAMPED)?;
-    let is_alone = named.iter().all(|named| named.cause != Cause::ViscousLag);
+fn damping_beside(named: &[Named]) -> Option<Named> {
+    let mass = named.iter().find(|named| named.cause.law() == Law::Mass)?;
+    let (ratio, frequency_hz) = damping(&mass.parameters).filter(|(ratio, _)| *ratio >= DAMPED)?;
+    let viscosity = Cause::of_law(Law::Viscosity)?;
+    let is_alone = named.iter().all(|named| named.cause != viscosity);
     is_alone.then(|| Named {
-        cause: Cause::ViscousLag,
+        cause: viscosity,
         parameters: vec![("time_constant_s", ratio / (PI * frequency_hz))],
         share: mass.share,
         evidence: vec![format!(
@@ -267,20 +261,21 @@ pub fn verdict(causes: &[Named], unexplained: Option<&Unexplained>, alternatives
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::causes::cause;
 
     /// A mass of 3.6 Hz, hardly damped by itself, and a viscous lag.
     fn mass_and_lag(lag_s: f64) -> Vec<Named> {
         let of =
             |cause, parameters| Named { cause, parameters, share: 0.5, evidence: Vec::new(), without: None };
         let mass = vec![("natural_frequency_hz", 3.6), ("damping_ratio", 0.2)];
-        vec![of(Cause::Inertia, mass), of(Cause::ViscousLag, vec![("time_constant_s", lag_s)])]
+        vec![of(cause("inertia"), mass), of(cause("viscous_lag"), vec![("time_constant_s", lag_s)])]
     }
 
     #[test]
     fn a_viscous_force_beside_a_mass_that_rings_is_its_damping() {
         let mut named = mass_and_lag(0.02);
         join(&mut named);
-        assert_eq!(named.iter().map(|named| named.cause).collect::<Vec<_>>(), [Cause::Inertia]);
+        assert_eq!(named.iter().map(|named| named.cause).collect::<Vec<_>>(), [cause("inertia")]);
         let whole = named[0].parameter("damping_ratio").expect("a damping ratio");
         assert!((whole - 0.426).abs() < 1e-3, "{whole}");
     }

@@ -1,8 +1,8 @@
 //! A diagnosis in words: the verdict in a sentence, and the experiment that is left to be made.
 
-use super::cause::Cause;
+use super::causes::Cause;
 use super::extend::Written;
-use super::physical::Parameters;
+use super::fitted::Parameters;
 use super::poor::Poor;
 use super::reject::Unexplained;
 use super::shown::quantity;

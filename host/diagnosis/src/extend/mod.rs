@@ -20,7 +20,6 @@
 //! | [`given`] | what is said of an operator model that the user has |
 //! | [`heldout`] | the gain on rows that took no part in the fit |
 //! | [`written`] | which model is written, and what it is worth beside the plain one |
-//! | [`physical`] | the extensions' parameters in the units that people measure in |
 //!
 //! # Contract
 //! What is fitted has seen nothing of the output but the scored rows before the split, when the models are compared behind
@@ -38,7 +37,6 @@ mod carry;
 mod compensating;
 pub mod given;
 pub mod heldout;
-pub mod physical;
 mod plain;
 mod refine;
 mod rests;
@@ -61,9 +59,10 @@ use rayon::prelude::*;
 
 use super::Columns;
 use super::candidate::Candidate;
-use super::cause::Cause;
+use super::causes::Cause;
 use super::race::is_same;
 use super::search::Search;
+use super::simulated::Simulated;
 use super::valve::ValveFit;
 use beginnings::{continued, nearer, plainer};
 use compensating::compensating;
@@ -177,6 +176,11 @@ impl Extension {
     pub fn answer(&self, columns: &Columns) -> Option<Vec<f64>> {
         let model = HostExtendedModel::try_new(&self.parameters, &self.acting(columns)).ok()?;
         rows(columns).answer(&model).ok()
+    }
+
+    /// The same, for what causes read from it; None where it cannot be simulated.
+    pub fn simulated(&self) -> Option<Simulated<'_>> {
+        Simulated::of(&self.parameters, &self.extensions)
     }
 
     /// The operator's form, as `mgpi compare` calls it.
@@ -485,7 +489,7 @@ impl<'a> Extender<'a> {
             }
         };
         progress(0.7);
-        let valve_is_named = valve.is_some_and(|fit| !fit.causes.is_empty());
+        let valve_is_named = valve.is_some_and(|fit| !fit.named.is_empty());
         let seen = seen_from(columns, valve_is_named);
         let heldout = heldout::gain(&seen, split, (&plain, &extended), search.signals.noise)?;
 

@@ -47,7 +47,7 @@ impl Slow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cause::Cause;
+    use crate::causes::cause;
     use crate::signals::Signals;
 
     /// A width, and an offset of 1 mm per K in the first two thirds, of 2 behind.
@@ -80,9 +80,9 @@ mod tests {
     fn rows_that_do_not_teach_have_no_say_in_what_goes_slowly() {
         let columns = recorded();
         let mut signals = Signals::new(&columns);
-        let search = Search::new(&mut signals, vec![Cause::Temperature], 0.0).expect("a baseline");
+        let search = Search::new(&mut signals, vec![cause("temperature")], 0.0).expect("a baseline");
         let (set, _) = search.run(&|_| ());
-        assert_eq!(set.causes, [Cause::Temperature]);
+        assert_eq!(set.causes, [cause("temperature")]);
         let all = carry::extensions(&columns, &search, &set);
         // What is added to the output, or taken off the input.
         let size = |slow: &Slow| {

@@ -1,13 +1,11 @@
 //! Which model is written: with the extensions that have shown what they gain, on all samples and on those that took no part in the
 //! fit, else the plain one.
 
-use model_core::ExtensionParameters;
-
 use super::heldout::{self, HeldOutGain, on_another};
-use super::{Extended, Extension, Plain, physical, seen_from, start};
+use super::{Extended, Extension, Plain, seen_from, start};
 use crate::Columns;
-use crate::cause::Cause;
-use crate::physical::Parameters;
+use crate::causes::Cause;
+use crate::fitted::Parameters;
 use identification::{self, Termination};
 
 /// The model that is written, beside the plain one. Errors are root mean squares in output unit.
@@ -39,27 +37,14 @@ impl Written {
         self.model.extensions != Default::default()
     }
 
-    /// What extends the operator, each by the cause that it stands for, with its parameters in the units that people measure in.
+    /// What extends the operator, in the order in which the model has it: each by the cause that it stands for, with its parameters in the
+    /// units that people measure in.
     pub fn extensions(&self) -> Vec<(Cause, Parameters)> {
-        let ExtensionParameters { valve_lag, valve_deadband, supply_saturation, .. } = &self.model.extensions;
-        let valve = [
-            valve_lag.map(|lag| (Cause::ValveLag, vec![("time_constant_s", lag.time_constant_s)])),
-            valve_deadband.map(|deadband| (Cause::ValveDeadband, vec![("band_bar", deadband.band)])),
-            supply_saturation.map(|supply| (Cause::SupplySaturation, vec![("supply_bar", supply.supply)])),
-        ];
-        let of_muscle = physical::parameters(&self.model).unwrap_or_default();
-        let has = |(cause, _): &(Cause, Parameters)| self.has(*cause);
-        valve.into_iter().flatten().chain(of_muscle.into_iter().filter(has)).collect()
-    }
-
-    /// Whether there is an extension that stands for a cause of the muscle: the damping of a mass is its viscous lag.
-    fn has(&self, cause: Cause) -> bool {
-        let ExtensionParameters { inertia, viscous_lag, .. } = &self.model.extensions;
-        match cause {
-            Cause::Inertia => inertia.is_some(),
-            Cause::ViscousLag => viscous_lag.is_some() && inertia.is_none(),
-            _ => true,
-        }
+        let Some(model) = self.model.simulated() else { return Vec::new() };
+        let written = |cause: Cause| Some((cause, cause.written(&model)?));
+        let mut all: Vec<(Cause, Parameters)> = Cause::ALL.into_iter().filter_map(written).collect();
+        all.sort_by_key(|(cause, _)| cause.stage());
+        all
     }
 }
 

@@ -1,14 +1,14 @@
 //! Excitations: commands whose recording tells apart what another recording has left confounded.
 //!
 //! # Design
-//! Each cause needs some parts ([`Part::of_cause`]); a plan has those of its causes, after the parts that every plan has,
+//! Each cause needs some parts; a plan has those of its causes, after the parts that every plan has,
 //! in a fixed order. All begins and ends at the lowest command. A wanted duration is met by stretching slow pieces and
 //! holds; fast pieces stay as fast as they are, since their speed is what they are for.
 //!
 //! # Limits
 //! A slew limit slows the fast pieces down; how fast they still are is the user's to judge.
 
-mod part;
+pub mod part;
 mod rivals;
 #[cfg(test)]
 mod tests;
@@ -20,8 +20,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use thiserror::Error;
 
-pub use self::part::Part;
-use crate::cause::Cause;
+use self::part::Part;
+use crate::causes::Cause;
 use recording::TOOL;
 use recording::course::{Course, Limits};
 
@@ -94,7 +94,7 @@ impl Plan {
         let parts: Vec<Part> = Part::ALL
             .into_iter()
             .filter(|part| {
-                part.is_always() || causes.iter().any(|cause| Part::of_cause(*cause).contains(part))
+                part.is_always() || causes.iter().any(|cause| cause.experiment().parts.contains(part))
             })
             .collect();
         let plan = |stretch: f64| {
@@ -159,7 +159,7 @@ impl Plan {
 
 /// The causes that show without a hand on the muscle.
 fn without_hand() -> Vec<Cause> {
-    Cause::ALL.into_iter().filter(|cause| *cause != Cause::Load).collect()
+    Cause::ALL.into_iter().filter(|cause| !cause.experiment().by_hand).collect()
 }
 
 /// All parts, and where each ends (s).

@@ -3,7 +3,6 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use crate::cause::Cause;
 use recording::course::Course;
 
 /// A part of an excitation.
@@ -45,24 +44,6 @@ impl Part {
         Self::Ramps,
         Self::Again,
     ];
-
-    /// What a cause needs beside what every excitation has.
-    pub fn of_cause(cause: Cause) -> &'static [Self] {
-        match cause {
-            Cause::TransportDelay | Cause::ValveLag | Cause::ViscousLag | Cause::Inertia => {
-                &[Self::Speeds, Self::Jumps]
-            }
-            // Where it stands still, friction that grew with the rate is gone and a lag comes after.
-            Cause::RateDependentWidth => &[Self::Speeds, Self::Jumps],
-            Cause::ValveDeadband => &[Self::SmallSteps],
-            Cause::SupplySaturation => &[Self::Top],
-            Cause::Creep => &[Self::LongHolds],
-            Cause::Load => &[Self::Loads],
-            Cause::Temperature | Cause::Drift | Cause::WarmUp => &[Self::Again],
-            Cause::PeriodicDisturbance => &[Self::Ramps, Self::LongHolds],
-            Cause::HysteresisShape => &[],
-        }
-    }
 
     /// Whether every excitation has it.
     pub fn is_always(self) -> bool {

@@ -1,87 +1,55 @@
 //! Causes that are easily taken for each other, and where they part; and what a person has to do for some.
 
-use crate::cause::Cause;
+use crate::causes::Cause;
 
 /// Two causes, and what the excitation does to tell them apart.
-const RIVALS: [(Cause, Cause, &str); 14] = [
+const RIVALS: [(&str, &str, &str); 14] = [
     (
-        Cause::TransportDelay,
-        Cause::ValveLag,
+        "transport_delay",
+        "valve_lag",
         "after a jump a delay leaves all still for its time, a lag begins at once",
     ),
     (
-        Cause::TransportDelay,
-        Cause::ViscousLag,
+        "transport_delay",
+        "viscous_lag",
         "after a jump a delay leaves all still for its time, a lag begins at once",
     ),
+    ("valve_lag", "viscous_lag", "record the pressure too: it follows the command late, or it does not"),
+    ("transport_delay", "inertia", "after a jump a mass overshoots, a delay does not"),
     (
-        Cause::ValveLag,
-        Cause::ViscousLag,
-        "record the pressure too: it follows the command late, or it does not",
-    ),
-    (Cause::TransportDelay, Cause::Inertia, "after a jump a mass overshoots, a delay does not"),
-    (
-        Cause::ViscousLag,
-        Cause::RateDependentWidth,
+        "viscous_lag",
+        "rate_dependent_width",
         "when the input stops, what lags comes after; a loop that was wide for its speed stays where it is",
     ),
-    (Cause::ViscousLag, Cause::Inertia, "after a jump a mass overshoots, a lag does not"),
-    (Cause::ViscousLag, Cause::Creep, "in a long hold a lag ends, creep goes on over decades of time"),
-    (Cause::RateDependentWidth, Cause::Creep, "in a long hold creep goes on, after slow swings too"),
+    ("viscous_lag", "inertia", "after a jump a mass overshoots, a lag does not"),
+    ("viscous_lag", "creep", "in a long hold a lag ends, creep goes on over decades of time"),
+    ("rate_dependent_width", "creep", "in a long hold creep goes on, after slow swings too"),
+    ("creep", "drift", "creep starts anew, and the other way, at each jump; a drift goes on the same"),
+    ("creep", "warm_up", "in a long hold there is no travel: what moves is creep"),
+    ("drift", "warm_up", "in the rest between the swings time goes on and travel does not"),
+    ("drift", "temperature", "let the temperature rise and fall, so that it is not a measure of time"),
+    ("warm_up", "temperature", "let the temperature rise and fall in the rest too, where there is no travel"),
     (
-        Cause::Creep,
-        Cause::Drift,
-        "creep starts anew, and the other way, at each jump; a drift goes on the same",
-    ),
-    (Cause::Creep, Cause::WarmUp, "in a long hold there is no travel: what moves is creep"),
-    (Cause::Drift, Cause::WarmUp, "in the rest between the swings time goes on and travel does not"),
-    (
-        Cause::Drift,
-        Cause::Temperature,
-        "let the temperature rise and fall, so that it is not a measure of time",
-    ),
-    (
-        Cause::WarmUp,
-        Cause::Temperature,
-        "let the temperature rise and fall in the rest too, where there is no travel",
-    ),
-    (
-        Cause::ValveDeadband,
-        Cause::HysteresisShape,
+        "valve_deadband",
+        "hysteresis_shape",
         "record the pressure too: a dead band is between command and pressure, the loop after it",
     ),
 ];
 
 /// Where the causes part, a line a pair.
 pub fn lines(causes: &[Cause]) -> Vec<String> {
+    let has = |name: &str| causes.iter().any(|cause| cause.name() == name);
     RIVALS
         .iter()
-        .filter(|(one, other, _)| causes.contains(one) && causes.contains(other))
+        .filter(|(one, other, _)| has(one) && has(other))
         .map(|(one, other, words)| format!("{one} or {other}: {words}"))
         .collect()
 }
 
 /// What has to be done beside playing the command, each thing once.
 pub fn notes(causes: &[Cause]) -> Vec<&'static str> {
-    let mut notes: Vec<&str> = causes.iter().filter_map(|cause| note(*cause)).collect();
+    let mut notes: Vec<&str> = causes.iter().filter_map(|cause| cause.experiment().note).collect();
     notes.sort_unstable();
     notes.dedup();
     notes
-}
-
-fn note(cause: Cause) -> Option<&'static str> {
-    Some(match cause {
-        Cause::ValveLag | Cause::ValveDeadband | Cause::SupplySaturation => {
-            "record the measured pressure as pressure_bar beside command_bar"
-        }
-        Cause::Load => "change the load where the plan says so, and record it as load_n",
-        Cause::Temperature => {
-            "record temperature_c, and let it rise and fall by some K while the plan is played"
-        }
-        Cause::WarmUp => "begin with a muscle that has rested for an hour: the first cycles show it",
-        Cause::TransportDelay | Cause::Inertia => {
-            "record 100 rows a second or more: fast movements are short"
-        }
-        _ => return None,
-    })
 }

@@ -1,6 +1,7 @@
 //! Recordings of the command alone, with the regulator in the chain.
 
 use super::*;
+use crate::causes::cause;
 
 use crate::low_pass::low_pass;
 
@@ -28,6 +29,6 @@ fn the_lag_of_any_regulator_is_part_of_the_model_and_not_named() {
 #[test]
 fn a_slow_valve_is_named_from_the_command_alone() {
     let diagnosis = diagnosed(&behind_a_regulator(0.3));
-    assert_eq!(names(&diagnosis), [Cause::ValveLag]);
+    assert_eq!(names(&diagnosis), [cause("valve_lag")]);
     assert!((parameter(&diagnosis, "time_constant_s") / 0.3 - 1.0).abs() < 0.1);
 }

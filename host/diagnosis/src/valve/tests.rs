@@ -38,11 +38,11 @@ fn a_slow_valve_behind_an_ordinary_one_is_slow_and_not_late() {
     for lag_s in [0.08, 0.22] {
         let valve = of_two(lag_s, 0.04);
         let found = found(&time_s, &jumps(&time_s), &valve);
-        assert_eq!(found.causes.iter().map(|(cause, _)| *cause).collect::<Vec<_>>(), [Cause::ValveLag]);
+        assert_eq!(found.named.iter().map(|(part, _)| *part).collect::<Vec<_>>(), [ValvePart::Lag]);
         assert!((found.valve.longer_lag_s() / lag_s - 1.0).abs() < 0.05, "{:?}", found.valve);
     }
     let ordinary = of_two(0.02, 0.02);
-    assert_eq!(found(&time_s, &jumps(&time_s), &ordinary).causes, []);
+    assert_eq!(found(&time_s, &jumps(&time_s), &ordinary).named, []);
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn a_regulator_of_the_second_order_is_not_late() {
         let valve = Valve { damping_ratio: Some(damping_ratio), ..Valve::slow(lag_s) };
         for commands in [jumps(&time_s), time_s.iter().map(|&time_s| command(time_s)).collect()] {
             let found = found(&time_s, &commands, &valve);
-            assert_eq!(found.causes.iter().map(|(cause, _)| *cause).collect::<Vec<_>>(), [Cause::ValveLag]);
+            assert_eq!(found.named.iter().map(|(part, _)| *part).collect::<Vec<_>>(), [ValvePart::Lag]);
             assert!((found.valve.lag_s / lag_s - 1.0).abs() < 0.05, "{:?}", found.valve);
         }
     }
@@ -64,7 +64,7 @@ fn a_late_valve_is_late_whether_it_has_one_lag_or_two() {
     for valve in [Valve::slow(0.04), of_two(0.04, 0.02)] {
         let valve = Valve { delay_s: Some(0.06), ..valve };
         let found = found(&time_s, &jumps(&time_s), &valve);
-        assert_eq!(found.causes.iter().map(|(cause, _)| *cause).collect::<Vec<_>>(), [Cause::TransportDelay]);
+        assert_eq!(found.named.iter().map(|(part, _)| *part).collect::<Vec<_>>(), [ValvePart::Delay]);
         assert!(found.valve.delay_s.is_some_and(|s| (s / 0.06 - 1.0).abs() < 0.1), "{:?}", found.valve);
     }
 }

@@ -22,7 +22,7 @@ use crate::Error;
 use crate::output::{OutputError, Outputs};
 use crate::parquet::{self, is_parquet};
 use diagnosis::diagnosed::{Diagnosed, Examined};
-use diagnosis::{Named, cause::Cause};
+use diagnosis::{Named, causes::Cause};
 use import::Values;
 use recording::day::Day;
 use recording::table::Table;
@@ -293,8 +293,9 @@ fn diagnosed(path: &Path, table: &Table, choice: &Choice) -> Result<Diagnosed, E
 fn fields(found: &Diagnosed) -> impl Iterator<Item = String> {
     let Diagnosed { diagnosis, gain, written, examined, .. } = found;
     let recording = &examined.recording;
-    let names =
-        |causes: &mut dyn Iterator<Item = Cause>| causes.map(Cause::name).collect::<Vec<_>>().join(" + ");
+    let names = |causes: &mut dyn Iterator<Item = Cause>| {
+        causes.map(|cause| cause.name()).collect::<Vec<_>>().join(" + ")
+    };
     let rivals: Vec<String> =
         diagnosis.alternatives.iter().map(|set| names(&mut set.iter().copied())).collect();
     [

@@ -7,7 +7,7 @@ use clap::Args;
 use super::number::positive;
 use crate::Error;
 use crate::output::Outputs;
-use diagnosis::cause::Cause;
+use diagnosis::causes::Cause;
 use diagnosis::plan::{Plan, Wish};
 use recording::course::Limits;
 
@@ -67,5 +67,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
 }
 
 fn cause(name: &str) -> Result<Cause, String> {
-    Cause::of_name(name).ok_or_else(|| format!("known are {}", Cause::ALL.map(Cause::name).join(", ")))
+    Cause::of_name(name)
+        .ok_or_else(|| format!("known are {}", Cause::ALL.map(|cause| cause.name()).join(", ")))
 }

@@ -4,7 +4,7 @@
 use maud::{Markup, html};
 
 use crate::bars::{Bar, Mark, bars};
-use diagnosis::cause::Cause;
+use diagnosis::causes::Cause;
 use diagnosis::{Diagnosis, Tried};
 use recording::unit::Unit;
 

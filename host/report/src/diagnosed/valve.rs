@@ -72,7 +72,7 @@ pub fn section(view: &View<'_>, columns: &Columns) -> Markup {
 }
 
 fn errors(fit: &ValveFit, verdict: Verdict) -> Markup {
-    let is_named = super::are_causes_named(verdict) && !fit.causes.is_empty();
+    let is_named = super::are_causes_named(verdict) && !fit.named.is_empty();
     let (ideal, found) = ([fit.ideal_rmse_bar], [fit.rmse_bar]);
     let groups = [
         Bar { name: "ideal valve: does at once what it is told", values: &ideal, is_chosen: false },

@@ -1,0 +1,115 @@
+//! The loop widens with speed, without a lag at rest.
+
+use super::needs::{Judge, Judged};
+use super::{Experiment, Kind, Law, Stage};
+use crate::effect::{Effect, Form, Parameter, Rate};
+use crate::fitted::{Fitted, Parameters, value};
+use crate::plan::part::Part;
+use crate::signals::Signals;
+use crate::simulated::{Simulated, at_middle};
+
+/// Bounds of the power of the rate that it grows with: one that grows nearly as the speed is viscosity.
+const POWERS: (f64, f64) = (0.2, 0.75);
+
+/// The cause.
+pub struct RateDependentWidth;
+
+/// The gain and the exponent of thresholds that follow a rate.
+fn width(gain: f64, exponent: f64, rate: Rate) -> Parameters {
+    let name = match rate {
+        Rate::Input => "width_gain",
+        Rate::Contraction => "width_gain_of_contraction_rate",
+    };
+    vec![(name, gain), ("rate_exponent", exponent)]
+}
+
+impl Kind for RateDependentWidth {
+    fn name(&self) -> &'static str {
+        "rate_dependent_width"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "The loop widens with speed, and there is no lag at rest"
+    }
+
+    fn law(&self) -> Law {
+        Law::Width
+    }
+
+    fn needs(&self, judge: &Judge<'_>) -> Judged {
+        judge.speeds()
+    }
+
+    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+        let span = signals.input_span;
+        let power = Parameter::new(0.5, POWERS.0, POWERS.1, 1e-3);
+        let gain = Parameter::new(0.0, 0.0, 10.0, 1e-2);
+        let range = Parameter::logarithm(0.05 * span, 0.005 * span, 0.4 * span);
+        let strengths = Parameter::strengths(signals, 0.05 * span, 0.0);
+        let friction = [power, range].into_iter().chain(strengths);
+        vec![
+            Effect::new(Form::Thresholds(Rate::Input), [power, gain]),
+            Effect::new(Form::Thresholds(Rate::Contraction), [power, gain]),
+            Effect::new(Form::Friction(Rate::Contraction), friction),
+        ]
+    }
+
+    fn complexity(&self) -> f64 {
+        0.04
+    }
+
+    fn taken_for(&self) -> &'static [&'static str] {
+        &["viscous_lag", "creep"]
+    }
+
+    fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
+        let exponent = fitted.parameter(0);
+        let of_typical = |rate| fitted.signals.typical_speed(rate).powf(exponent);
+        match fitted.form() {
+            Form::Thresholds(rate) => width(fitted.parameter(1) / of_typical(rate), exponent, rate),
+            Form::Friction(rate) => {
+                let range = fitted.parameter(1).exp() * fitted.at_middle(2) / of_typical(rate);
+                width(range / fitted.half_width().max(1e-9), exponent, rate)
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn stage(&self) -> Stage {
+        Stage::Hysteresis
+    }
+
+    fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
+        let thresholds = model.extensions.rate_dependent_thresholds.as_ref()?;
+        let (gain, rate) = match &thresholds.pressure {
+            Some(pressure) => (pressure.gain, Rate::Input),
+            None => (at_middle(&thresholds.gain)?, Rate::Contraction),
+        };
+        Some(width(gain, thresholds.exponent, rate))
+    }
+
+    /// Of those alone that it has: not every gain is of the same rate.
+    fn take_over(&self, own: &mut Parameters, measured: Parameters) {
+        for (name, own) in own {
+            *own = value(&measured, name).unwrap_or(*own);
+        }
+    }
+
+    /// Where the input stands still, friction that grew with the rate is gone and a lag comes after.
+    fn experiment(&self) -> Experiment {
+        Experiment { parts: &[Part::Speeds, Part::Jumps], ..Experiment::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_width_keeps_the_gain_that_it_has_and_takes_the_measured_exponent() {
+        let mut own = vec![("width_gain", 0.4), ("rate_exponent", 0.4)];
+        let measured = vec![("width_gain_of_contraction_rate", 0.05), ("rate_exponent", 0.5)];
+        RateDependentWidth.take_over(&mut own, measured);
+        assert_eq!(own, [("width_gain", 0.4), ("rate_exponent", 0.5)]);
+    }
+}

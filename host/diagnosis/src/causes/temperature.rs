@@ -1,0 +1,60 @@
+//! The recorded temperature moves the curve.
+
+use super::column;
+use super::needs::{Judge, Judged};
+use super::{Experiment, Fits, Kind, Stage};
+use crate::effect::{Driver, Effect};
+use crate::fitted::{Fitted, Parameters};
+use crate::plan::part::Part;
+use crate::signals::Signals;
+use crate::simulated::Simulated;
+
+/// The cause.
+pub struct Temperature;
+
+fn named((offset, gain): (f64, f64)) -> Parameters {
+    vec![("offset_mm_per_k", offset), ("gain_per_k", gain)]
+}
+
+impl Kind for Temperature {
+    fn name(&self) -> &'static str {
+        "temperature"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "The temperature, which was recorded, moves the curve"
+    }
+
+    fn needs(&self, judge: &Judge<'_>) -> Judged {
+        judge.column("temperature", "K", judge.excitation.temperature)
+    }
+
+    fn fits(&self) -> Fits {
+        Fits::Excited
+    }
+
+    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+        column::starts(signals, Driver::Temperature, &signals.temperature)
+    }
+
+    fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
+        named(column::moved(&fitted.signals.knots, &fitted.changes()))
+    }
+
+    fn stage(&self) -> Stage {
+        Stage::Offset
+    }
+
+    fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
+        let all = model.extensions;
+        column::written(model, &all.temperature, all.sites.temperature).map(named)
+    }
+
+    fn experiment(&self) -> Experiment {
+        Experiment {
+            parts: &[Part::Again],
+            note: Some("record temperature_c, and let it rise and fall by some K while the plan is played"),
+            by_hand: false,
+        }
+    }
+}

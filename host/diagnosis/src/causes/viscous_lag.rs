@@ -1,0 +1,90 @@
+//! Viscous force: the contraction follows the static curve with a lag.
+//!
+//! Beside a mass it is one equation of second order with that, and what damps it.
+
+use super::needs::{Judge, Judged, Lack};
+use super::{Experiment, Kind, Law, Stage};
+use crate::effect::{Driver, Effect, Form, Parameter};
+use crate::fitted::{Doubt, Fitted, Parameters};
+use crate::plan::part::Part;
+use crate::signals::Signals;
+use crate::simulated::Simulated;
+use recording::numbers::root_mean_square;
+
+/// The name of its parameter.
+const TIME_CONSTANT: &str = "time_constant_s";
+/// The shortest lag that shows: of less no recording's own timing is free. Unit: row.
+const LEAST: f64 = 0.5;
+
+/// The cause.
+pub struct ViscousLag;
+
+impl ViscousLag {
+    fn time_constant_s(fitted: &Fitted<'_>) -> f64 {
+        match fitted.form() {
+            Form::Driven(_) => fitted.at_middle(0) * fitted.slope(),
+            _ => fitted.weight_at_middle(0),
+        }
+    }
+}
+
+impl Kind for ViscousLag {
+    fn name(&self) -> &'static str {
+        "viscous_lag"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "A force against the speed makes the contraction follow its static curve late"
+    }
+
+    fn law(&self) -> Law {
+        Law::Viscosity
+    }
+
+    fn needs(&self, judge: &Judge<'_>) -> Judged {
+        judge.lag()
+    }
+
+    fn alike_without(&self) -> &'static [Lack] {
+        &[Lack::Speeds, Lack::LongHolds]
+    }
+
+    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+        let strengths = Parameter::strengths(signals, root_mean_square(&signals.rate), 0.0);
+        vec![Effect::new(Form::Driven(Driver::Rate), strengths), Effect::new(Form::OutputLag, [])]
+    }
+
+    fn taken_for(&self) -> &'static [&'static str] {
+        &["inertia", "rate_dependent_width", "transport_delay"]
+    }
+
+    fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
+        vec![(TIME_CONSTANT, Self::time_constant_s(fitted))]
+    }
+
+    fn doubt(&self, fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
+        let shows = Self::time_constant_s(fitted) >= LEAST * fitted.signals.step_s;
+        (!shows).then_some(Doubt::Unseen)
+    }
+
+    fn stage(&self) -> Stage {
+        Stage::Motion
+    }
+
+    /// The damping of a mass is the mass's.
+    fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
+        self.measured(model).filter(|_| model.extensions.inertia.is_none())
+    }
+
+    /// Beside a mass: the damping that the two share.
+    fn measured(&self, model: &Simulated<'_>) -> Option<Parameters> {
+        let all = model.extensions;
+        let lag_s = model.late(&all.viscous_lag, all.sites.viscous_lag);
+        let beside_mass = || all.inertia.as_ref().map(|_| 0.0);
+        lag_s.or_else(beside_mass).map(|lag_s| vec![(TIME_CONSTANT, lag_s)])
+    }
+
+    fn experiment(&self) -> Experiment {
+        Experiment { parts: &[Part::Speeds, Part::Jumps], ..Experiment::default() }
+    }
+}

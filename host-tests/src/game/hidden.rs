@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use diagnosis::extend::Extension;
-use diagnosis::physical::Loop;
+use diagnosis::turn::Loop;
 use model_core::ExtensionParameters;
 use model_core::extension::profile::Profile;
 use model_core::extension::{CreepParameters, DeadbandForm, PressureRateParameters, ProfileParameters, Site};

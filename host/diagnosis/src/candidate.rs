@@ -57,7 +57,7 @@ impl Candidate {
         let pure = self.spread.map_or(0.0, |error| PURE * error.max(1e-12).ln());
         let alone = 1 + usize::from(self.is_third_order());
         let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(alone);
-        let complexity: f64 = self.causes.iter().map(|cause| cause.complexity()).sum();
+        let complexity: f64 = self.causes.iter().map(|cause| cause.about().complexity).sum();
         let unseen = match &self.causes[..] {
             _ if self.shows() => 0.0,
             [one] if one.law() == Law::Mass => UNSEEN_ALONE,
@@ -114,7 +114,7 @@ impl Candidate {
 
     /// What it has to be better by than what its causes contain. A mass that overshoots has more in it than a lag.
     fn containment(&self) -> f64 {
-        if self.rings() { 0.0 } else { self.causes.iter().map(|cause| cause.containment()).sum() }
+        if self.rings() { 0.0 } else { self.causes.iter().map(|cause| cause.about().containment).sum() }
     }
 
     /// Whether it has a mass that overshoots.
@@ -204,7 +204,7 @@ mod tests {
     fn a_mass_pays_for_the_lag_that_it_contains_unless_it_rings() {
         let mass = |ratio| set(&[cause("inertia")], Some(ratio), 0.0).cost();
         assert_eq!(mass(0.2), set(&[], None, 0.0).cost());
-        assert_eq!(mass(0.7), mass(0.2) + cause("inertia").containment());
+        assert_eq!(mass(0.7), mass(0.2) + cause("inertia").about().containment);
     }
 
     #[test]

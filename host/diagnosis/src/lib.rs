@@ -331,8 +331,9 @@ fn among(
     let examinable = examinable(&excitation, view, columns.input_unit.symbol());
     let is_excited =
         |cause: Cause| examinable.iter().any(|judged| judged.cause == cause && judged.examinable);
-    let can_show = |cause: Cause| is_excited(cause) || asked == Asked::All && cause.fits() != Fits::Excited;
-    let is_behind_input = |cause: Cause| cause.fits() != Fits::Command || columns.input_is_command;
+    let can_show =
+        |cause: Cause| is_excited(cause) || asked == Asked::All && cause.about().fits != Fits::Excited;
+    let is_behind_input = |cause: Cause| cause.about().fits != Fits::Command || columns.input_is_command;
     let muscle = Cause::ALL.into_iter().filter(|&cause| can_show(cause) && is_behind_input(cause)).collect();
     progress(0.1, "baseline");
     let (input_noise, scored_rows) = (signals.input_noise, signals.scored());

@@ -17,7 +17,7 @@ pub fn with_ordinary_lag(
     set: &Candidate,
     sizes: &[Vec<Candidate>],
 ) -> Option<Candidate> {
-    let ordinary = |cause: Cause| Some((cause, (cause.ordinary()?.start)(search.signals)?));
+    let ordinary = |cause: Cause| Some((cause, (cause.about().ordinary?.start)(search.signals)?));
     let (lag, start) = Cause::ALL.into_iter().find_map(ordinary)?;
     if set.causes.contains(&lag) {
         return None;
@@ -60,7 +60,7 @@ fn ordinary_lag(search: &Search<'_>, set: &Candidate) -> Option<Cause> {
 
 /// Whether a cause with these parameters is what any recording of a command has.
 pub fn is_ordinary(cause: Cause, parameters: &Parameters) -> bool {
-    cause.ordinary().is_some_and(|Ordinary { up_to: (name, most), .. }| {
+    cause.about().ordinary.is_some_and(|Ordinary { up_to: (name, most), .. }| {
         value(parameters, name).is_some_and(|value| value <= most)
     })
 }

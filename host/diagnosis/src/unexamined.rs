@@ -32,7 +32,8 @@ pub fn unexamined(
     let leaves_something = left.is_some();
     let is_new = |cause: &Cause| !search.examinable.contains(cause);
     let goes_alone = |cause: &Cause| cause.law() == Law::Progress;
-    let can_stand = |cause: &Cause| cause.fits() == Fits::Any && (leaves_something || !goes_alone(cause));
+    let can_stand =
+        |cause: &Cause| cause.about().fits == Fits::Any && (leaves_something || !goes_alone(cause));
     let all = judged.iter().map(|judged| judged.cause).filter(|cause| is_new(cause) && can_stand(cause));
     let new: Vec<Cause> = all.collect();
     let is_rival = |cause: &Cause| set.causes.iter().any(|named| named.rivals().any(|rival| rival == *cause));

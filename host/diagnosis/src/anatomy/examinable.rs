@@ -64,7 +64,7 @@ pub fn inseparable(judged: &[Examinable], excitation: &Excitation) -> Inseparabl
     let mut all = Inseparable::default();
     for lack in Lack::ALL.into_iter().filter(|lack| lack.is_of(excitation)) {
         let shown = judged.iter().filter(|judged| judged.examinable).map(|judged| judged.cause);
-        let causes: Vec<Cause> = shown.filter(|cause| cause.alike_without().contains(&lack)).collect();
+        let causes: Vec<Cause> = shown.filter(|cause| cause.about().alike_without.contains(&lack)).collect();
         if causes.len() > 1 {
             all.causes
                 .extend(causes.into_iter().filter(|cause| !all.causes.contains(cause)).collect::<Vec<_>>());

@@ -1,7 +1,7 @@
 //! Slow relaxation over decades of time after each change: a sum of lags, two a decade.
 
+use super::kind::{About, Kind, Stage};
 use super::needs::{CREEP_HOLD_S, Judge, Judged, Lack};
-use super::{Experiment, Kind, Stage};
 use crate::effect::{Effect, Form, Parameter};
 use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
@@ -52,12 +52,17 @@ fn of_elements(fractions: &[f64], time_constants_s: &[f64]) -> Parameters {
 }
 
 impl Kind for Creep {
-    fn name(&self) -> &'static str {
-        "creep"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "After each change the contraction goes on slowly, over decades of time"
+    fn about(&self) -> &'static About {
+        &About {
+            name: "creep",
+            meaning: "After each change the contraction goes on slowly, over decades of time",
+            stage: Stage::Output,
+            alike_without: &[Lack::LongHolds],
+            complexity: 0.02,
+            taken_for: &["rate_dependent_width", "warm_up", "drift"],
+            parts: &[Part::LongHolds],
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
@@ -80,21 +85,9 @@ impl Kind for Creep {
         }
     }
 
-    fn alike_without(&self) -> &'static [Lack] {
-        &[Lack::LongHolds]
-    }
-
     fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
         let weights = signals.creep_s.iter().map(|_| Parameter::new(0.0, 0.0, 0.9, 1e-3));
         vec![Effect::new(Form::Creep, []), Effect::new(Form::CreepOfInput, weights)]
-    }
-
-    fn complexity(&self) -> f64 {
-        0.02
-    }
-
-    fn taken_for(&self) -> &'static [&'static str] {
-        &["rate_dependent_width", "warm_up", "drift"]
     }
 
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
@@ -106,17 +99,9 @@ impl Kind for Creep {
         (!goes_on).then_some(Doubt::Over)
     }
 
-    fn stage(&self) -> Stage {
-        Stage::Output
-    }
-
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         let creep = model.extensions.creep.as_ref()?;
         Some(of_elements(&creep.fractions, &creep.time_constants_s))
-    }
-
-    fn experiment(&self) -> Experiment {
-        Experiment { parts: &[Part::LongHolds], ..Experiment::default() }
     }
 }
 

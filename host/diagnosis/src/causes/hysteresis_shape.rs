@@ -3,8 +3,8 @@
 //! It has no effect in the search, whose baseline takes the form of any hysteresis: it is named where the model that is written does
 //! not.
 
+use super::kind::{About, Fits, Kind, Law, Stage};
 use super::needs::{Judge, Judged};
-use super::{Fits, Kind, Law, Stage};
 
 /// The least number of different heights of swings in which the shape of inner loops shows.
 const HEIGHTS: usize = 3;
@@ -13,16 +13,15 @@ const HEIGHTS: usize = 3;
 pub struct HysteresisShape;
 
 impl Kind for HysteresisShape {
-    fn name(&self) -> &'static str {
-        "hysteresis_shape"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "What is left does not depend on time or speed: the operator model is too poor"
-    }
-
-    fn law(&self) -> Law {
-        Law::Form
+    fn about(&self) -> &'static About {
+        &About {
+            name: "hysteresis_shape",
+            meaning: "What is left does not depend on time or speed: the operator model is too poor",
+            law: Law::Form,
+            stage: Stage::Hysteresis,
+            fits: Fits::Excited,
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
@@ -33,13 +32,5 @@ impl Kind for HysteresisShape {
             }
             heights => format!("swings of {heights} different heights"),
         })
-    }
-
-    fn fits(&self) -> Fits {
-        Fits::Excited
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Hysteresis
     }
 }

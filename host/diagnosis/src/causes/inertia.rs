@@ -2,8 +2,8 @@
 //!
 //! It has the viscosity in it that damps it: what is damped so far that it does not overshoot comes to two causes.
 
+use super::kind::{About, Kind, Law, RECORD_FAST, Stage};
 use super::needs::{Judge, Judged, ROUNDING};
-use super::{Experiment, Kind, Law, Stage};
 use crate::anatomy::excitation::Excitation;
 use crate::effect::{Effect, Form, Parameter};
 use crate::fitted::{Doubt, Fitted, Parameters, value};
@@ -30,16 +30,19 @@ fn ringing(mass: f64, damping: f64) -> Parameters {
 }
 
 impl Kind for Inertia {
-    fn name(&self) -> &'static str {
-        "inertia"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "A mass overshoots and rings"
-    }
-
-    fn law(&self) -> Law {
-        Law::Mass
+    fn about(&self) -> &'static About {
+        &About {
+            name: "inertia",
+            meaning: "A mass overshoots and rings",
+            law: Law::Mass,
+            stage: Stage::Motion,
+            // Than the viscous lag.
+            containment: 0.05,
+            taken_for: &["viscous_lag", "transport_delay"],
+            parts: &[Part::Speeds, Part::Jumps],
+            note: Some(RECORD_FAST),
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
@@ -71,15 +74,6 @@ impl Kind for Inertia {
         vec![Effect::new(Form::Inertia, both), Effect::new(Form::OutputInertia, [])]
     }
 
-    /// Than the viscous lag.
-    fn containment(&self) -> f64 {
-        0.05
-    }
-
-    fn taken_for(&self) -> &'static [&'static str] {
-        &["viscous_lag", "transport_delay"]
-    }
-
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
         match fitted.form() {
             Form::Inertia => {
@@ -96,17 +90,9 @@ impl Kind for Inertia {
         (!swings).then_some(Doubt::Unseen)
     }
 
-    fn stage(&self) -> Stage {
-        Stage::Motion
-    }
-
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         let all = model.extensions;
         let mass = model.late(&all.inertia, all.sites.inertia)?;
         Some(ringing(mass, model.late(&all.viscous_lag, all.sites.viscous_lag).unwrap_or(0.0)))
-    }
-
-    fn experiment(&self) -> Experiment {
-        Experiment { parts: &[Part::Speeds, Part::Jumps], note: Some(super::RECORD_FAST), by_hand: false }
     }
 }

@@ -1,13 +1,14 @@
 //! The causes that can be named: a file each, which says all that the diagnosis knows of that cause.
 //!
 //! # Design
-//! The selection asks a cause what it needs to know, through [`Kind`], and knows none by name. What several causes have in common is a
-//! [`Law`], a [`Stage`] or a part of the valve, so that a new cause is treated like those that are like it. Causes name each other, as
-//! rivals, by name alone: no file needs another one.
+//! The selection asks a cause what it needs to know, through [`Kind`], and knows none by name: the modules of the causes are private.
+//! What several causes have in common is a [`Law`], a lack of excitation that shows them alike, or a part of the valve, so that a new
+//! cause is treated like those that are like it. Causes name each other, as rivals, by name alone: no file needs another one.
 //!
 //! | file | what it has |
 //! |---|---|
-//! | `needs` | what several causes need of a recording |
+//! | [`kind`] | what a cause says of itself |
+//! | [`needs`] | what several causes need of a recording |
 //! | `column` | what a recorded column moves |
 //! | all others | a cause each, by its name |
 //!
@@ -22,6 +23,7 @@ mod creep;
 mod drift;
 mod hysteresis_shape;
 mod inertia;
+pub mod kind;
 mod load;
 pub mod needs;
 mod periodic_disturbance;
@@ -35,15 +37,9 @@ mod viscous_lag;
 mod warm_up;
 
 use std::fmt;
-use std::hash::{Hash, Hasher};
 use std::ops::Deref;
 
-use self::needs::{Judge, Judged, Lack};
-use crate::effect::Effect;
-use crate::fitted::{Doubt, Fitted, Parameters};
-use crate::plan::part::Part;
-use crate::signals::Signals;
-use crate::simulated::Simulated;
+pub use self::kind::{Fits, Kind, Law, Ordinary};
 use crate::valve::ValvePart;
 
 /// A cause that can be named: what can be wrong in a simulation, each a nested extension of the model in its physical place.
@@ -69,6 +65,21 @@ impl Cause {
         Self(&hysteresis_shape::HysteresisShape),
     ];
 
+    /// The name in commands and files.
+    pub fn name(self) -> &'static str {
+        self.about().name
+    }
+
+    /// What it is, for people: a sentence without its full stop.
+    pub fn meaning(self) -> &'static str {
+        self.about().meaning
+    }
+
+    /// The law by which it acts.
+    pub fn law(self) -> Law {
+        self.about().law
+    }
+
     /// The cause of this name.
     pub fn of_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|cause| cause.name() == name)
@@ -81,14 +92,13 @@ impl Cause {
 
     /// The cause that a part of a valve is, with the name of its parameter.
     pub fn of_valve(part: ValvePart) -> Option<(Self, &'static str)> {
-        let of =
-            |cause: Self| cause.in_valve().filter(|(own, _)| *own == part).map(|(_, name)| (cause, name));
-        Self::ALL.into_iter().find_map(of)
+        let own = |cause: Self| cause.about().in_valve.map(|(own, name)| (own, (cause, name)));
+        Self::ALL.into_iter().filter_map(own).find(|(own, _)| *own == part).map(|(_, found)| found)
     }
 
     /// The causes that it is most easily taken for, the likeliest first.
     pub fn rivals(self) -> impl Iterator<Item = Self> {
-        self.taken_for().iter().filter_map(|name| Self::of_name(name))
+        self.about().taken_for.iter().filter_map(|name| Self::of_name(name))
     }
 
     /// Whether it acts within fractions of a second.
@@ -123,12 +133,6 @@ impl PartialEq for Cause {
 
 impl Eq for Cause {}
 
-impl Hash for Cause {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.name().hash(state);
-    }
-}
-
 impl fmt::Debug for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
@@ -138,167 +142,6 @@ impl fmt::Debug for Cause {
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-/// What the valve's causes ask for beside the command.
-const RECORD_PRESSURE: &str = "record the measured pressure as pressure_bar beside command_bar";
-/// What fast causes ask for.
-const RECORD_FAST: &str = "record 100 rows a second or more: fast movements are short";
-
-/// The law by which a cause acts, as far as others ask.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Law {
-    /// The input comes later as it is.
-    Delay,
-    /// A force over the rate: the term of first order of the balance of forces, by which a mass is damped.
-    Viscosity,
-    /// A force over the acceleration: its term of second order, which has one of first order in it.
-    Mass,
-    /// The loop is wider by a power of the rate, as it is by much that a model gets wrong about a hysteresis.
-    Width,
-    /// Time or travel alone, whatever the input does.
-    Progress,
-    /// The form of the operator model itself.
-    Form,
-    /// None that others ask for.
-    Own,
-}
-
-/// Recordings that a cause can be fitted to, whether they excite it or not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fits {
-    /// Any of input and output.
-    Any,
-    /// Any of those whose input is the command: in others it acts before the input.
-    Command,
-    /// Those alone that excite it.
-    Excited,
-}
-
-/// Where a model has a cause, on the way from the command to the contraction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
-    /// On the way of the input.
-    Input,
-    /// In what is taken off the input, or off the output.
-    Offset,
-    /// In the balance of forces.
-    Motion,
-    /// In the hysteresis.
-    Hysteresis,
-    /// Behind it.
-    Output,
-}
-
-/// What any recording of a command has of a cause.
-#[derive(Clone, Copy, Debug)]
-pub struct Ordinary {
-    /// The parameter, and up to where it is ordinary.
-    pub up_to: (&'static str, f64),
-    /// Its effect, no larger than that; None where the samples are too far apart for one.
-    pub start: fn(&Signals) -> Option<Effect>,
-}
-
-/// What an experiment has to have for a cause.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Experiment {
-    /// Parts of the excitation beside those that every one has.
-    pub parts: &'static [Part],
-    /// What has to be done beside playing the command.
-    pub note: Option<&'static str>,
-    /// Whether it shows by a hand on the muscle alone.
-    pub by_hand: bool,
-}
-
-/// All that the diagnosis knows of a cause.
-pub trait Kind: Sync {
-    /// The name in commands and files.
-    fn name(&self) -> &'static str;
-
-    /// What it is, for people: a sentence without its full stop.
-    fn meaning(&self) -> &'static str;
-
-    /// The law by which it acts.
-    fn law(&self) -> Law {
-        Law::Own
-    }
-
-    /// What it needs of a recording to be seen, met or not.
-    fn needs(&self, judge: &Judge<'_>) -> Judged;
-
-    /// What it can be fitted to.
-    fn fits(&self) -> Fits {
-        Fits::Any
-    }
-
-    /// Without these it looks like the other causes that need them.
-    fn alike_without(&self) -> &'static [Lack] {
-        &[]
-    }
-
-    /// The effects to try for it in the search, from their several starts, where others leave this residual of the scored rows; none
-    /// where the recording has not what it takes.
-    fn starts(&self, _signals: &Signals, _left: &[f64]) -> Vec<Effect> {
-        Vec::new()
-    }
-
-    /// What it has to be better by than a cause that explains much the same with less.
-    fn complexity(&self) -> f64 {
-        0.0
-    }
-
-    /// What it has to be better by than a cause that it contains.
-    fn containment(&self) -> f64 {
-        0.0
-    }
-
-    /// The names of the causes that it is most easily taken for, the likeliest first.
-    fn taken_for(&self) -> &'static [&'static str] {
-        &[]
-    }
-
-    /// Its parameters in the units that people measure in, as the search has it.
-    fn parameters(&self, _fitted: &Fitted<'_>) -> Parameters {
-        Vec::new()
-    }
-
-    /// What speaks against it as the search has it, in a recording with this longest hold. Unit: s.
-    fn doubt(&self, _fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
-        None
-    }
-
-    /// The part of a valve that it is, with the name of its parameter.
-    fn in_valve(&self) -> Option<(ValvePart, &'static str)> {
-        None
-    }
-
-    /// What of it is nothing that is wrong.
-    fn ordinary(&self) -> Option<Ordinary> {
-        None
-    }
-
-    /// Where a model has it.
-    fn stage(&self) -> Stage;
-
-    /// Its parameters where it extends a model; None where it does not.
-    fn written(&self, _model: &Simulated<'_>) -> Option<Parameters> {
-        None
-    }
-
-    /// Its parameters as a model with the named causes measures them, if that has something to say.
-    fn measured(&self, model: &Simulated<'_>) -> Option<Parameters> {
-        self.written(model)
-    }
-
-    /// Takes over what was measured.
-    fn take_over(&self, own: &mut Parameters, measured: Parameters) {
-        *own = measured;
-    }
-
-    /// What shows it.
-    fn experiment(&self) -> Experiment {
-        Experiment::default()
     }
 }
 
@@ -317,7 +160,7 @@ mod tests {
         for (place, cause) in Cause::ALL.into_iter().enumerate() {
             let named = Cause::of_name(cause.name()).expect("a name");
             assert!(Cause::ALL.iter().position(|other| *other == named) == Some(place), "{cause}");
-            assert_eq!(cause.rivals().count(), cause.taken_for().len(), "{cause}");
+            assert_eq!(cause.rivals().count(), cause.about().taken_for.len(), "{cause}");
             assert!(cause.rivals().all(|rival| rival != cause), "{cause}");
         }
     }

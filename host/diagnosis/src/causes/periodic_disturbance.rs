@@ -1,7 +1,7 @@
 //! A tone that has nothing to do with the input.
 
+use super::kind::{About, Fits, Kind, Stage};
 use super::needs::{Judge, Judged, ROUNDING};
-use super::{Experiment, Fits, Kind, Stage};
 use crate::anatomy::excitation::Excitation;
 use crate::anatomy::spectrum::LEAST_PERIODS;
 use crate::effect::{Effect, Form, Parameter};
@@ -33,12 +33,15 @@ fn named(frequency_hz: f64, amplitude: f64) -> Parameters {
 }
 
 impl Kind for PeriodicDisturbance {
-    fn name(&self) -> &'static str {
-        "periodic_disturbance"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "There is a tone that has nothing to do with the input"
+    fn about(&self) -> &'static About {
+        &About {
+            name: "periodic_disturbance",
+            meaning: "There is a tone that has nothing to do with the input",
+            stage: Stage::Output,
+            fits: Fits::Excited,
+            parts: &[Part::Ramps, Part::LongHolds],
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
@@ -54,10 +57,6 @@ impl Kind for PeriodicDisturbance {
         Ok(format!("frequencies from {:.3} to {:.1} Hz", 4.0 / duration_s, 0.5 / step_s))
     }
 
-    fn fits(&self) -> Fits {
-        Fits::Excited
-    }
-
     /// From the peaks of the residual's spectrum.
     fn starts(&self, signals: &Signals, left: &[f64]) -> Vec<Effect> {
         if left.is_empty() {
@@ -70,15 +69,7 @@ impl Kind for PeriodicDisturbance {
         named(fitted.parameter(0), fitted.weight(0).hypot(fitted.weight(1)))
     }
 
-    fn stage(&self) -> Stage {
-        Stage::Output
-    }
-
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         model.extensions.periodic_disturbance.map(|tone| named(tone.frequency_hz, tone.amplitude))
-    }
-
-    fn experiment(&self) -> Experiment {
-        Experiment { parts: &[Part::Ramps, Part::LongHolds], ..Experiment::default() }
     }
 }

@@ -1,7 +1,7 @@
 //! The loop widens with speed, without a lag at rest.
 
+use super::kind::{About, Kind, Law, Stage};
 use super::needs::{Judge, Judged};
-use super::{Experiment, Kind, Law, Stage};
 use crate::effect::{Effect, Form, Parameter, Rate};
 use crate::fitted::{Fitted, Parameters, value};
 use crate::plan::part::Part;
@@ -24,16 +24,18 @@ fn width(gain: f64, exponent: f64, rate: Rate) -> Parameters {
 }
 
 impl Kind for RateDependentWidth {
-    fn name(&self) -> &'static str {
-        "rate_dependent_width"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "The loop widens with speed, and there is no lag at rest"
-    }
-
-    fn law(&self) -> Law {
-        Law::Width
+    fn about(&self) -> &'static About {
+        &About {
+            name: "rate_dependent_width",
+            meaning: "The loop widens with speed, and there is no lag at rest",
+            law: Law::Width,
+            stage: Stage::Hysteresis,
+            complexity: 0.04,
+            taken_for: &["viscous_lag", "creep"],
+            // Where the input stands still, friction that grew with the rate is gone and a lag comes after.
+            parts: &[Part::Speeds, Part::Jumps],
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
@@ -54,14 +56,6 @@ impl Kind for RateDependentWidth {
         ]
     }
 
-    fn complexity(&self) -> f64 {
-        0.04
-    }
-
-    fn taken_for(&self) -> &'static [&'static str] {
-        &["viscous_lag", "creep"]
-    }
-
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
         let exponent = fitted.parameter(0);
         let of_typical = |rate| fitted.signals.typical_speed(rate).powf(exponent);
@@ -73,10 +67,6 @@ impl Kind for RateDependentWidth {
             }
             _ => Vec::new(),
         }
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Hysteresis
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
@@ -93,11 +83,6 @@ impl Kind for RateDependentWidth {
         for (name, own) in own {
             *own = value(&measured, name).unwrap_or(*own);
         }
-    }
-
-    /// Where the input stands still, friction that grew with the rate is gone and a lag comes after.
-    fn experiment(&self) -> Experiment {
-        Experiment { parts: &[Part::Speeds, Part::Jumps], ..Experiment::default() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Pressure never rises above the supply.
 
+use super::kind::{About, Fits, Kind, RECORD_PRESSURE, Stage};
 use super::needs::{Judge, Judged};
-use super::{Experiment, Fits, Kind, Stage};
 use crate::fitted::Parameters;
 use crate::plan::part::Part;
 use crate::simulated::Simulated;
@@ -14,40 +14,24 @@ const SUPPLY: &str = "supply_bar";
 pub struct SupplySaturation;
 
 impl Kind for SupplySaturation {
-    fn name(&self) -> &'static str {
-        "supply_saturation"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "The pressure never rises above the supply"
+    fn about(&self) -> &'static About {
+        &About {
+            name: "supply_saturation",
+            meaning: "The pressure never rises above the supply",
+            stage: Stage::Valve,
+            fits: Fits::Excited,
+            in_valve: Some((ValvePart::Supply, SUPPLY)),
+            parts: &[Part::Top],
+            note: Some(RECORD_PRESSURE),
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
         judge.valve_seen()
     }
 
-    fn fits(&self) -> Fits {
-        Fits::Excited
-    }
-
-    fn in_valve(&self) -> Option<(ValvePart, &'static str)> {
-        Some((ValvePart::Supply, SUPPLY))
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Input
-    }
-
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         model.extensions.supply_saturation.map(|saturation| vec![(SUPPLY, saturation.supply)])
-    }
-
-    /// It is measured at the valve.
-    fn measured(&self, _model: &Simulated<'_>) -> Option<Parameters> {
-        None
-    }
-
-    fn experiment(&self) -> Experiment {
-        Experiment { parts: &[Part::Top], note: Some(super::RECORD_PRESSURE), by_hand: false }
     }
 }

@@ -1,8 +1,8 @@
 //! The recorded temperature moves the curve.
 
 use super::column;
+use super::kind::{About, Fits, Kind, Stage};
 use super::needs::{Judge, Judged};
-use super::{Experiment, Fits, Kind, Stage};
 use crate::effect::{Driver, Effect};
 use crate::fitted::{Fitted, Parameters};
 use crate::plan::part::Part;
@@ -17,20 +17,20 @@ fn named((offset, gain): (f64, f64)) -> Parameters {
 }
 
 impl Kind for Temperature {
-    fn name(&self) -> &'static str {
-        "temperature"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "The temperature, which was recorded, moves the curve"
+    fn about(&self) -> &'static About {
+        &About {
+            name: "temperature",
+            meaning: "The temperature, which was recorded, moves the curve",
+            stage: Stage::Offset,
+            fits: Fits::Excited,
+            parts: &[Part::Again],
+            note: Some("record temperature_c, and let it rise and fall by some K while the plan is played"),
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
         judge.column("temperature", "K", judge.excitation.temperature)
-    }
-
-    fn fits(&self) -> Fits {
-        Fits::Excited
     }
 
     fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
@@ -41,20 +41,8 @@ impl Kind for Temperature {
         named(column::moved(&fitted.signals.knots, &fitted.changes()))
     }
 
-    fn stage(&self) -> Stage {
-        Stage::Offset
-    }
-
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         let all = model.extensions;
         column::written(model, &all.temperature, all.sites.temperature).map(named)
-    }
-
-    fn experiment(&self) -> Experiment {
-        Experiment {
-            parts: &[Part::Again],
-            note: Some("record temperature_c, and let it rise and fall by some K while the plan is played"),
-            by_hand: false,
-        }
     }
 }

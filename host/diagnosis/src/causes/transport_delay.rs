@@ -1,7 +1,7 @@
 //! Dead time between input and contraction; between command and pressure it is the valve's.
 
+use super::kind::{About, Kind, Law, RECORD_FAST, Stage};
 use super::needs::{Judge, Judged, Lack};
-use super::{Experiment, Kind, Law, Stage};
 use crate::effect::{Effect, Form, Parameter};
 use crate::fitted::{Fitted, Parameters};
 use crate::plan::part::Part;
@@ -18,24 +18,23 @@ const LONGEST_S: f64 = 3.0;
 pub struct TransportDelay;
 
 impl Kind for TransportDelay {
-    fn name(&self) -> &'static str {
-        "transport_delay"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "The contraction answers the input after a dead time"
-    }
-
-    fn law(&self) -> Law {
-        Law::Delay
+    fn about(&self) -> &'static About {
+        &About {
+            name: "transport_delay",
+            meaning: "The contraction answers the input after a dead time",
+            law: Law::Delay,
+            stage: Stage::Input,
+            alike_without: &[Lack::Speeds],
+            taken_for: &["viscous_lag", "inertia", "valve_lag"],
+            in_valve: Some((ValvePart::Delay, DELAY)),
+            parts: &[Part::Speeds, Part::Jumps],
+            note: Some(RECORD_FAST),
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
         judge.lag()
-    }
-
-    fn alike_without(&self) -> &'static [Lack] {
-        &[Lack::Speeds]
     }
 
     fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
@@ -46,27 +45,11 @@ impl Kind for TransportDelay {
         [0.015, 0.04, 0.1, 0.25, 0.6].map(delay).to_vec()
     }
 
-    fn taken_for(&self) -> &'static [&'static str] {
-        &["viscous_lag", "inertia", "valve_lag"]
-    }
-
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
         vec![(DELAY, fitted.parameter(0))]
     }
 
-    fn in_valve(&self) -> Option<(ValvePart, &'static str)> {
-        Some((ValvePart::Delay, DELAY))
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Input
-    }
-
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         model.extensions.transport_delay.map(|delay| vec![(DELAY, delay.delay_s)])
-    }
-
-    fn experiment(&self) -> Experiment {
-        Experiment { parts: &[Part::Speeds, Part::Jumps], note: Some(super::RECORD_FAST), by_hand: false }
     }
 }

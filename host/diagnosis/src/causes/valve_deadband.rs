@@ -2,8 +2,8 @@
 //!
 //! It is looked for between command and pressure: in one chain with the muscle, a dead band is the muscle's own hysteresis.
 
+use super::kind::{About, Fits, Kind, RECORD_PRESSURE, Stage};
 use super::needs::{Judge, Judged, ValveView};
-use super::{Experiment, Fits, Kind, Stage};
 use crate::fitted::Parameters;
 use crate::plan::part::Part;
 use crate::simulated::Simulated;
@@ -16,12 +16,17 @@ const BAND: &str = "band_bar";
 pub struct ValveDeadband;
 
 impl Kind for ValveDeadband {
-    fn name(&self) -> &'static str {
-        "valve_deadband"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "The valve ignores changes of the command that are smaller than a band"
+    fn about(&self) -> &'static About {
+        &About {
+            name: "valve_deadband",
+            meaning: "The valve ignores changes of the command that are smaller than a band",
+            stage: Stage::Valve,
+            fits: Fits::Excited,
+            in_valve: Some((ValvePart::Band, BAND)),
+            parts: &[Part::SmallSteps],
+            note: Some(RECORD_PRESSURE),
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
@@ -34,28 +39,7 @@ impl Kind for ValveDeadband {
         }
     }
 
-    fn fits(&self) -> Fits {
-        Fits::Excited
-    }
-
-    fn in_valve(&self) -> Option<(ValvePart, &'static str)> {
-        Some((ValvePart::Band, BAND))
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Input
-    }
-
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         model.extensions.valve_deadband.map(|deadband| vec![(BAND, deadband.band)])
-    }
-
-    /// It is measured at the valve.
-    fn measured(&self, _model: &Simulated<'_>) -> Option<Parameters> {
-        None
-    }
-
-    fn experiment(&self) -> Experiment {
-        Experiment { parts: &[Part::SmallSteps], note: Some(super::RECORD_PRESSURE), by_hand: false }
     }
 }

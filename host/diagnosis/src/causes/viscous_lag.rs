@@ -2,8 +2,8 @@
 //!
 //! Beside a mass it is one equation of second order with that, and what damps it.
 
+use super::kind::{About, Kind, Law, Stage};
 use super::needs::{Judge, Judged, Lack};
-use super::{Experiment, Kind, Law, Stage};
 use crate::effect::{Driver, Effect, Form, Parameter};
 use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
@@ -29,33 +29,26 @@ impl ViscousLag {
 }
 
 impl Kind for ViscousLag {
-    fn name(&self) -> &'static str {
-        "viscous_lag"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "A force against the speed makes the contraction follow its static curve late"
-    }
-
-    fn law(&self) -> Law {
-        Law::Viscosity
+    fn about(&self) -> &'static About {
+        &About {
+            name: "viscous_lag",
+            meaning: "A force against the speed makes the contraction follow its static curve late",
+            law: Law::Viscosity,
+            stage: Stage::Motion,
+            alike_without: &[Lack::Speeds, Lack::LongHolds],
+            taken_for: &["inertia", "rate_dependent_width", "transport_delay"],
+            parts: &[Part::Speeds, Part::Jumps],
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
         judge.lag()
     }
 
-    fn alike_without(&self) -> &'static [Lack] {
-        &[Lack::Speeds, Lack::LongHolds]
-    }
-
     fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
         let strengths = Parameter::strengths(signals, root_mean_square(&signals.rate), 0.0);
         vec![Effect::new(Form::Driven(Driver::Rate), strengths), Effect::new(Form::OutputLag, [])]
-    }
-
-    fn taken_for(&self) -> &'static [&'static str] {
-        &["inertia", "rate_dependent_width", "transport_delay"]
     }
 
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
@@ -65,10 +58,6 @@ impl Kind for ViscousLag {
     fn doubt(&self, fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
         let shows = Self::time_constant_s(fitted) >= LEAST * fitted.signals.step_s;
         (!shows).then_some(Doubt::Unseen)
-    }
-
-    fn stage(&self) -> Stage {
-        Stage::Motion
     }
 
     /// The damping of a mass is the mass's.
@@ -82,9 +71,5 @@ impl Kind for ViscousLag {
         let lag_s = model.late(&all.viscous_lag, all.sites.viscous_lag);
         let beside_mass = || all.inertia.as_ref().map(|_| 0.0);
         lag_s.or_else(beside_mass).map(|lag_s| vec![(TIME_CONSTANT, lag_s)])
-    }
-
-    fn experiment(&self) -> Experiment {
-        Experiment { parts: &[Part::Speeds, Part::Jumps], ..Experiment::default() }
     }
 }

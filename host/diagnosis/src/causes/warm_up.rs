@@ -1,7 +1,7 @@
 //! The first cycles differ and settle with travel.
 
+use super::kind::{About, Kind, Law, Stage};
 use super::needs::{Judge, Judged};
-use super::{Experiment, Kind, Law, Stage};
 use crate::effect::{Driver, Effect, Form, Parameter};
 use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
@@ -34,16 +34,18 @@ fn named(fraction: f64, travel: f64) -> Parameters {
 }
 
 impl Kind for WarmUp {
-    fn name(&self) -> &'static str {
-        "warm_up"
-    }
-
-    fn meaning(&self) -> &'static str {
-        "The first cycles differ, and settle with the way that the muscle has gone"
-    }
-
-    fn law(&self) -> Law {
-        Law::Progress
+    fn about(&self) -> &'static About {
+        &About {
+            name: "warm_up",
+            meaning: "The first cycles differ, and settle with the way that the muscle has gone",
+            law: Law::Progress,
+            stage: Stage::Offset,
+            complexity: 0.02,
+            taken_for: &["creep", "drift"],
+            parts: &[Part::Again],
+            note: Some("begin with a muscle that has rested for an hour: the first cycles show it"),
+            ..About::PLAIN
+        }
     }
 
     fn needs(&self, judge: &Judge<'_>) -> Judged {
@@ -70,14 +72,6 @@ impl Kind for WarmUp {
         [0.03, 0.12].into_iter().flat_map(of_share).collect()
     }
 
-    fn complexity(&self) -> f64 {
-        0.02
-    }
-
-    fn taken_for(&self) -> &'static [&'static str] {
-        &["creep", "drift"]
-    }
-
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
         named(of_fitted(fitted), fitted.parameter(0).exp())
     }
@@ -86,23 +80,11 @@ impl Kind for WarmUp {
         (of_fitted(fitted) < 0.0).then_some(Doubt::Fading)
     }
 
-    fn stage(&self) -> Stage {
-        Stage::Offset
-    }
-
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         let all = model.extensions;
         let warm_up = all.warm_up.as_ref()?;
         let changes = model.changes(&warm_up.offset, all.sites.warm_up);
         Some(named(fraction(&warm_up.offset.knots, &changes), warm_up.travel.ln().exp()))
-    }
-
-    fn experiment(&self) -> Experiment {
-        Experiment {
-            parts: &[Part::Again],
-            note: Some("begin with a muscle that has rested for an hour: the first cycles show it"),
-            by_hand: false,
-        }
     }
 }
 

@@ -43,7 +43,7 @@ impl Written {
         let Some(model) = self.model.simulated() else { return Vec::new() };
         let written = |cause: Cause| Some((cause, cause.written(&model)?));
         let mut all: Vec<(Cause, Parameters)> = Cause::ALL.into_iter().filter_map(written).collect();
-        all.sort_by_key(|(cause, _)| cause.stage());
+        all.sort_by_key(|(cause, _)| cause.about().stage);
         all
     }
 }

@@ -93,9 +93,7 @@ impl Plan {
         let causes = if wish.causes.is_empty() { without_hand() } else { wish.causes.clone() };
         let parts: Vec<Part> = Part::ALL
             .into_iter()
-            .filter(|part| {
-                part.is_always() || causes.iter().any(|cause| cause.experiment().parts.contains(part))
-            })
+            .filter(|part| part.is_always() || causes.iter().any(|cause| cause.about().parts.contains(part)))
             .collect();
         let plan = |stretch: f64| {
             let (course, parts) = draw(&parts, wish, stretch);
@@ -159,7 +157,7 @@ impl Plan {
 
 /// The causes that show without a hand on the muscle.
 fn without_hand() -> Vec<Cause> {
-    Cause::ALL.into_iter().filter(|cause| !cause.experiment().by_hand).collect()
+    Cause::ALL.into_iter().filter(|cause| !cause.about().by_hand).collect()
 }
 
 /// All parts, and where each ends (s).

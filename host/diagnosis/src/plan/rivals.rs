@@ -48,7 +48,7 @@ pub fn lines(causes: &[Cause]) -> Vec<String> {
 
 /// What has to be done beside playing the command, each thing once.
 pub fn notes(causes: &[Cause]) -> Vec<&'static str> {
-    let mut notes: Vec<&str> = causes.iter().filter_map(|cause| cause.experiment().note).collect();
+    let mut notes: Vec<&str> = causes.iter().filter_map(|cause| cause.about().note).collect();
     notes.sort_unstable();
     notes.dedup();
     notes

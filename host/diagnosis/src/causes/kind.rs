@@ -1,0 +1,163 @@
+//! What a cause says of itself.
+
+use super::needs::{Judge, Judged, Lack};
+use crate::effect::Effect;
+use crate::fitted::{Doubt, Fitted, Parameters};
+use crate::plan::part::Part;
+use crate::signals::Signals;
+use crate::simulated::Simulated;
+use crate::valve::ValvePart;
+
+/// A note of the valve's causes.
+pub const RECORD_PRESSURE: &str = "record the measured pressure as pressure_bar beside command_bar";
+/// A note of fast causes.
+pub const RECORD_FAST: &str = "record 100 rows a second or more: fast movements are short";
+
+/// The law by which a cause acts, as far as others ask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// The input comes later as it is.
+    Delay,
+    /// A force over the rate: the term of first order of the balance of forces, by which a mass is damped.
+    Viscosity,
+    /// A force over the acceleration: its term of second order, which has one of first order in it.
+    Mass,
+    /// The loop is wider by a power of the rate, as it is by much that a model gets wrong about a hysteresis.
+    Width,
+    /// Time or travel alone, whatever the input does.
+    Progress,
+    /// The form of the operator model itself.
+    Form,
+    /// None that others ask for.
+    Own,
+}
+
+/// Recordings that a cause can be fitted to, whether they excite it or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fits {
+    /// Any of input and output.
+    Any,
+    /// Any of those whose input is the command: in others it acts before the input.
+    Command,
+    /// Those alone that excite it.
+    Excited,
+}
+
+/// Where a model has a cause, on the way from the command to the contraction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Between command and pressure, where its parameters are measured too.
+    Valve,
+    /// On the way of the input.
+    Input,
+    /// In what is taken off the input, or off the output.
+    Offset,
+    /// In the balance of forces.
+    Motion,
+    /// In the hysteresis.
+    Hysteresis,
+    /// Behind it.
+    Output,
+}
+
+/// What any recording of a command has of a cause.
+#[derive(Clone, Copy, Debug)]
+pub struct Ordinary {
+    /// The parameter, and up to where it is ordinary.
+    pub up_to: (&'static str, f64),
+    /// Its effect, no larger than that; None where the samples are too far apart for one.
+    pub start: fn(&Signals) -> Option<Effect>,
+}
+
+/// What is known of a cause.
+#[derive(Clone, Copy, Debug)]
+pub struct About {
+    /// The name in commands and files.
+    pub name: &'static str,
+    /// What it is, for people: a sentence without its full stop.
+    pub meaning: &'static str,
+    /// The law by which it acts.
+    pub law: Law,
+    /// Where a model has it.
+    pub stage: Stage,
+    /// What it can be fitted to.
+    pub fits: Fits,
+    /// Without these it looks like the other causes that need them.
+    pub alike_without: &'static [Lack],
+    /// What it has to be better by than a cause that explains much the same with less.
+    pub complexity: f64,
+    /// What it has to be better by than a cause that it contains.
+    pub containment: f64,
+    /// The names of the causes that it is most easily taken for, the likeliest first.
+    pub taken_for: &'static [&'static str],
+    /// The part of a valve that it is, with the name of its parameter.
+    pub in_valve: Option<(ValvePart, &'static str)>,
+    /// What of it is nothing that is wrong.
+    pub ordinary: Option<Ordinary>,
+    /// Parts of an excitation that show it, beside those that every one has.
+    pub parts: &'static [Part],
+    /// What has to be done beside playing the command.
+    pub note: Option<&'static str>,
+    /// Whether it shows by a hand on the muscle alone.
+    pub by_hand: bool,
+}
+
+impl About {
+    /// One that has nothing that others ask for.
+    pub const PLAIN: Self = Self {
+        name: "",
+        meaning: "",
+        law: Law::Own,
+        stage: Stage::Output,
+        fits: Fits::Any,
+        alike_without: &[],
+        complexity: 0.0,
+        containment: 0.0,
+        taken_for: &[],
+        in_valve: None,
+        ordinary: None,
+        parts: &[],
+        note: None,
+        by_hand: false,
+    };
+}
+
+/// A cause: what is known of it, and what it makes of a recording and of a model.
+pub trait Kind: Sync {
+    /// What is known of it.
+    fn about(&self) -> &'static About;
+
+    /// What it needs of a recording to be seen, met or not.
+    fn needs(&self, judge: &Judge<'_>) -> Judged;
+
+    /// The effects to try for it in the search, from their several starts, where others leave this residual of the scored rows; none
+    /// where the recording has not what it takes.
+    fn starts(&self, _signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+        Vec::new()
+    }
+
+    /// Its parameters in the units that people measure in, as the search has it.
+    fn parameters(&self, _fitted: &Fitted<'_>) -> Parameters {
+        Vec::new()
+    }
+
+    /// What speaks against it as the search has it, in a recording with this longest hold. Unit: s.
+    fn doubt(&self, _fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
+        None
+    }
+
+    /// Its parameters where it extends a model; None where it does not.
+    fn written(&self, _model: &Simulated<'_>) -> Option<Parameters> {
+        None
+    }
+
+    /// Its parameters as a model with the named causes measures them, if that has something to say: of the valve it has not.
+    fn measured(&self, model: &Simulated<'_>) -> Option<Parameters> {
+        if self.about().stage == Stage::Valve { None } else { self.written(model) }
+    }
+
+    /// Takes over what was measured.
+    fn take_over(&self, own: &mut Parameters, measured: Parameters) {
+        *own = measured;
+    }
+}

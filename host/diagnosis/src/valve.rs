@@ -1,4 +1,4 @@
-//! The valve, from command to measured pressure: which of its effects the recording shows.
+//! The valve, from command to measured pressure: which of its parts the recording shows.
 //!
 //! Where both columns are recorded the valve is told apart from the muscle: it is simulated forward and compared at the
 //! pressure. A lag is always part of it; its second order, a delay, a dead band and a limit are added while each makes the error clearly
@@ -7,41 +7,17 @@
 //! A lag of the second order is not one and a delay: a regulator's spool, or a slow valve behind a regulator's own lag, begins as if it
 //! had a dead time.
 
-use rayon::prelude::*;
+mod examine;
 
-use super::Columns;
 use super::equivalent::delayed;
 use super::low_pass::{low_pass, low_pass_of_second_order};
-use recording::noise::steps;
-use recording::numbers::range;
+pub use examine::examine;
 use recording::unit::Unit;
 
 /// Lags and a delay up to here, together, are those of any proportional regulator, and not named. Unit: s.
 pub const ORDINARY_LAG_S: f64 = 0.07;
-/// Logarithm of the ratio of errors that an effect has to gain.
-const GAIN: f64 = 0.12;
-/// Up to here a delay is that of the recording, and not named: a row's command is written behind its sample, and acts by the
-/// next. Unit: row.
-const RECORDED_DELAY: f64 = 1.0;
-/// Rows that are compared, at most.
-const ROWS: usize = 20_000;
-/// Dead bands that are tried, between these shares of the command's span.
-const BANDS: (usize, f64, f64) = (480, 0.003, 0.3);
-/// Lags that they are tried with, beside the one found without: that stands in for the band. Unit: s.
-const LAGS_S: [f64; 3] = [0.02, 0.05, 0.12];
-/// How many of them are gone on from, so many places apart.
-const BEGINNINGS: usize = 4;
-const APART: f64 = 8.0;
-/// How many places to either side of each are tried where the band holds, and how far apart, ever finer: one command that is wrongly
-/// accepted moves all that come after it, until the command stands still.
-const CLOSELY: [(i32, f64); 3] = [(60, 0.05), (60, 0.01), (60, 0.002)];
-/// How far to either side of the best a band that drags is looked for. Unit: place.
-const FINER: [f64; 8] = [6.0, 3.6, 2.0, 1.2, 0.72, 0.4, 0.24, 0.14];
 /// Damping ratios of a lag of the second order: from one that rings on and on to one whose shorter lag is 0.0006 of the longer one.
 const DAMPING: (f64, f64) = (0.1, 20.0);
-/// Iterations for lag, damping, delay and limit.
-const ITERATIONS: usize = 12;
-
 /// How a dead band works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BandForm {
@@ -125,68 +101,7 @@ impl Valve {
             None => low_pass(&values, time_s, self.lag_s),
         }
     }
-}
 
-/// The task: times, command and pressure.
-#[derive(Clone, Copy)]
-struct Task<'a> {
-    time_s: &'a [f64],
-    command: &'a [f64],
-    pressure: &'a [f64],
-    scored: &'a [bool],
-    step_s: f64,
-    noise: f64,
-}
-
-/// Finds the valve's effects; None without a command beside the pressure.
-pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
-    let rows = columns.time_s.len().min(ROWS);
-    let command = columns.command.as_deref()?;
-    let task = Task {
-        time_s: &columns.time_s[..rows],
-        command: &command[..rows],
-        pressure: &columns.input[..rows],
-        scored: &columns.scored[..rows],
-        step_s: steps(&columns.time_s).0,
-        noise,
-    };
-    let ideal_rmse_bar = task.error(command);
-    let mut best = task.polished(Valve::slow(0.05));
-    // No error is less than the noise: near it there is nothing left to gain.
-    while (best.1 / noise).ln() > GAIN {
-        let next = task.richer(&best.0).into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
-        match next {
-            Some(next) if (best.1 / next.1).ln() > GAIN => best = next,
-            _ => break,
-        }
-    }
-    let (valve, rmse_bar) = best;
-    let mut named: Vec<(ValvePart, f64)> = Vec::new();
-    let recorded_s = RECORDED_DELAY * task.step_s;
-    let later = delayed(task.command, task.time_s, recorded_s);
-    for (part, poorer) in valve.poorer() {
-        let mut without = task.polished(poorer).1;
-        if part == ValvePart::Delay {
-            let is_ordinary = |delay_s| delay_s + valve.lag_s <= ORDINARY_LAG_S;
-            if valve.delay_s.is_some_and(|delay_s| delay_s <= recorded_s || is_ordinary(delay_s)) {
-                continue;
-            }
-            without = without.min(Task { command: &later, ..task }.polished(poorer).1);
-            without = without.min(task.polished(poorer.of_second_order()).1);
-        }
-        let gain = (without / rmse_bar).ln();
-        if gain > GAIN {
-            named.push((part, gain));
-        }
-    }
-    if valve.lag_s > ORDINARY_LAG_S {
-        let at_once = task.error(&Valve { lag_s: 1e-6, ..valve }.simulate(task.time_s, task.command));
-        named.push((ValvePart::Lag, (at_once / rmse_bar).ln()));
-    }
-    Some(ValveFit { valve, named, rmse_bar, ideal_rmse_bar, unit: columns.input_unit })
-}
-
-impl Valve {
     /// What a part measures. Unit: s, of the pressure.
     pub fn value(&self, part: ValvePart) -> Option<f64> {
         match part {
@@ -239,160 +154,6 @@ impl Valve {
             supply_bar: self.supply_bar.map(|_| next()),
             ..*self
         }
-    }
-}
-
-impl Task<'_> {
-    /// Root mean square of the difference, never less than the pressure's noise.
-    fn error(&self, simulated: &[f64]) -> f64 {
-        let (mut squares, mut count) = (0.0, 0.0);
-        for ((simulated, measured), &scored) in simulated.iter().zip(self.pressure).zip(self.scored) {
-            if scored {
-                squares += (simulated - measured).powi(2);
-                count += 1.0;
-            }
-        }
-        (squares / f64::max(count, 1.0)).sqrt().max(self.noise)
-    }
-
-    /// Mean of the absolute difference.
-    fn mean_error(&self, simulated: &[f64]) -> f64 {
-        let all = simulated.iter().zip(self.pressure).zip(self.scored);
-        let scored = all.filter(|(_, scored)| **scored).map(|((one, other), _)| (one - other).abs());
-        let (sum, count) = scored.fold((0.0, 0.0), |(sum, count), error| (sum + error, count + 1.0));
-        sum / f64::max(count, 1.0)
-    }
-
-    /// The valve with each effect that it has not, polished.
-    fn richer(&self, valve: &Valve) -> Vec<(Valve, f64)> {
-        let mut all = Vec::new();
-        if valve.damping_ratio.is_none() {
-            all.push(self.polished(valve.of_second_order()));
-        }
-        if valve.delay_s.is_none() {
-            all.push(self.polished(Valve { delay_s: Some(2.0 * self.step_s), ..*valve }));
-        }
-        if valve.supply_bar.is_none() {
-            let highest = self.pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            all.push(self.polished(Valve { supply_bar: Some(highest - self.noise), ..*valve }));
-        }
-        if valve.band.is_none() {
-            all.extend(
-                [BandForm::Hold, BandForm::Backlash].into_iter().filter_map(|form| self.banded(valve, form)),
-            );
-        }
-        all
-    }
-
-    /// The valve with a dead band. Its stairs fit at the right band only, and the lag that was found without it stands in for
-    /// it: so bands are tried closely, each with several lags, and the best few are gone on from.
-    ///
-    /// They are ranked by their mean absolute error: near the right band few commands are wrongly accepted, but what each of them does to
-    /// the squares is by chance.
-    fn banded(&self, valve: &Valve, form: BandForm) -> Option<(Valve, f64)> {
-        let (low, high) = range(self.command);
-        let at = |place: f64, lag_s: f64| {
-            let share = BANDS.1 * (BANDS.2 / BANDS.1).powf(place / (BANDS.0 - 1) as f64);
-            Valve { band: Some((form, share * (high - low))), lag_s, ..*valve }
-        };
-        let mean_error = |place: f64, lag_s: f64| {
-            let error = self.mean_error(&at(place, lag_s).simulate(self.time_s, self.command));
-            (error, place, lag_s)
-        };
-        let lags = LAGS_S.into_iter().chain([valve.lag_s]);
-        let mut tried: Vec<(f64, f64, f64)> = (0..BANDS.0)
-            .into_par_iter()
-            .flat_map_iter(|place| lags.clone().map(move |lag_s| mean_error(place as f64, lag_s)))
-            .collect();
-        tried.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let mut begun: Vec<(f64, f64)> = Vec::new();
-        for (_, place, lag_s) in tried {
-            if begun.iter().all(|(other, _)| (other - place).abs() > APART) {
-                begun.push((place, lag_s));
-            }
-        }
-        begun.truncate(BEGINNINGS);
-        let polished = |(place, lag_s)| (place, self.polished(at(place, lag_s)));
-        let ends = begun.into_par_iter().map(polished).map(|mut end| {
-            if form == BandForm::Hold {
-                for (count, apart) in CLOSELY {
-                    let lag_s = end.1.0.lag_s;
-                    let near = (-count..=count).map(|i| mean_error(end.0 + f64::from(i) * apart, lag_s));
-                    let nearest = near.min_by(|one, other| one.0.total_cmp(&other.0));
-                    let nearest = nearest.map(|(_, place, lag_s)| polished((place, lag_s)));
-                    end = nearest.filter(|near| near.1.1 < end.1.1).unwrap_or(end);
-                }
-            }
-            end
-        });
-        let mut best = ends.min_by(|one, other| one.1.1.total_cmp(&other.1.1))?;
-        if form == BandForm::Backlash {
-            for step in FINER {
-                for place in [best.0 - step, best.0 + step] {
-                    let other = polished((place, best.1.0.lag_s));
-                    best = if other.1.1 < best.1.1 { other } else { best };
-                }
-            }
-        }
-        Some(best.1)
-    }
-
-    /// Lag, damping, delay and limit by Gauss-Newton with differences.
-    fn polished(&self, valve: Valve) -> (Valve, f64) {
-        let mut valve = valve;
-        let mut simulated = valve.simulate(self.time_s, self.command);
-        let mut error = self.error(&simulated);
-        for _ in 0..ITERATIONS {
-            let values = valve.smooth();
-            let columns: Vec<Vec<f64>> = (0..values.len())
-                .map(|i| {
-                    let mut moved = values.clone();
-                    // Lag and damping are by their logarithms.
-                    let logarithms = 1 + usize::from(valve.damping_ratio.is_some());
-                    let step = if i < logarithms { 1e-3 } else { 0.1 * self.step_s.min(1e-2) };
-                    moved[i] += step;
-                    let other = valve.with_smooth(&moved, self.step_s).simulate(self.time_s, self.command);
-                    other.iter().zip(&simulated).map(|(a, b)| (a - b) / step).collect()
-                })
-                .collect();
-            let Some(change) = self.step(&columns, &simulated) else { break };
-            let mut share = 1.0;
-            let before = error;
-            for _ in 0..4 {
-                let moved: Vec<f64> = values.iter().zip(&change).map(|(v, c)| v + share * c).collect();
-                let other = valve.with_smooth(&moved, self.step_s);
-                let next = other.simulate(self.time_s, self.command);
-                if self.error(&next) < error {
-                    (valve, error) = (other, self.error(&next));
-                    simulated = next;
-                    break;
-                }
-                share *= 0.3;
-            }
-            if error > before * (1.0 - 1e-4) {
-                break;
-            }
-        }
-        (valve, error)
-    }
-
-    fn step(&self, columns: &[Vec<f64>], simulated: &[f64]) -> Option<Vec<f64>> {
-        let count = columns.len();
-        let mut matrix = nalgebra::DMatrix::<f64>::zeros(count, count);
-        let mut right = nalgebra::DVector::<f64>::zeros(count);
-        for row in (0..simulated.len()).filter(|&row| self.scored[row]) {
-            let residual = self.pressure[row] - simulated[row];
-            for i in 0..count {
-                right[i] += columns[i][row] * residual;
-                for j in 0..=i {
-                    matrix[(i, j)] += columns[i][row] * columns[j][row];
-                }
-            }
-        }
-        for i in 0..count {
-            matrix[(i, i)] = matrix[(i, i)] * (1.0 + 1e-6) + 1e-12;
-        }
-        Some(nalgebra::Cholesky::new(matrix)?.solve(&right).iter().copied().collect())
     }
 }
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::Columns;
 
 /// Triangles of falling height and rising speed. Unit: bar.
 fn command(time_s: f64) -> f64 {

@@ -22,6 +22,10 @@ impl Kind for Drift {
             law: Law::Progress,
             stage: Stage::Output,
             taken_for: &["warm_up", "creep"],
+            told_from: &[
+                ("warm_up", "in the rest between the swings time goes on and travel does not"),
+                ("temperature", "let the temperature rise and fall, so that it is not a measure of time"),
+            ],
             parts: &[Part::Again],
             ..About::PLAIN
         }

@@ -94,6 +94,8 @@ pub struct About {
     pub in_valve: Option<(ValvePart, &'static str)>,
     /// What of it is nothing that is wrong.
     pub ordinary: Option<Ordinary>,
+    /// Names of causes that an experiment tells it from, and how; a pair is in the file of one of the two.
+    pub told_from: &'static [(&'static str, &'static str)],
     /// Parts of an excitation that show it, beside those that every one has.
     pub parts: &'static [Part],
     /// What has to be done beside playing the command.
@@ -116,6 +118,7 @@ impl About {
         taken_for: &[],
         in_valve: None,
         ordinary: None,
+        told_from: &[],
         parts: &[],
         note: None,
         by_hand: false,

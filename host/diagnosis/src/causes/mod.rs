@@ -153,15 +153,28 @@ pub fn cause(name: &str) -> Cause {
 
 #[cfg(test)]
 mod tests {
+    use super::kind::About;
     use super::*;
 
     #[test]
     fn each_cause_has_a_name_of_its_own_and_names_only_others_that_there_are() {
         for (place, cause) in Cause::ALL.into_iter().enumerate() {
-            let named = Cause::of_name(cause.name()).expect("a name");
-            assert!(Cause::ALL.iter().position(|other| *other == named) == Some(place), "{cause}");
-            assert_eq!(cause.rivals().count(), cause.about().taken_for.len(), "{cause}");
-            assert!(cause.rivals().all(|rival| rival != cause), "{cause}");
+            assert_eq!(Cause::ALL.iter().position(|other| *other == cause), Some(place), "{cause}");
+            let About { taken_for, told_from, .. } = cause.about();
+            let named = taken_for.iter().chain(told_from.iter().map(|(name, _)| name));
+            for name in named {
+                assert!(Cause::of_name(name).is_some_and(|other| other != cause), "{cause}: {name}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_pair_that_an_experiment_tells_apart_is_in_one_file_alone() {
+        for cause in Cause::ALL {
+            for (name, _) in cause.about().told_from {
+                let names = |(back, _): &(&str, &str)| *back == cause.name();
+                assert!(!super::cause(name).about().told_from.iter().any(names), "{cause}: {name}");
+            }
         }
     }
 }

@@ -32,6 +32,7 @@ impl Kind for RateDependentWidth {
             stage: Stage::Hysteresis,
             complexity: 0.04,
             taken_for: &["viscous_lag", "creep"],
+            told_from: &[("creep", "in a long hold creep goes on, after slow swings too")],
             // Where the input stands still, friction that grew with the rate is gone and a lag comes after.
             parts: &[Part::Speeds, Part::Jumps],
             ..About::PLAIN

@@ -27,6 +27,11 @@ impl Kind for TransportDelay {
             alike_without: &[Lack::Speeds],
             taken_for: &["viscous_lag", "inertia", "valve_lag"],
             in_valve: Some((ValvePart::Delay, DELAY)),
+            told_from: &[
+                ("valve_lag", "after a jump a delay leaves all still for its time, a lag begins at once"),
+                ("viscous_lag", "after a jump a delay leaves all still for its time, a lag begins at once"),
+                ("inertia", "after a jump a mass overshoots, a delay does not"),
+            ],
             parts: &[Part::Speeds, Part::Jumps],
             note: Some(RECORD_FAST),
             ..About::PLAIN

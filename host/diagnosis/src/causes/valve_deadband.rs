@@ -23,6 +23,10 @@ impl Kind for ValveDeadband {
             stage: Stage::Valve,
             fits: Fits::Excited,
             in_valve: Some((ValvePart::Band, BAND)),
+            told_from: &[(
+                "hysteresis_shape",
+                "record the pressure too: a dead band is between command and pressure, the loop after it",
+            )],
             parts: &[Part::SmallSteps],
             note: Some(RECORD_PRESSURE),
             ..About::PLAIN

@@ -39,6 +39,10 @@ impl Kind for ValveLag {
             alike_without: &[Lack::Speeds],
             taken_for: &["transport_delay", "viscous_lag"],
             in_valve: Some((ValvePart::Lag, TIME_CONSTANT)),
+            told_from: &[(
+                "viscous_lag",
+                "record the pressure too: it follows the command late, or it does not",
+            )],
             parts: &[Part::Speeds, Part::Jumps],
             note: Some(RECORD_PRESSURE),
             ordinary: Some(Ordinary { up_to: (TIME_CONSTANT, ORDINARY_LAG_S), start: ordinary_lag }),

@@ -37,6 +37,14 @@ impl Kind for ViscousLag {
             stage: Stage::Motion,
             alike_without: &[Lack::Speeds, Lack::LongHolds],
             taken_for: &["inertia", "rate_dependent_width", "transport_delay"],
+            told_from: &[
+                (
+                    "rate_dependent_width",
+                    "when the input stops, what lags comes after; a loop that was wide for its speed stays where it is",
+                ),
+                ("inertia", "after a jump a mass overshoots, a lag does not"),
+                ("creep", "in a long hold a lag ends, creep goes on over decades of time"),
+            ],
             parts: &[Part::Speeds, Part::Jumps],
             ..About::PLAIN
         }

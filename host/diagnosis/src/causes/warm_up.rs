@@ -42,6 +42,10 @@ impl Kind for WarmUp {
             stage: Stage::Offset,
             complexity: 0.02,
             taken_for: &["creep", "drift"],
+            told_from: &[(
+                "temperature",
+                "let the temperature rise and fall in the rest too, where there is no travel",
+            )],
             parts: &[Part::Again],
             note: Some("begin with a muscle that has rested for an hour: the first cycles show it"),
             ..About::PLAIN

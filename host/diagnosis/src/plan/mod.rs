@@ -9,7 +9,6 @@
 //! A slew limit slows the fast pieces down; how fast they still are is the user's to judge.
 
 pub mod part;
-mod rivals;
 #[cfg(test)]
 mod tests;
 
@@ -135,8 +134,8 @@ impl Plan {
         [format!("excitation for {}", names.join(", "))]
             .into_iter()
             .chain(parts)
-            .chain(rivals::lines(&self.causes))
-            .chain(rivals::notes(&self.causes).into_iter().map(str::to_owned))
+            .chain(told_apart(&self.causes))
+            .chain(notes(&self.causes).into_iter().map(str::to_owned))
             .collect()
     }
 
@@ -158,6 +157,25 @@ impl Plan {
 /// The causes that show without a hand on the muscle.
 fn without_hand() -> Vec<Cause> {
     Cause::ALL.into_iter().filter(|cause| !cause.about().by_hand).collect()
+}
+
+/// Where causes part that are easily taken for each other: a line a pair.
+fn told_apart(causes: &[Cause]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for one in Cause::ALL.into_iter().filter(|cause| causes.contains(cause)) {
+        let told = one.about().told_from.iter();
+        let told = told.filter(|(other, _)| causes.iter().any(|cause| cause.name() == *other));
+        lines.extend(told.map(|(other, words)| format!("{one} or {other}: {words}")));
+    }
+    lines
+}
+
+/// What has to be done beside playing the command, each thing once.
+fn notes(causes: &[Cause]) -> Vec<&'static str> {
+    let mut notes: Vec<&str> = causes.iter().filter_map(|cause| cause.about().note).collect();
+    notes.sort_unstable();
+    notes.dedup();
+    notes
 }
 
 /// All parts, and where each ends (s).

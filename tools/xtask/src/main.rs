@@ -5,6 +5,7 @@
 mod arrows;
 mod board_compiler;
 mod book;
+mod causes;
 mod circles;
 mod comments;
 mod demo;
@@ -107,6 +108,8 @@ enum Task {
     Arrows,
     /// Hold comments to 100 columns and to plain words.
     Comments,
+    /// Hold the diagnosis to naming each cause in its own file alone.
+    Causes,
     /// Give mutated inputs to every parser of bytes from outside.
     Fuzz {
         /// How long, all targets together. Unit: s.
@@ -188,6 +191,7 @@ fn perform(task: Task) -> anyhow::Result<()> {
         Task::Python => python::python()?,
         Task::Arrows => arrows::check()?,
         Task::Comments => comments::check()?,
+        Task::Causes => causes::check()?,
         Task::Gates { bless } => gates::gates(&setup::ensure()?, bless)?,
         Task::Fuzz { seconds } => fuzz::fuzz(seconds)?,
         Task::Faults { check } => faults::faults(check)?,

@@ -88,7 +88,7 @@ impl Kind for WarmUp {
         let all = model.extensions;
         let warm_up = all.warm_up.as_ref()?;
         let changes = model.changes(&warm_up.offset, all.sites.warm_up);
-        Some(named(fraction(&warm_up.offset.knots, &changes), warm_up.travel.ln().exp()))
+        Some(named(fraction(&warm_up.offset.knots, &changes), warm_up.travel))
     }
 }
 

@@ -47,7 +47,12 @@ impl<'a> FittedSet<'a> {
 
     /// The effect at a place of the fit.
     pub fn effect(&self, place: usize) -> Fitted<'_> {
-        let weights = series::weights(self.fit, self.signals, place);
+        Fitted { weights: series::weights(self.fit, self.signals, place), ..self.as_fitted(place) }
+    }
+
+    /// The same with the weights as they were fitted, of a lag before a mass those of the polynomial that they are together.
+    pub fn as_fitted(&self, place: usize) -> Fitted<'_> {
+        let weights = self.fit.output_weights(self.signals, place).to_vec();
         Fitted { set: self, signals: self.signals, effect: &self.fit.effects[place], weights }
     }
 }
@@ -81,12 +86,12 @@ impl Fitted<'_> {
 
     /// The strength at mid stroke, of the parameters from the `first` on, one a tent.
     pub fn at_middle(&self, first: usize) -> f64 {
-        self.between(|tent| self.parameter(first + tent))
+        self.in_middle(|tent| self.parameter(first + tent))
     }
 
     /// The same of weights.
     pub fn weight_at_middle(&self, first: usize) -> f64 {
-        self.between(|tent| self.weight(first + tent))
+        self.in_middle(|tent| self.weight(first + tent))
     }
 
     /// The slope of the loop at mid stroke. Unit: output unit/input unit.
@@ -110,7 +115,8 @@ impl Fitted<'_> {
         })
     }
 
-    fn turn(&self) -> &Loop {
+    /// The loop of the set.
+    pub fn turn(&self) -> &Loop {
         self.set.turn.get_or_init(|| Loop::of(self.set.signals, self.set.basis, self.set.fit))
     }
 
@@ -118,7 +124,7 @@ impl Fitted<'_> {
         0.5 * (self.signals.knots[0] + self.signals.knots[TENTS - 1])
     }
 
-    fn between(&self, strength: impl Fn(usize) -> f64) -> f64 {
+    fn in_middle(&self, strength: impl Fn(usize) -> f64) -> f64 {
         let hats = hats(&self.signals.knots, self.middle());
         hats.iter().enumerate().map(|(tent, hat)| hat * strength(tent)).sum()
     }

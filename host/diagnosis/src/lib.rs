@@ -33,6 +33,7 @@
 //! | `noisy_input` | the input smoothed where its noise would pass for movement |
 //! | [`turn`] | the loop over the whole range: its slope and its width |
 //! | [`fitted`], [`physical`] | what a cause reads from a fitted set: parameters in units that people measure in, doubts |
+//! | [`carrier`] | how its effect becomes an extension of the model |
 //! | [`simulated`] | what it reads from a model that is simulated |
 //! | `second_order` | mass and viscosity together |
 //! | [`shown`] | their names and units, those of the recording |
@@ -56,6 +57,7 @@ pub mod autoregression;
 mod basis;
 pub mod beam;
 pub mod candidate;
+pub mod carrier;
 pub mod causes;
 mod chance;
 mod design;

@@ -1,7 +1,11 @@
 //! Slow relaxation over decades of time after each change: a sum of lags, two a decade.
 
+use model_core::ExtensionParameters;
+use model_core::extension::{CreepParameters, Site};
+
 use super::kind::{About, Kind, Stage};
 use super::needs::{CREEP_HOLD_S, Judge, Judged, Lack};
+use crate::carrier::Carrier;
 use crate::effect::{Effect, Form, Parameter};
 use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
@@ -16,6 +20,9 @@ const OVER: f64 = 5.0;
 /// (the written models of four simulated recordings); of a creep that is even over the decades at least a sixth is in the slowest of its
 /// elements. No error level is calibrated for it.
 const GOES_ON: f64 = 0.1;
+/// The largest sum of the shares that a refinement begins with: the model's bound is 1, and a tenth of the way is left to move at once.
+/// The refinement may come nearer to the bound.
+const MOST_LATE: f64 = 0.9;
 
 /// The cause.
 pub struct Creep;
@@ -38,6 +45,12 @@ fn fractions(fitted: &Fitted<'_>) -> Vec<f64> {
         }
         _ => fitted.effect.parameters.iter().map(|parameter| parameter.value).collect(),
     }
+}
+
+/// The factor that brings the sum of the shares below 1: the model has that bound, the search has not.
+fn below_the_whole(fractions: &[f64]) -> f64 {
+    let sum: f64 = fractions.iter().sum();
+    if sum > MOST_LATE { MOST_LATE / sum } else { 1.0 }
 }
 
 fn of_elements(fractions: &[f64], time_constants_s: &[f64]) -> Parameters {
@@ -103,6 +116,23 @@ impl Kind for Creep {
         (!goes_on).then_some(Doubt::Over)
     }
 
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        let Carrier { fitted, .. } = carrier;
+        // y (1 + w) - w slow = y0: the share 1/(1 + w) at once, the rest later by 1 + w.
+        let later = |weight: Option<&f64>| 1.0 + weight.copied().unwrap_or(0.0);
+        let taus_s = fitted.signals.creep_s.iter().enumerate();
+        let shares: Vec<f64> = fractions(fitted).into_iter().map(|share| share.max(0.0)).collect();
+        let within = below_the_whole(&shares);
+        // The search has no more elements than the model has room for.
+        all.creep = Some(CreepParameters {
+            time_constants_s: taus_s.map(|(i, tau_s)| tau_s * later(fitted.weights.get(i))).collect(),
+            fractions: shares.into_iter().map(|share| within * share).collect(),
+        });
+        if fitted.form() == Form::CreepOfInput {
+            all.sites.creep = Site::Pressure;
+        }
+    }
+
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         let creep = model.extensions.creep.as_ref()?;
         Some(of_elements(&creep.fractions, &creep.time_constants_s))
@@ -111,7 +141,7 @@ impl Kind for Creep {
 
 #[cfg(test)]
 mod tests {
-    use super::goes_on;
+    use super::*;
 
     const TAU_S: [f64; 5] = [0.1, 0.316, 1.0, 3.16, 10.0];
 
@@ -126,5 +156,13 @@ mod tests {
     fn behind_a_hold_that_is_longer_than_any_element_lasts_the_slowest_decides() {
         assert!(goes_on(&[0.1; 5], &TAU_S, 300.0));
         assert!(!goes_on(&[0.1, 0.1, 0.1, 0.1, 0.0], &TAU_S, 300.0));
+    }
+
+    #[test]
+    fn a_creep_of_more_than_the_whole_is_begun_below_it() {
+        assert_eq!(below_the_whole(&[0.2, 0.3]), 1.0);
+        let fractions = [0.6, 0.5];
+        let within = below_the_whole(&fractions);
+        assert!((fractions.iter().map(|fraction| within * fraction).sum::<f64>() - MOST_LATE).abs() < 1e-12);
     }
 }

@@ -1,7 +1,11 @@
 //! The zero moves steadily with time.
 
+use model_core::ExtensionParameters;
+use model_core::extension::DriftParameters;
+
 use super::kind::{About, Kind, Law, Stage};
 use super::needs::{Judge, Judged};
+use crate::carrier::Carrier;
 use crate::effect::{Effect, Form};
 use crate::fitted::{Fitted, Parameters};
 use crate::plan::part::Part;
@@ -13,6 +17,10 @@ const RATE: &str = "mm_per_s";
 
 /// The cause.
 pub struct Drift;
+
+fn rate_per_s(fitted: &Fitted<'_>) -> f64 {
+    fitted.weight(0) / fitted.signals.duration_s().max(1e-9)
+}
 
 impl Kind for Drift {
     fn about(&self) -> &'static About {
@@ -40,7 +48,11 @@ impl Kind for Drift {
     }
 
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
-        vec![(RATE, fitted.weight(0) / fitted.signals.duration_s().max(1e-9))]
+        vec![(RATE, rate_per_s(fitted))]
+    }
+
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        all.drift = Some(DriftParameters { rate_per_s: rate_per_s(&carrier.fitted), compensated: false });
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {

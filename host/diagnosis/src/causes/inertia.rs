@@ -2,9 +2,13 @@
 //!
 //! It has the viscosity in it that damps it: what is damped so far that it does not overshoot comes to two causes.
 
+use model_core::ExtensionParameters;
+use model_core::extension::{ProfileParameters, Site};
+
 use super::kind::{About, Kind, Law, RECORD_FAST, Stage};
 use super::needs::{Judge, Judged, ROUNDING};
 use crate::anatomy::excitation::Excitation;
+use crate::carrier::Carrier;
 use crate::effect::{Effect, Form, Parameter};
 use crate::fitted::{Doubt, Fitted, Parameters, value};
 use crate::plan::part::Part;
@@ -88,6 +92,24 @@ impl Kind for Inertia {
     fn doubt(&self, fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
         let swings = value(&self.parameters(fitted), "damping_ratio").is_some_and(|ratio| ratio < 1.0);
         (!swings).then_some(Doubt::Unseen)
+    }
+
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        let (mass, viscosity, site) = match carrier.fitted.form() {
+            Form::Inertia => {
+                // By how much more input a change takes where the muscle is.
+                let stiffer = |mut profile: ProfileParameters<f64>| {
+                    let knots = profile.knots.iter().zip(&mut profile.values);
+                    knots.for_each(|(&y, value)| *value *= carrier.fitted.signals.stiffer(y));
+                    profile
+                };
+                (stiffer(carrier.through(0)), stiffer(carrier.through(TENTS)), Site::Pressure)
+            }
+            _ => (carrier.behind(0), carrier.behind(TENTS), Site::Contraction),
+        };
+        all.inertia = Some(mass);
+        all.sites.inertia = site;
+        carrier.add_viscosity(all, site, viscosity);
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {

@@ -1,6 +1,9 @@
 //! What a cause says of itself.
 
+use model_core::ExtensionParameters;
+
 use super::needs::{Judge, Judged, Lack};
+use crate::carrier::Carrier;
 use crate::effect::Effect;
 use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
@@ -148,6 +151,9 @@ pub trait Kind: Sync {
     fn doubt(&self, _fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
         None
     }
+
+    /// Adds its extension of a model to those of others, the nearest to its effect in the search.
+    fn extend(&self, _carrier: &Carrier<'_>, _all: &mut ExtensionParameters<f64>) {}
 
     /// Its parameters where it extends a model; None where it does not.
     fn written(&self, _model: &Simulated<'_>) -> Option<Parameters> {

@@ -177,4 +177,11 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_page_on_adding_a_cause_shows_a_file_as_it_is() {
+        let (page, file) = (include_str!("../../../../docs/add-a-cause.md"), include_str!("drift.rs"));
+        let behind_uses = file.split_once("\n\n///").expect("a file").1;
+        assert!(page.contains(behind_uses.trim_end()));
+    }
 }

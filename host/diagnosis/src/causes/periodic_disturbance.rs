@@ -1,9 +1,13 @@
 //! A tone that has nothing to do with the input.
 
+use model_core::ExtensionParameters;
+use model_core::extension::PeriodicDisturbanceParameters;
+
 use super::kind::{About, Fits, Kind, Stage};
 use super::needs::{Judge, Judged, ROUNDING};
 use crate::anatomy::excitation::Excitation;
 use crate::anatomy::spectrum::LEAST_PERIODS;
+use crate::carrier::Carrier;
 use crate::effect::{Effect, Form, Parameter};
 use crate::fitted::{Fitted, Parameters};
 use crate::plan::part::Part;
@@ -67,6 +71,16 @@ impl Kind for PeriodicDisturbance {
 
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
         named(fitted.parameter(0), fitted.weight(0).hypot(fitted.weight(1)))
+    }
+
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        let [sine, cosine] = [0, 1].map(|i| carrier.fitted.weight(i));
+        all.periodic_disturbance = Some(PeriodicDisturbanceParameters {
+            amplitude: sine.hypot(cosine),
+            frequency_hz: carrier.fitted.parameter(0),
+            phase_rad: cosine.atan2(sine),
+            compensated: false,
+        });
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {

@@ -1,7 +1,13 @@
 //! The loop widens with speed, without a lag at rest.
 
+use model_core::ExtensionParameters;
+use model_core::extension::{
+    PressureRateParameters, RateDependentThresholdsParameters, RateDependentWidthParameters,
+};
+
 use super::kind::{About, Kind, Law, Stage};
 use super::needs::{Judge, Judged};
+use crate::carrier::Carrier;
 use crate::effect::{Effect, Form, Parameter, Rate};
 use crate::fitted::{Fitted, Parameters, value};
 use crate::plan::part::Part;
@@ -10,6 +16,11 @@ use crate::simulated::{Simulated, at_middle};
 
 /// Bounds of the power of the rate that it grows with: one that grows nearly as the speed is viscosity.
 const POWERS: (f64, f64) = (0.2, 0.75);
+/// So many standard deviations of its noise a pressure may move by unseen.
+const UNSEEN: f64 = 2.0;
+/// Time constant of the speed of a width; of that of the pressure only to begin with. Unit: s.
+const FILTER_S: f64 = 0.01;
+const PRESSURE_FILTER_S: f64 = 0.02;
 
 /// The cause.
 pub struct RateDependentWidth;
@@ -67,6 +78,36 @@ impl Kind for RateDependentWidth {
                 width(range / fitted.half_width().max(1e-9), exponent, rate)
             }
             _ => Vec::new(),
+        }
+    }
+
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        let Carrier { fitted, .. } = carrier;
+        let exponent = fitted.parameter(0);
+        match fitted.form() {
+            Form::Thresholds(rate) => {
+                let gain =
+                    carrier.profile(|y| fitted.parameter(1) / carrier.typical_at(rate, y).powf(exponent));
+                let of_input = || PressureRateParameters {
+                    gain: fitted.parameter(1) / fitted.signals.typical_speed(rate).powf(exponent),
+                    resolution: UNSEEN * fitted.signals.input_noise,
+                };
+                all.rate_dependent_thresholds = Some(RateDependentThresholdsParameters {
+                    exponent,
+                    filter_s: if rate == Rate::Input { PRESSURE_FILTER_S } else { FILTER_S },
+                    gain,
+                    pressure: (rate == Rate::Input).then(of_input),
+                });
+            }
+            Form::Friction(rate) => {
+                let radius = fitted.parameter(1).exp();
+                let times = radius / carrier.typical(rate).powf(exponent);
+                let mut width = carrier.through(2);
+                width.values.iter_mut().for_each(|value| *value *= times);
+                all.rate_dependent_width =
+                    Some(RateDependentWidthParameters { radius, exponent, filter_s: FILTER_S, width });
+            }
+            _ => {}
         }
     }
 

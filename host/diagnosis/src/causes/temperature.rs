@@ -1,8 +1,11 @@
 //! The recorded temperature moves the curve.
 
+use model_core::ExtensionParameters;
+
 use super::column;
 use super::kind::{About, Fits, Kind, Stage};
 use super::needs::{Judge, Judged};
+use crate::carrier::Carrier;
 use crate::effect::{Driver, Effect};
 use crate::fitted::{Fitted, Parameters};
 use crate::plan::part::Part;
@@ -39,6 +42,11 @@ impl Kind for Temperature {
 
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
         named(column::moved(&fitted.signals.knots, &fitted.changes()))
+    }
+
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        let (schedule, site) = carrier.schedule(&carrier.columns.temperature_c);
+        (all.temperature, all.sites.temperature) = (Some(schedule), site);
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {

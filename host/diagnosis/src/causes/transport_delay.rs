@@ -1,7 +1,11 @@
 //! Dead time between input and contraction; between command and pressure it is the valve's.
 
+use model_core::ExtensionParameters;
+use model_core::extension::TransportDelayParameters;
+
 use super::kind::{About, Kind, Law, RECORD_FAST, Stage};
 use super::needs::{Judge, Judged, Lack};
+use crate::carrier::Carrier;
 use crate::effect::{Effect, Form, Parameter};
 use crate::fitted::{Fitted, Parameters};
 use crate::plan::part::Part;
@@ -52,6 +56,11 @@ impl Kind for TransportDelay {
 
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
         vec![(DELAY, fitted.parameter(0))]
+    }
+
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        let delay_s = carrier.fitted.parameter(0).max(0.0);
+        all.transport_delay = Some(TransportDelayParameters { delay_s });
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {

@@ -2,8 +2,12 @@
 //!
 //! Any regulator has one: up to [`ORDINARY_LAG_S`] it is not named.
 
+use model_core::ExtensionParameters;
+use model_core::extension::ValveLagParameters;
+
 use super::kind::{About, Fits, Kind, Ordinary, RECORD_PRESSURE, Stage};
 use super::needs::{Judge, Judged, Lack, ValveView};
+use crate::carrier::Carrier;
 use crate::effect::{Effect, Form, Parameter};
 use crate::fitted::{Fitted, Parameters};
 use crate::plan::part::Part;
@@ -70,6 +74,10 @@ impl Kind for ValveLag {
 
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
         vec![(TIME_CONSTANT, fitted.parameter(0).exp())]
+    }
+
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        all.valve_lag = Some(ValveLagParameters::new(carrier.fitted.parameter(0).exp()));
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {

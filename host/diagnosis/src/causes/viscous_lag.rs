@@ -2,8 +2,12 @@
 //!
 //! Beside a mass it is one equation of second order with that, and what damps it.
 
+use model_core::ExtensionParameters;
+use model_core::extension::Site;
+
 use super::kind::{About, Kind, Law, Stage};
 use super::needs::{Judge, Judged, Lack};
+use crate::carrier::Carrier;
 use crate::effect::{Driver, Effect, Form, Parameter};
 use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
@@ -66,6 +70,15 @@ impl Kind for ViscousLag {
     fn doubt(&self, fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
         let shows = Self::time_constant_s(fitted) >= LEAST * fitted.signals.step_s;
         (!shows).then_some(Doubt::Unseen)
+    }
+
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        match carrier.fitted.form() {
+            Form::Driven(_) => carrier.add_viscosity(all, Site::Pressure, carrier.through(0)),
+            Form::OutputLag => carrier.add_viscosity(all, Site::Contraction, carrier.behind(0)),
+            // The model has no third order: beside a mass its rate and acceleration have both.
+            _ => {}
+        }
     }
 
     /// The damping of a mass is the mass's.

@@ -1,7 +1,11 @@
 //! The first cycles differ and settle with travel.
 
+use model_core::ExtensionParameters;
+use model_core::extension::WarmUpParameters;
+
 use super::kind::{About, Kind, Law, Stage};
 use super::needs::{Judge, Judged};
+use crate::carrier::Carrier;
 use crate::effect::{Driver, Effect, Form, Parameter};
 use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
@@ -82,6 +86,12 @@ impl Kind for WarmUp {
 
     fn doubt(&self, fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
         (of_fitted(fitted) < 0.0).then_some(Doubt::Fading)
+    }
+
+    fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
+        let (offset, site) = carrier.offset();
+        all.warm_up = Some(WarmUpParameters { travel: carrier.fitted.parameter(0).exp(), offset });
+        all.sites.warm_up = site;
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {

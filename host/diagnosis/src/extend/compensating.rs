@@ -7,7 +7,7 @@ use model_core::Hysteresis;
 use model_core::extension::PressureRateParameters;
 
 use super::Extension;
-use super::carry::LEAST_SLOPE;
+use crate::carrier::LEAST_SLOPE;
 use crate::turn::Loop;
 use identification::{HostModel, simulate};
 

@@ -4,7 +4,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `beginnings` | the better of what two beginnings come to |
-//! | `carry` | from the effects of the search to the nearest extensions of the model |
+//! | `carry` | from the effects of the search, and the valve, to the extensions of the model |
 //! | `plain` | the model without extensions |
 //! | `start` | the operator to begin with, identified from what the operators see in the search |
 //! | `variables` | operator and extensions as numbers that a search can move |

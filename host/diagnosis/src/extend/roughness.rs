@@ -10,7 +10,7 @@ use model_core::envelope::EnvelopeParameters;
 use model_core::extension::{ProfileParameters, Site};
 
 use super::Extension;
-use super::carry::LEAST_SLOPE;
+use crate::carrier::LEAST_SLOPE;
 use crate::turn::Loop;
 use identification::{DEAD_ZONES, HostParameters};
 

@@ -7,8 +7,8 @@
 use model_core::extension::Site;
 
 use super::Extension;
-use super::carry::LEAST_SLOPE;
 use super::task::Task;
+use crate::carrier::LEAST_SLOPE;
 use crate::turn::Loop;
 
 /// The model, refined, with its viscous lag on the nearer side; that of a mass is on the mass's. `found` where it has none, or does

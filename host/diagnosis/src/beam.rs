@@ -53,7 +53,7 @@ const HOPELESS: f64 = 0.04;
 impl Search<'_> {
     /// The effects that could stand for a cause beside a set.
     fn starts(&self, set: &Candidate, cause: Cause) -> Vec<Effect> {
-        beside(&set.fit.effects, cause.starts(self.signals, &set.fit.unseen))
+        beside(&set.fit.effects, cause.starts_beside(self.signals, &set.fit.unseen))
     }
 
     /// The promising causes beside a set, each with its most promising effects.
@@ -107,7 +107,7 @@ impl Search<'_> {
         let alike = sizes.iter().flatten().filter(|other| is_same(&other.causes, &wider));
         let known = alike.min_by(|one, other| one.cost().total_cmp(&other.cost())).cloned();
         let raced = || {
-            let runners = self.runners(set, cause, cause.starts(self.signals, &[]));
+            let runners = self.runners(set, cause, cause.starts(self.signals));
             self.race(runners, f64::INFINITY).into_iter().next()
         };
         known.or_else(raced)

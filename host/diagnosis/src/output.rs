@@ -95,7 +95,7 @@ mod tests {
         let tone: Vec<f64> =
             signals.rows.iter().map(|row| (TAU * 0.5 * signals.time_s[row.at]).sin()).collect();
         let starts: Vec<Effect> =
-            Cause::ALL.into_iter().flat_map(|cause| cause.starts(&signals, &tone)).collect();
+            Cause::ALL.into_iter().flat_map(|cause| cause.starts_beside(&signals, &tone)).collect();
         assert!(starts.iter().any(|effect| effect.form == Form::Tone));
         for effect in starts.into_iter().chain([Effect::step(30.0), Effect::wander()]) {
             assert_eq!(count(&effect, &signals), columns(&effect, &signals).0.len(), "{:?}", effect.form);

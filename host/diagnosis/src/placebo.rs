@@ -52,7 +52,7 @@ impl Placebos {
             screen.drawn(alike.draw(left.len(), &mut random), &mut random)
         };
         let draws: Vec<Errors> = (0..DRAWS).into_par_iter().map(drawn).collect();
-        let effects: Vec<Effect> = asked.iter().flat_map(|cause| cause.starts(search.signals, &[])).collect();
+        let effects: Vec<Effect> = asked.iter().flat_map(|cause| cause.starts(search.signals)).collect();
         let shares = effects.par_iter().map(|effect| screen.promises(effect, &draws));
         let none = || vec![0.0; DRAWS];
         let largest = shares

@@ -77,7 +77,7 @@ impl Search<'_> {
             effects[place] = start;
             effects
         };
-        cause.starts(self.signals, &set.fit.unseen).into_iter().filter(is_near).map(anew).collect()
+        cause.starts(self.signals).into_iter().filter(is_near).map(anew).collect()
     }
 
     /// What sets with one more cause than this have to come below in the heats: a sum of squares.

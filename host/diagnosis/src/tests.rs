@@ -299,7 +299,7 @@ fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
     let mut signals = Signals::new(&plant.recorded(&hysteresis(&late)));
     let search = Search::new(&mut signals, vec![cause("transport_delay")], 0.0).expect("a baseline");
-    let starts = cause("transport_delay").starts(search.signals, &[]);
+    let starts = cause("transport_delay").starts(search.signals);
     let found =
         search.race(search.runners(&search.baseline, cause("transport_delay"), starts), f64::INFINITY);
     let erring = |times: f64| {

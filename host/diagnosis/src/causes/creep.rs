@@ -102,7 +102,7 @@ impl Kind for Creep {
         }
     }
 
-    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, signals: &Signals) -> Vec<Effect> {
         let weights = signals.creep_s.iter().map(|_| Parameter::new(0.0, 0.0, 0.9, 1e-3));
         vec![Effect::new(Form::Creep, []), Effect::new(Form::CreepOfInput, weights)]
     }

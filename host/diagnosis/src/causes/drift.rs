@@ -43,7 +43,7 @@ impl Kind for Drift {
         judge.repeats()
     }
 
-    fn starts(&self, _signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, _signals: &Signals) -> Vec<Effect> {
         vec![Effect::new(Form::Drift, [])]
     }
 

@@ -71,7 +71,7 @@ impl Kind for Inertia {
         Ok(format!("swings of up to {} {unit}/s, {jumps} jumps that end in a hold", legible(*fastest, 2)))
     }
 
-    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, signals: &Signals) -> Vec<Effect> {
         let masses = Parameter::strengths(signals, root_mean_square(&signals.acceleration), 0.0);
         let viscosities = Parameter::strengths(signals, root_mean_square(&signals.rate), 0.0);
         let both = masses.into_iter().chain(viscosities);

@@ -136,10 +136,14 @@ pub trait Kind: Sync {
     /// What it needs of a recording to be seen, met or not.
     fn needs(&self, judge: &Judge<'_>) -> Judged;
 
-    /// The effects to try for it in the search, from their several starts, where others leave this residual of the scored rows; none
-    /// where the recording has not what it takes.
-    fn starts(&self, _signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    /// The effects to try for it in the search, from their several starts; none where the recording has not what it takes.
+    fn starts(&self, _signals: &Signals) -> Vec<Effect> {
         Vec::new()
+    }
+
+    /// The same where other effects leave this residual of the scored rows.
+    fn starts_beside(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+        self.starts(signals)
     }
 
     /// Its parameters in the units that people measure in, as the search has it.

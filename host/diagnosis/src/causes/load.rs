@@ -37,7 +37,7 @@ impl Kind for Load {
         judge.column("load", "N", judge.excitation.load)
     }
 
-    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, signals: &Signals) -> Vec<Effect> {
         column::starts(signals, Driver::Load, &signals.load)
     }
 

@@ -62,10 +62,7 @@ impl Kind for PeriodicDisturbance {
     }
 
     /// From the peaks of the residual's spectrum.
-    fn starts(&self, signals: &Signals, left: &[f64]) -> Vec<Effect> {
-        if left.is_empty() {
-            return Vec::new();
-        }
+    fn starts_beside(&self, signals: &Signals, left: &[f64]) -> Vec<Effect> {
         signals.tones(left, TONES).into_iter().map(|frequency_hz| tone(frequency_hz, signals)).collect()
     }
 

@@ -54,7 +54,7 @@ impl Kind for RateDependentWidth {
         judge.speeds()
     }
 
-    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, signals: &Signals) -> Vec<Effect> {
         let span = signals.input_span;
         let power = Parameter::new(0.5, POWERS.0, POWERS.1, 1e-3);
         let gain = Parameter::new(0.0, 0.0, 10.0, 1e-2);

@@ -36,7 +36,7 @@ impl Kind for Temperature {
         judge.column("temperature", "K", judge.excitation.temperature)
     }
 
-    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, signals: &Signals) -> Vec<Effect> {
         column::starts(signals, Driver::Temperature, &signals.temperature)
     }
 

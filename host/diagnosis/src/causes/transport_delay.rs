@@ -46,7 +46,7 @@ impl Kind for TransportDelay {
         judge.lag()
     }
 
-    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, signals: &Signals) -> Vec<Effect> {
         let longest_s = (signals.duration_s() / 3.0).min(LONGEST_S);
         let delay = |delay_s| {
             Effect::new(Form::Delay, [Parameter::new(delay_s, 0.0, longest_s, 0.1 * signals.step_s)])

@@ -63,7 +63,7 @@ impl Kind for ValveLag {
         Ok(format!("{valve}; {seen}"))
     }
 
-    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, signals: &Signals) -> Vec<Effect> {
         let longest_s = signals.duration_s() / 3.0;
         let lag = |lag_s| {
             let low_s = LEAST_LAG * signals.step_s;

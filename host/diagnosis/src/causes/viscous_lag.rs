@@ -58,7 +58,7 @@ impl Kind for ViscousLag {
         judge.lag()
     }
 
-    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, signals: &Signals) -> Vec<Effect> {
         let strengths = Parameter::strengths(signals, root_mean_square(&signals.rate), 0.0);
         vec![Effect::new(Form::Driven(Driver::Rate), strengths), Effect::new(Form::OutputLag, [])]
     }

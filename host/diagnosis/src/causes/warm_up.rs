@@ -67,7 +67,7 @@ impl Kind for WarmUp {
         }
     }
 
-    fn starts(&self, signals: &Signals, _left: &[f64]) -> Vec<Effect> {
+    fn starts(&self, signals: &Signals) -> Vec<Effect> {
         let way = signals.travel.last().copied().unwrap_or(0.0).max(1e-9);
         let of_share = |share: f64| {
             let lambda = Parameter::logarithm(share * way, 0.01 * way, way / 3.0);

@@ -142,7 +142,7 @@ use rivals::{Alike, Settled, alike, not_told_apart, settled};
 use scored::Scored;
 use search::Search;
 use signals::Signals;
-use unexamined::unexamined;
+use unexamined::{unexamined, unseen};
 use valve::{ValveFit, examine};
 pub use verdict::{Named, Tried, Verdict};
 
@@ -230,8 +230,8 @@ pub struct Diagnosis {
     pub examinable: Vec<Examinable>,
     /// Causes that it could show, and not tell apart.
     pub inseparable: Inseparable,
-    /// A set with causes that it cannot show, which does as well as the named one, or leaves nothing unexplained. None where there is no
-    /// such.
+    /// A set with causes that it cannot show, which does as well as the named one, or leaves nothing unexplained; where the verdict is
+    /// [`Verdict::Adequate`], causes each of which does more than is by chance. None where there are no such.
     pub unexamined: Vec<Cause>,
     /// Root mean square before and with the causes.
     pub rmse: (f64, f64),
@@ -455,7 +455,10 @@ fn among(
         named.evidence.extend(evidence);
     }
     diagnosis.inseparable = inseparable;
-    diagnosis.unexamined = unexamined;
+    diagnosis.unexamined = match diagnosis.verdict {
+        Verdict::Adequate => unseen(&search, &extender, &diagnosis.examinable),
+        _ => unexamined,
+    };
     measure(&mut diagnosis, &extended, is_third_order, noise::steps(&columns.time_s).0);
     if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
         diagnosis.causes.extend(Named::given_shape(given, &extended.model.parameters, columns.output_unit));

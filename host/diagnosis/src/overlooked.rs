@@ -39,7 +39,7 @@ pub struct Overlooked {
 /// The fast cause of single ones that were looked at which the operator model is clearly better with; None where there is none.
 pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Overlooked> {
     let (set, others, [with, without]) =
-        clearly(search, singles, extender).or_else(|| beyond_chance(search, singles, extender))?;
+        clearly(search, singles, extender).or_else(|| found(search, singles, extender))?;
     Some(Overlooked {
         alternatives: others.iter().map(Candidate::names).collect(),
         set,
@@ -52,8 +52,8 @@ pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extende
     })
 }
 
-/// A set, others that do as well, and the errors of the simulated operator model with the set and without.
-type Found = (Candidate, Vec<Candidate>, [f64; 2]);
+/// A set, others that do as well, and the errors of the simulated operator model with the set and without. Output unit.
+pub type Found = (Candidate, Vec<Candidate>, [f64; 2]);
 
 /// Of the fast sets that were looked at the one that takes most of the operator model's error away, if that is much.
 fn clearly(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Found> {
@@ -75,24 +75,35 @@ fn clearly(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) 
     is_trusted.then(|| (fast[best].clone(), others, [errors[best], without]))
 }
 
-/// The fast set that costs least of those that two judges find, each by more than is by chance: the search beyond what placebos gain, and
-/// the simulated operator models.
-fn beyond_chance(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Found> {
+/// The fast set that two judges find, see [`beyond_chance`].
+fn found(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Found> {
     let fast: Vec<Cause> = search.examinable.iter().copied().filter(|cause| cause.is_fast()).collect();
-    let placebos = Placebos::of(search, &search.baseline, &search.examinable)?;
+    beyond_chance(search, (&fast, &search.examinable), singles, extender)
+}
+
+/// Of single causes the one that costs least of those that two judges find beside none, each by more than is by chance: the search beyond
+/// what placebos of all causes that are `asked` gain, and the simulated operator models. And the others of them.
+pub fn beyond_chance(
+    search: &Search<'_>,
+    (causes, asked): (&[Cause], &[Cause]),
+    singles: &[Candidate],
+    extender: &Extender<'_>,
+) -> Option<Found> {
+    let placebos = Placebos::of(search, &search.baseline, asked)?;
     let looked_at = [singles.to_vec()];
     let is_found = |set: &Candidate, cause: Cause| {
         let without = search.without(set, cause, &looked_at);
-        set.shows() && without.is_some_and(|without| placebos.find(search.gain(&without, set)))
+        let stands = set.shows() && set.outlasts();
+        stands && without.is_some_and(|without| placebos.find(search.gain(&without, set)))
     };
     let of =
         |&cause: &Cause| search.with(&search.baseline, cause, &looked_at).filter(|set| is_found(set, cause));
-    let mut sets: Vec<Candidate> = fast.par_iter().filter_map(of).collect();
+    let mut sets: Vec<Candidate> = causes.par_iter().filter_map(of).collect();
     if sets.is_empty() {
         return None;
     }
     let plain = extender.model(&search.baseline)?;
-    let least = standard_errors(FOUND, fast.len(), 1);
+    let least = standard_errors(FOUND, causes.len(), 1);
     let gains = |set: &Candidate| {
         extender.gain_between(&plain, &extender.model(set)?).filter(|gain| gain.is_beyond(least))
     };

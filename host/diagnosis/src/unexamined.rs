@@ -11,6 +11,8 @@ use super::Diagnosis;
 use super::anatomy::examinable::Examinable;
 use super::candidate::Candidate;
 use super::causes::{Cause, Fits, Law};
+use super::extend::Extender;
+use super::overlooked::beyond_chance;
 use super::reject::{Unexplained, unexplained};
 use super::rivals::is_untold;
 use super::search::Search;
@@ -49,6 +51,19 @@ pub fn unexamined(
         None
     };
     found.map(|found| found.names()).filter(|causes| causes.iter().any(is_new))
+}
+
+/// Where nothing is named and nothing seems to be left: the causes that are not examinable, each of which does more than is by chance, the
+/// one that costs least first.
+pub fn unseen(search: &Search<'_>, extender: &Extender<'_>, judged: &[Examinable]) -> Vec<Cause> {
+    let all = judged.iter().map(|judged| judged.cause).filter(|cause| cause.about().fits == Fits::Any);
+    let new: Vec<Cause> = all.filter(|cause| !search.examinable.contains(cause)).collect();
+    let others = Search { examinable: new.clone(), ..search.clone() };
+    let found = beyond_chance(&others, (&new, &new), &[], extender);
+    found
+        .into_iter()
+        .flat_map(|(set, more, _)| set.causes.into_iter().chain(more.into_iter().flat_map(|set| set.causes)))
+        .collect()
 }
 
 /// Of the sets in which a rival replaces one of the causes, the best that is not told apart from `set`; None if all are.

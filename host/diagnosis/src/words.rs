@@ -22,7 +22,14 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
         false => "None of the causes that this recording can show",
     };
     match diagnosis.verdict {
-        Verdict::Adequate => "The operator model describes the recording; no cause is named.".to_owned(),
+        Verdict::Adequate if diagnosis.unexamined.is_empty() => {
+            "The operator model describes the recording; no cause is named.".to_owned()
+        }
+        Verdict::Adequate => format!(
+            "The operator model describes what this recording can show, and no cause is named; but {} would explain a part of the \
+             error, and whether it is there this recording cannot show.",
+            alternatives(&diagnosis.unexamined)
+        ),
         Verdict::Explained => {
             format!("What the operator model gets wrong is explained by {}.", names.join(" and "))
         }
@@ -70,6 +77,12 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
     }
 }
 
+/// Causes of which each is enough.
+fn alternatives(causes: &[Cause]) -> String {
+    let names: Vec<&str> = causes.iter().map(|cause| cause.name()).collect();
+    names.join(" or ")
+}
+
 /// How far the model that is written is off, and from what that shows.
 fn described_poorly(Poor { rmse, percent_of_stroke, better, limit }: &Poor, unit: Unit) -> String {
     let why = limit.map_or(String::new(), |limit| format!(" In this recording {}.", limit.reason()));
@@ -101,7 +114,8 @@ pub fn unexamined(diagnosis: &Diagnosis) -> Option<String> {
         true => "would do as well as what is named, or better",
         false => "would leave nothing unexplained, perhaps others like it too",
     };
-    (!all.is_empty()).then(|| {
+    // Beside an adequate model the verdict's own sentence says it.
+    (!all.is_empty() && diagnosis.verdict != Verdict::Adequate).then(|| {
         format!("{} {does}; but this recording cannot show {}", all.join(" and "), unseen.join(" and "))
     })
 }

@@ -53,8 +53,8 @@
 //! neighbour of it; the pure error then says that something is left.
 
 pub mod anatomy;
-pub mod autoregression;
-mod basis;
+mod autoregression;
+pub mod basis;
 pub mod beam;
 pub mod candidate;
 pub mod carrier;

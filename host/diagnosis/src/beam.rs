@@ -218,9 +218,14 @@ impl Search<'_> {
 
     /// The evidence that a cause has to have for it beside a set.
     fn needed(&self, cause: Cause, set: &Candidate) -> f64 {
-        let (least, more) =
-            if is_distinct(&cause) { (EVIDENCE_OF_FAST, MORE_OF_FAST) } else { (EVIDENCE, MORE) };
-        least + more * self.baseline.evidence(set).max(0.0)
+        let least = if is_distinct(&cause) { EVIDENCE_OF_FAST } else { EVIDENCE };
+        least + self.owed(cause, set)
+    }
+
+    /// What of its evidence may be due to the others, whose form is not quite ours.
+    pub fn owed(&self, cause: Cause, set: &Candidate) -> f64 {
+        let more = if is_distinct(&cause) { MORE_OF_FAST } else { MORE };
+        more * self.baseline.evidence(set).max(0.0)
     }
 
     /// Whether a set is worth its last cause beside the others.

@@ -16,7 +16,7 @@ use super::candidate::Candidate;
 use super::causes::Cause;
 use super::chance::{FOUND, standard_errors};
 use super::extend::{Extender, Extension};
-use super::placebo::Placebos;
+use super::placebo::{Placebos, is_worth_a_word};
 use super::rivals::TRUSTED;
 use super::search::Search;
 use recording::numbers::legible;
@@ -89,16 +89,20 @@ pub fn beyond_chance(
     singles: &[Candidate],
     extender: &Extender<'_>,
 ) -> Option<Found> {
-    let placebos = Placebos::of(search, &search.baseline, asked)?;
     let looked_at = [singles.to_vec()];
-    let is_found = |set: &Candidate, cause: Cause| {
-        let without = search.without(set, cause, &looked_at);
-        let stands = set.shows() && set.outlasts();
-        stands && without.is_some_and(|without| placebos.find(search.gain(&without, set)))
+    let of = |&cause: &Cause| {
+        let set = search.with(&search.baseline, cause, &looked_at)?;
+        let without = search.without(&set, cause, &looked_at)?;
+        let gain = search.gain(&without, &set);
+        (set.shows() && set.outlasts() && is_worth_a_word(gain)).then_some((set, gain))
     };
-    let of =
-        |&cause: &Cause| search.with(&search.baseline, cause, &looked_at).filter(|set| is_found(set, cause));
-    let mut sets: Vec<Candidate> = causes.par_iter().filter_map(of).collect();
+    let promising: Vec<(Candidate, f64)> = causes.par_iter().filter_map(of).collect();
+    if promising.is_empty() {
+        return None;
+    }
+    let placebos = Placebos::of(search, &search.baseline, asked)?;
+    let found = promising.into_iter().filter(|(_, gain)| placebos.find(*gain));
+    let mut sets: Vec<Candidate> = found.map(|(set, _)| set).collect();
     if sets.is_empty() {
         return None;
     }

@@ -62,7 +62,7 @@ impl Placebos {
 
     /// Whether a gain is not by chance, and large enough to be worth a word.
     pub fn find(&self, gain: f64) -> bool {
-        gain > WORTH_A_WORD && self.chance(gain) <= FOUND
+        is_worth_a_word(gain) && self.chance(gain) <= FOUND
     }
 
     /// How likely a gain at least so large is by chance; at least one in the number of placebos and one.
@@ -70,6 +70,11 @@ impl Placebos {
         let reach = self.gains.iter().filter(|placebo| **placebo >= gain).count();
         (reach + 1) as f64 / (self.gains.len() + 1) as f64
     }
+}
+
+/// Whether a gain is so large that it is worth asking placebos.
+pub fn is_worth_a_word(gain: f64) -> bool {
+    gain > WORTH_A_WORD
 }
 
 /// The logarithm of the ratio of a sum of squares to one that is less by this share.

@@ -1,11 +1,13 @@
 //! Whether what the search names holds in a model that is simulated.
 
+use std::sync::OnceLock;
+
 use super::DiagnosisError;
 use super::candidate::Candidate;
 use super::causes::Cause;
 use super::chance::{NOT_EXCLUDED, standard_errors};
 use super::extend::{Extended, Extender, Operator};
-use super::placebo::Placebos;
+use super::placebo::{Placebos, is_worth_a_word};
 use super::reject::{Unexplained, no_gain, unexplained};
 use super::valve::ValveFit;
 use identification::IdentificationError;
@@ -108,8 +110,8 @@ fn holding(
 }
 
 /// The sets with one cause more which two judges find better, each by more than is by chance: the search, on blocks of time that no fit has
-/// seen or beyond what placebos gain in all rows, and the simulated models. The search does not name that cause, since it is not worth its
-/// place; but to call a recording explained says that nothing else is in it, and both of them see something else.
+/// seen or, for a fast cause, beyond what placebos gain in all rows; and the simulated models. The search does not name that cause, since
+/// it is not worth its place; but to call a recording explained says that nothing else is in it, and both of them see something else.
 fn not_excluded(
     extender: &Extender<'_>,
     (set, extended): (&Candidate, &Extended),
@@ -120,12 +122,17 @@ fn not_excluded(
     let others: Vec<Cause> =
         search.examinable.iter().copied().filter(|cause| !set.causes.contains(cause)).collect();
     let beyond_chance = standard_errors(NOT_EXCLUDED, others.len(), JUDGES);
-    let placebos = Placebos::of(search, set, &others);
+    let placebos = OnceLock::new();
+    let placebos = || placebos.get_or_init(|| Placebos::of(search, set, &others)).as_ref();
     let is_better = |cause: Cause, wider: &Candidate| {
         // What the baseline gains where the wider set has led it is no gain of the cause.
         let Some(less) = search.without(wider, cause, sizes) else { return false };
         let (gain, error) = (less.score.gain(&wider.score), less.score.gain_error(&wider.score));
-        let is_found = || placebos.as_ref().is_some_and(|placebos| placebos.find(search.gain(&less, wider)));
+        // What goes slowly takes up what the form lacks; next to nothing else looks like a fast cause. Of squares, so twice what is owed
+        // of errors.
+        let own = || search.gain(&less, wider) - 2.0 * search.owed(cause, set);
+        let is_found =
+            || cause.is_fast() && is_worth_a_word(own()) && placebos().is_some_and(|all| all.find(own()));
         wider.shows() && wider.outlasts() && (gain > beyond_chance * error || is_found())
     };
     let gains = |wider: Candidate| {

@@ -35,6 +35,11 @@ impl<'a> Simulated<'a> {
         Some(at_middle(profile)? * self.per_input(site, middle(profile)))
     }
 
+    /// Half the width of the operator's loop at its middle. Input unit.
+    pub fn half_width(&self) -> f64 {
+        self.turn.half_width(self.turn.middle())
+    }
+
     /// What of an effect's strength shows in the contraction.
     fn per_input(&self, site: Site, at: f64) -> f64 {
         match site {

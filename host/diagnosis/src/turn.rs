@@ -55,6 +55,12 @@ impl Loop {
         slopes.iter().sum::<f64>() / slopes.len().max(1) as f64
     }
 
+    /// The middle of its outputs. Output unit.
+    pub(super) fn middle(&self) -> f64 {
+        let (low, high) = range(&self.output);
+        0.5 * (low + high)
+    }
+
     /// Half the width of the loop at an output. Input unit.
     pub(super) fn half_width(&self, at: f64) -> f64 {
         let crossings: Vec<f64> = self

@@ -112,6 +112,16 @@ impl Kind for RateDependentWidth {
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
+        let of_friction = || {
+            let friction = model.extensions.rate_dependent_width.as_ref()?;
+            let gain = at_middle(&friction.width)? / model.half_width().max(1e-9);
+            Some(width(gain, friction.exponent, Rate::Contraction))
+        };
+        self.measured(model).or_else(of_friction)
+    }
+
+    /// Of thresholds alone: the width of the loop is the operator's and the friction's together, of which the search knows more.
+    fn measured(&self, model: &Simulated<'_>) -> Option<Parameters> {
         let thresholds = model.extensions.rate_dependent_thresholds.as_ref()?;
         let (gain, rate) = match &thresholds.pressure {
             Some(pressure) => (pressure.gain, Rate::Input),
@@ -130,7 +140,10 @@ impl Kind for RateDependentWidth {
 
 #[cfg(test)]
 mod tests {
+    use model_core::extension::ProfileParameters;
+
     use super::*;
+    use crate::extend::tests::model;
 
     #[test]
     fn a_width_keeps_the_gain_that_it_has_and_takes_the_measured_exponent() {
@@ -138,5 +151,26 @@ mod tests {
         let measured = vec![("width_gain_of_contraction_rate", 0.05), ("rate_exponent", 0.5)];
         RateDependentWidth.take_over(&mut own, measured);
         assert_eq!(own, [("width_gain", 0.4), ("rate_exponent", 0.5)]);
+    }
+
+    #[test]
+    fn friction_that_grows_with_the_rate_is_said_of_a_written_model_and_not_measured_by_it() {
+        let mut written = model();
+        written.extensions = ExtensionParameters {
+            rate_dependent_width: Some(RateDependentWidthParameters {
+                radius: 0.1,
+                exponent: 0.5,
+                filter_s: FILTER_S,
+                width: ProfileParameters::constant(0.05),
+            }),
+            ..ExtensionParameters::default()
+        };
+        let model = written.simulated().expect("a loop");
+        let said = RateDependentWidth.written(&model).expect("a width");
+        // Half the width of its loop is some 0.15 bar: a play of 0.4 bar that weighs 0.4.
+        let gain = value(&said, "width_gain_of_contraction_rate").expect("a gain");
+        assert!((0.2..0.6).contains(&gain), "{gain}");
+        assert_eq!(value(&said, "rate_exponent"), Some(0.5));
+        assert_eq!(RateDependentWidth.measured(&model), None);
     }
 }

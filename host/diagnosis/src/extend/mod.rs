@@ -534,4 +534,4 @@ impl<'a> Extender<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+pub mod tests;

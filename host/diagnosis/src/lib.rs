@@ -21,6 +21,7 @@
 //! | [`free_run`], `swing` | the same without the measured contraction, and tuned to run free |
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
 //! | `chance` | what may be by chance of it |
+//! | `placebo`, `autoregression` | what causes gain of errors that are drawn by chance |
 //! | `ordinary` | the regulator's own lag where the command alone was recorded |
 //! | [`search`] | what is searched, and how a set is judged |
 //! | [`screen`], [`race`], [`beam`] | which sets are tried |

@@ -101,21 +101,17 @@ pub fn beyond_chance(
         return None;
     }
     let placebos = Placebos::of(search, &search.baseline, asked)?;
-    let found = promising.into_iter().filter(|(_, gain)| placebos.find(*gain));
-    let mut sets: Vec<Candidate> = found.map(|(set, _)| set).collect();
-    if sets.is_empty() {
-        return None;
-    }
     let plain = extender.model(&search.baseline)?;
     let least = standard_errors(FOUND, causes.len(), 1);
-    let gains = |set: &Candidate| {
-        extender.gain_between(&plain, &extender.model(set)?).filter(|gain| gain.is_beyond(least))
-    };
-    sets.retain(|set| gains(set).is_some());
-    sets.sort_by(|one, other| one.cost().total_cmp(&other.cost()));
-    let gain = gains(sets.first()?)?;
-    let set = sets.remove(0);
-    Some((set, sets, [gain.after.rmse, gain.before.rmse]))
+    let found = promising.into_iter().filter(|(_, gain)| placebos.find(*gain)).filter_map(|(set, _)| {
+        let gain = extender.gain_between(&plain, &extender.model(&set)?)?;
+        gain.is_beyond(least).then_some((set, [gain.after.rmse, gain.before.rmse]))
+    });
+    let mut found: Vec<(Candidate, [f64; 2])> = found.collect();
+    found.sort_by(|(one, _), (other, _)| one.cost().total_cmp(&other.cost()));
+    let mut found = found.into_iter();
+    let (set, errors) = found.next()?;
+    Some((set, found.map(|(set, _)| set).collect(), errors))
 }
 
 /// The place of the least error, if that is clearly less than `without`, and those of the errors that are hardly more than it.

@@ -12,7 +12,8 @@
 //! # Limits
 //! Placebos are gains to first order, from where the effects start; a fit moves its parameters too, and gains somewhat more by chance.
 //! The error is as large everywhere. A tone has no starts, and is asked for no placebo. What the set gets wrong that depends on time
-//! or speed is no part of the model: a form of a cause that is not quite the muscle's gains far more than a placebo.
+//! or speed is no part of the model: a form of a cause that is not quite the muscle's gains far more than a placebo, and a slow cause takes
+//! that up. So placebos alone name nothing: a simulated model has to want the cause too, and beside others only fast ones are asked.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

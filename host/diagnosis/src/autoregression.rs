@@ -1,32 +1,32 @@
-//! An autoregression: a stationary error whose neighbouring values are alike, fitted to one and drawn anew.
+//! An autoregression: a model of a stationary, autocorrelated error. It is fitted to one series, and draws others like it.
 
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
-/// The longest memory, in values.
-const MEMORY: usize = 24;
-/// So many values for each of the memory are drawn and left out, before which a drawn error still knows that it began at 0.
-const BEFORE: usize = 50;
+/// The highest order that is tried; Akaike's criterion chooses. Unit: value.
+const HIGHEST_ORDER: usize = 24;
+/// A drawn series begins at 0, and is not yet stationary: so many times the order of its first values are left out.
+const RUN_IN: usize = 50;
 
-/// What a value is of those before it, and what is new in it.
+/// Weights of the values before, and the size of the innovation.
 #[derive(Clone, Debug)]
 pub struct Autoregression {
     /// Weights of the values before, the nearest first.
     weights: Vec<f64>,
-    /// Standard deviation of what is new.
-    new: f64,
+    /// Standard deviation of the innovation.
+    innovation: f64,
 }
 
 impl Autoregression {
-    /// Of the order that tells most (Akaike, A new look at the statistical model identification, 1974), by the recursion of Levinson and
+    /// Of the order with the least criterion of Akaike (A new look at the statistical model identification, 1974), by the recursion of Levinson and
     /// Durbin on the autocovariances of `values`, which keeps it stationary.
     pub fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
-        let covariances: Vec<f64> = (0..=MEMORY.min(values.len() / 4))
+        let covariances: Vec<f64> = (0..=HIGHEST_ORDER.min(values.len() / 4))
             .map(|lag| values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum::<f64>() / count)
             .collect();
         let (mut weights, mut variance) = (Vec::new(), covariances[0]);
-        let mut best = (Self { weights: Vec::new(), new: variance.sqrt() }, f64::INFINITY);
+        let mut best = (Self { weights: Vec::new(), innovation: variance.sqrt() }, f64::INFINITY);
         for order in 0..covariances.len() {
             if order > 0 && variance > 0.0 {
                 let told: f64 =
@@ -39,7 +39,7 @@ impl Autoregression {
             }
             let criterion = count * variance.max(f64::MIN_POSITIVE).ln() + 2.0 * order as f64;
             if criterion < best.1 {
-                best = (Self { weights: weights.clone(), new: variance.max(0.0).sqrt() }, criterion);
+                best = (Self { weights: weights.clone(), innovation: variance.max(0.0).sqrt() }, criterion);
             }
         }
         best.0
@@ -47,13 +47,13 @@ impl Autoregression {
 
     /// So many values of an error like it.
     pub fn draw(&self, count: usize, random: &mut impl Rng) -> Vec<f64> {
-        let before = BEFORE * self.weights.len();
-        let mut values: Vec<f64> = Vec::with_capacity(before + count);
-        for _ in 0..before + count {
+        let run_in = RUN_IN * self.weights.len();
+        let mut values: Vec<f64> = Vec::with_capacity(run_in + count);
+        for _ in 0..run_in + count {
             let told: f64 = self.weights.iter().zip(values.iter().rev()).map(|(a, b)| a * b).sum();
-            values.push(told + self.new * random.sample::<f64, _>(StandardNormal));
+            values.push(told + self.innovation * random.sample::<f64, _>(StandardNormal));
         }
-        values.split_off(before)
+        values.split_off(run_in)
     }
 }
 
@@ -64,20 +64,20 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     #[test]
-    fn an_error_that_is_drawn_is_as_alike_as_the_one_that_was_fitted() {
+    fn a_drawn_error_has_the_autocorrelation_of_the_fitted_one() {
         let mut random = ChaCha8Rng::seed_from_u64(5);
-        let truth = Autoregression { weights: vec![1.2, -0.5], new: 0.3 };
+        let truth = Autoregression { weights: vec![1.2, -0.5], innovation: 0.3 };
         let fitted = Autoregression::of(&truth.draw(20_000, &mut random));
         let near = |one: f64, other: f64| assert!((one - other).abs() < 0.03, "{fitted:?}");
         near(fitted.weights[0], 1.2);
         near(fitted.weights[1], -0.5);
-        near(fitted.new, 0.3);
+        near(fitted.innovation, 0.3);
         let again = Autoregression::of(&fitted.draw(20_000, &mut random));
         near(again.weights[0], 1.2);
     }
 
     #[test]
-    fn nothing_has_no_likeness() {
+    fn an_error_of_zeros_draws_zeros() {
         let mut random = ChaCha8Rng::seed_from_u64(5);
         assert_eq!(Autoregression::of(&[0.0; 100]).draw(3, &mut random), [0.0; 3]);
     }

@@ -11,7 +11,8 @@ use super::effect::{Form, Rate};
 use super::fitted::Fitted;
 use super::signals::{TENTS, hats};
 
-/// The least slope of the loop that an output is divided by, as a share of the mean one.
+/// The least slope of the loop that an output is divided by, as a share of the mean one: it keeps an equivalent input below ten times
+/// what it is on a straight line. A guard against division by next to nothing, at the flat ends of the curve.
 pub const LEAST_SLOPE: f64 = 0.1;
 /// Where the knots of a profile lie between the ends of the contraction.
 const KNOTS: [f64; PROFILE_KNOTS] = [0.0, 0.2, 0.8, 1.0];

@@ -143,7 +143,7 @@ use rivals::{Alike, Settled, alike, not_told_apart, settled};
 use scored::Scored;
 use search::Search;
 use signals::Signals;
-use unexamined::{unexamined, unseen};
+use unexamined::{unexamined, unexcited};
 use valve::{ValveFit, examine};
 pub use verdict::{Named, Tried, Verdict};
 
@@ -457,7 +457,7 @@ fn among(
     }
     diagnosis.inseparable = inseparable;
     diagnosis.unexamined = match diagnosis.verdict {
-        Verdict::Adequate => unseen(&search, &extender, &diagnosis.examinable),
+        Verdict::Adequate => unexcited(&search, &extender, &diagnosis.examinable),
         _ => unexamined,
     };
     measure(&mut diagnosis, &extended, is_third_order, noise::steps(&columns.time_s).0);

@@ -16,7 +16,7 @@ use super::candidate::Candidate;
 use super::causes::Cause;
 use super::chance::{FOUND, standard_errors};
 use super::extend::{Extender, Extension};
-use super::placebo::{Placebos, is_worth_a_word};
+use super::placebo::{Placebos, is_large};
 use super::rivals::TRUSTED;
 use super::search::Search;
 use recording::numbers::legible;
@@ -94,7 +94,7 @@ pub fn beyond_chance(
         let set = search.with(&search.baseline, cause, &looked_at)?;
         let without = search.without(&set, cause, &looked_at)?;
         let gain = search.gain(&without, &set);
-        (set.shows() && set.outlasts() && is_worth_a_word(gain)).then_some((set, gain))
+        (set.shows() && set.outlasts() && is_large(gain)).then_some((set, gain))
     };
     let promising: Vec<(Candidate, f64)> = causes.par_iter().filter_map(of).collect();
     if promising.is_empty() {

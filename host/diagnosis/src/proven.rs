@@ -7,7 +7,7 @@ use super::candidate::Candidate;
 use super::causes::Cause;
 use super::chance::{NOT_EXCLUDED, standard_errors};
 use super::extend::{Extended, Extender, Operator};
-use super::placebo::{Placebos, is_worth_a_word};
+use super::placebo::{Placebos, is_large};
 use super::reject::{Unexplained, no_gain, unexplained};
 use super::valve::ValveFit;
 use identification::IdentificationError;
@@ -131,8 +131,7 @@ fn not_excluded(
         // What goes slowly takes up what the form lacks; next to nothing else looks like a fast cause. Of squares, so twice what is owed
         // of errors.
         let own = || search.gain(&less, wider) - 2.0 * search.owed(cause, set);
-        let is_found =
-            || cause.is_fast() && is_worth_a_word(own()) && placebos().is_some_and(|all| all.find(own()));
+        let is_found = || cause.is_fast() && is_large(own()) && placebos().is_some_and(|all| all.find(own()));
         wider.shows() && wider.outlasts() && (gain > beyond_chance * error || is_found())
     };
     let gains = |wider: Candidate| {

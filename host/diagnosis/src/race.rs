@@ -50,10 +50,10 @@ impl Search<'_> {
                 set.fit.effects.iter().filter(|effect| !replaces(effect)).cloned().collect();
             effects.push(start);
             // Envelope and width of the baseline may have tried to be what the cause is: from their starts once more.
-            let mut anew = effects.clone();
-            lend(&Effect::nuisances(self.signals, WIDTHS[0]), &mut anew);
-            let afresh = self.afresh(set, &anew);
-            [effects, anew].into_iter().chain(afresh)
+            let mut restarted = effects.clone();
+            lend(&Effect::nuisances(self.signals, WIDTHS[0]), &mut restarted);
+            let pairs = self.pairs(set, &restarted);
+            [effects, restarted].into_iter().chain(pairs)
         };
         let runner = |mut effects: Vec<Effect>| {
             arrange(&mut effects);
@@ -63,7 +63,7 @@ impl Search<'_> {
     }
 
     /// A pair of fast causes from the starts of the first one: alone it has tried to be both.
-    fn afresh(&self, set: &Candidate, pair: &[Effect]) -> Vec<Vec<Effect>> {
+    fn pairs(&self, set: &Candidate, pair: &[Effect]) -> Vec<Vec<Effect>> {
         let [cause] = set.causes[..] else { return Vec::new() };
         let place = pair.len() - 2;
         if !cause.is_fast() {
@@ -72,12 +72,12 @@ impl Search<'_> {
         let is_near = |start: &Effect| {
             start.form != Form::Delay || (DELAYS_S[0]..DELAYS_S[1]).contains(&start.parameters[0].value)
         };
-        let anew = |start: Effect| {
+        let with_start = |start: Effect| {
             let mut effects = pair.to_vec();
             effects[place] = start;
             effects
         };
-        cause.starts(self.signals).into_iter().filter(is_near).map(anew).collect()
+        cause.starts(self.signals).into_iter().filter(is_near).map(with_start).collect()
     }
 
     /// What sets with one more cause than this have to come below in the heats: a sum of squares.

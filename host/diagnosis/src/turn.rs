@@ -23,7 +23,7 @@ impl Loop {
         })
     }
 
-    /// Of an operator over its inputs; None where it is none.
+    /// The loop of an operator over its input range; None if its parameters are not valid.
     pub fn of_operator(parameters: &HostParameters) -> Option<Self> {
         let operator = HostModel::try_new(parameters).ok()?;
         Some(Self::new(parameters.input(), |input| simulate(&operator, input)))

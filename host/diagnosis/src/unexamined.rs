@@ -55,7 +55,7 @@ pub fn unexamined(
 
 /// Where nothing is named and nothing seems to be left: the causes that are not examinable, each of which does more than is by chance, the
 /// one that costs least first.
-pub fn unseen(search: &Search<'_>, extender: &Extender<'_>, judged: &[Examinable]) -> Vec<Cause> {
+pub fn unexcited(search: &Search<'_>, extender: &Extender<'_>, judged: &[Examinable]) -> Vec<Cause> {
     let all = judged.iter().map(|judged| judged.cause).filter(|cause| cause.about().fits == Fits::Any);
     let new: Vec<Cause> = all.filter(|cause| !search.examinable.contains(cause)).collect();
     let others = Search { examinable: new.clone(), ..search.clone() };

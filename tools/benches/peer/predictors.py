@@ -63,8 +63,9 @@ def history(inputs):
         if step * rising < 0:
             turn, before = u[k - 1], turn
         rising = step if step else rising
-        turns.append((turn, before, np.sign(rising), np.min(u[: k + 1]), np.max(u[: k + 1])))
-    return np.hstack([*columns, np.array(turns)])
+        turns.append((turn, before, np.sign(rising)))
+    extremes = [np.minimum.accumulate(u), np.maximum.accumulate(u)]
+    return np.column_stack([*columns, np.array(turns), *extremes])
 
 
 def forest(least):

@@ -74,7 +74,10 @@ impl Kind for Creep {
             complexity: 0.02,
             taken_for: &["rate_dependent_width", "warm_up", "drift"],
             told_from: &[
-                ("drift", "creep starts anew, and the other way, at each jump; a drift goes on the same"),
+                (
+                    "drift",
+                    "after each jump creep starts again, in the direction of the jump; a drift never turns",
+                ),
                 ("warm_up", "in a long hold there is no travel: what moves is creep"),
             ],
             parts: &[Part::LongHolds],

@@ -16,9 +16,11 @@ use crate::signals::{Signals, TENTS};
 use crate::simulated::Simulated;
 use recording::numbers::{apart, legible, root_mean_square};
 
-/// A fast swing goes over so many spans in a second; what a mass does is not seen in slower ones. Unit: 1/s.
+/// A fast swing goes over so many spans of the input in a second, that is over one in 2.5 s; what a mass does is not seen in slower ones.
+/// A choice; no error level is calibrated for it. Unit: 1/s.
 const FAST_SPANS: f64 = 0.4;
-/// The most time between rows in which ringing is seen. Unit: s.
+/// The longest sample time with which ringing is seen: four samples in a period of 5 Hz. A choice; no error level is calibrated for it.
+/// Unit: s.
 const RINGING_STEP_S: f64 = 0.05;
 
 /// The cause.

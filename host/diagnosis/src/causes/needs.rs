@@ -3,11 +3,13 @@
 use crate::anatomy::excitation::{Excitation, Variation};
 use recording::numbers::{apart, legible};
 
-/// The least ratio of two speeds over the same range that shows an effect of the speed.
+/// The least ratio of two speeds over the same range that shows an effect of the speed: a lag shifts a loop in proportion to the speed, so
+/// the shifts differ by as much. A choice; no error level is calibrated for it.
 const SPEED_RATIO: f64 = 2.5;
 /// Holds after movement in which what lags comes after.
 const LAG_HOLDS: usize = 3;
-/// The shortest hold in which creep is told from a lag. Unit: s.
+/// The shortest hold in which creep is told from a lag: one of 1 s is over by 95 % then. A choice; no error level is calibrated for it.
+/// Unit: s.
 pub const CREEP_HOLD_S: f64 = 3.0;
 /// Repeats of a swing that show a change with time, and the share of the recording between the first and the last of them:
 /// where two stand at either end, what lies between says the rest.

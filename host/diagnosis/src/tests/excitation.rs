@@ -41,6 +41,36 @@ fn a_drift_without_swings_alike_is_named_where_nothing_else_explains_the_recordi
     );
 }
 
+/// Swings of one speed and of several heights, again and again. Unit: bar.
+fn at_one_speed(time_s: f64) -> f64 {
+    const HEIGHTS: [f64; 5] = [5.0, 2.0, 4.0, 3.0, 4.5];
+    let period_s: f64 = HEIGHTS.iter().sum();
+    let mut left_s = time_s.rem_euclid(period_s);
+    for height in HEIGHTS {
+        if left_s < height {
+            return height - (height - 2.0 * left_s).abs();
+        }
+        left_s -= height;
+    }
+    0.0
+}
+
+#[test]
+fn an_adequate_model_says_that_a_recording_of_one_speed_may_hide_what_comes_late() {
+    let plant = under(at_one_speed);
+    let answer = |delay_s| {
+        let late = under(|t| at_one_speed(t - delay_s));
+        let columns = Columns { command: None, ..plant.recorded(&hysteresis(&late.pressure)) };
+        let diagnosis = diagnosed(&columns);
+        assert_eq!((diagnosis.verdict, names(&diagnosis)), (Verdict::Adequate, vec![]));
+        (crate::words::in_a_sentence(&diagnosis, columns.output_unit), diagnosis.unexamined)
+    };
+    let (sentence, unexamined) = answer(0.06);
+    assert!(!unexamined.is_empty() && sentence.contains("this recording cannot show"), "{sentence}");
+    let (sentence, unexamined) = answer(0.0);
+    assert!(unexamined.is_empty() && sentence.ends_with("no cause is named."), "{sentence}");
+}
+
 #[test]
 fn a_sound_recording_without_swings_alike_has_no_drift() {
     let plant = under(falling);

@@ -19,8 +19,9 @@ const ROWS: usize = 20_000;
 const BANDS: (usize, f64, f64) = (480, 0.003, 0.3);
 /// Lags that they are tried with, beside the one found without: that stands in for the band. Unit: s.
 const LAGS_S: [f64; 3] = [0.02, 0.05, 0.12];
-/// How many of them are gone on from, so many places apart.
+/// How many of the best bands are refined.
 const BEGINNINGS: usize = 4;
+/// The least distance between two of them. Unit: place.
 const APART: f64 = 8.0;
 /// How many places to either side of each are tried where the band holds, and how far apart, ever finer: one command that is wrongly
 /// accepted moves all that come after it, until the command stands still.
@@ -132,7 +133,7 @@ impl Task<'_> {
     }
 
     /// The valve with a dead band. Its stairs fit at the right band only, and the lag that was found without it stands in for
-    /// it: so bands are tried closely, each with several lags, and the best few are gone on from.
+    /// it: so bands are tried closely, each with several lags, and the best few are refined.
     ///
     /// They are ranked by their mean absolute error: near the right band few commands are wrongly accepted, but what each of them does to
     /// the squares is by chance.

@@ -21,12 +21,36 @@ OURS = ("mgpi identify", "mgpi diagnose")
 FIRST = OURS[0]
 
 
+def number(path, line, name, cell):
+    """A cell's number; None where it is empty."""
+    try:
+        return float(cell) if cell else None
+    except ValueError:
+        sys.exit(f"error: {path}, line {line}, column {name}: {cell!r} is not a number")
+
+
 def read(path):
     """A recording's columns by name, as numbers; None in empty cells."""
-    with open(path, newline="") as file:
-        rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
-    names, rows = rows[0], rows[1:]
-    return {name: [float(row[i]) if row[i] else None for row in rows] for i, name in enumerate(names)}
+    try:
+        with open(path, newline="") as file:
+            rows = [(i, row) for i, row in enumerate(csv.reader(file), 1) if row and not row[0].startswith("#")]
+    except (OSError, UnicodeDecodeError) as error:
+        sys.exit(f"error: {path}: {error}")
+    if len(rows) < 2:
+        sys.exit(f"error: {path}: no rows of numbers")
+    (_, names), rows = rows[0], rows[1:]
+    for line, row in rows:
+        if len(row) != len(names):
+            sys.exit(f"error: {path}, line {line}: {len(row)} cells, and the heading has {len(names)}")
+    return {name: [number(path, line, name, row[i]) for line, row in rows] for i, name in enumerate(names)}
+
+
+def column(path, columns, wanted, what):
+    """The first wanted column that the recording has."""
+    for name in wanted:
+        if name in columns:
+            return name
+    sys.exit(f"error: {path}: no {what} column {' or '.join(wanted)}; it has {', '.join(columns)}")
 
 
 def write(path, columns, rows):
@@ -97,12 +121,12 @@ def error(measured, simulated, counts):
 def judge(mgpi, python, path, options):
     """The error of each predictor over the last part of a recording, in the output's unit."""
     columns = read(path)
-    times = columns["time_s"]
+    times = columns[column(path, columns, ["time_s"], "time")]
     taught = next(k for k, t in enumerate(times) if t >= times[0] + TAUGHT * (times[-1] - times[0]))
     counts = [v != 0 for v in columns.get("valid", [1] * len(times))][taught:]
     options = argparse.Namespace(
-        input=options.input or next(n for n in ("pressure_bar", "command_bar") if n in columns),
-        output=options.output or "contraction_mm",
+        input=column(path, columns, [options.input] if options.input else ["pressure_bar", "command_bar"], "input"),
+        output=column(path, columns, [options.output or "contraction_mm"], "output"),
     )
     errors, notes = {}, []
     with tempfile.TemporaryDirectory() as folder:

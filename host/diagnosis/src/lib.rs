@@ -456,10 +456,7 @@ fn among(
         named.evidence.extend(evidence);
     }
     diagnosis.inseparable = inseparable;
-    diagnosis.unexamined = match diagnosis.verdict {
-        Verdict::Adequate => unexcited(&search, &extender, &diagnosis.examinable),
-        _ => unexamined,
-    };
+    diagnosis.unexamined = unexamined;
     measure(&mut diagnosis, &extended, is_third_order, noise::steps(&columns.time_s).0);
     if let Some(given) = extended.given.as_ref().filter(|given| given.is_too_poor()) {
         diagnosis.causes.extend(Named::given_shape(given, &extended.model.parameters, columns.output_unit));
@@ -468,8 +465,10 @@ fn among(
     if diagnosis.verdict == Verdict::Adequate && !diagnosis.causes.is_empty() {
         diagnosis.verdict = Verdict::Explained;
     }
-    if diagnosis.verdict == Verdict::Unexplained {
-        diagnosis.best_fit = std::mem::take(&mut diagnosis.causes);
+    match diagnosis.verdict {
+        Verdict::Adequate => diagnosis.unexamined = unexcited(&search, &extender, &diagnosis.examinable),
+        Verdict::Unexplained => diagnosis.best_fit = std::mem::take(&mut diagnosis.causes),
+        Verdict::Explained | Verdict::Confounded => {}
     }
     Ok((diagnosis, extended))
 }

@@ -2,7 +2,7 @@
 //!
 //! | place | effects |
 //! |---|---|
-//! | on the way of the input | `transport_delay`, `valve_lag` (where only the command is known), `creep` |
+//! | on the way of the input | `transport_delay`, `creep`; where only the command is known `valve_lag`, `supply_saturation` |
 //! | before the operators, as an equivalent input | `load`, `temperature`, `warm_up`, `viscous_lag`, `inertia`, `rate_dependent_width` |
 //! | on the output | `load`, `temperature`, `warm_up`, `viscous_lag`, `inertia`, `creep`, `drift`, `periodic_disturbance` |
 //!
@@ -55,6 +55,8 @@ pub enum Form {
     Delay,
     /// Input through a first-order lag; parameter: logarithm of the time constant.
     Lag,
+    /// Input never above the parameter, before all lags and delays. Input unit.
+    Ceiling,
     /// Low-passes of the input, less the input, each with a parameter for its weight.
     CreepOfInput,
     /// Equivalent input: strengths times the column.
@@ -158,6 +160,12 @@ impl Effect {
     /// A free curve over time.
     pub fn wander() -> Self {
         Self::new(Form::Wander, [])
+    }
+
+    /// The lowest ceiling of the input; infinite where there is none among these effects. Input unit.
+    pub fn ceiling(effects: &[Self]) -> f64 {
+        let of = |effect: &Self| (effect.form == Form::Ceiling).then(|| effect.parameters[0].value);
+        effects.iter().filter_map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// What belongs to the baseline: its envelope, a small delay, and a width that does not depend on the rate, its radius

@@ -1,5 +1,7 @@
 //! What the operators see: the input after the lags on its way, less what acts on the muscle as a force.
 
+use std::borrow::Cow;
+
 use super::basis::Seen;
 use super::effect::{Effect, Form, Parameter, Rate};
 use super::low_pass::low_pass;
@@ -19,6 +21,7 @@ impl Arrived {
     /// The input under these effects. All rows take part, kept or not: a delay may be shorter than these are apart.
     pub fn new(signals: &Signals, effects: &[Effect]) -> Self {
         let Recorded { time_s, input, input_speed, .. } = &*signals.recorded;
+        let (input, input_speed) = below(Effect::ceiling(effects), input, input_speed);
         let needs_speed = effects.iter().any(|effect| effect.form == Form::Thresholds(Rate::Input));
         let is_slow = |effect: &Effect| matches!(effect.form, Form::Lag | Form::CreepOfInput);
         if !effects.iter().any(is_slow) {
@@ -29,10 +32,10 @@ impl Arrived {
                 0.0 => signals.kept(values),
                 _ => delayed_at(values, time_s, &signals.time_s, delay_s),
             };
-            let speed = if needs_speed { late(input_speed) } else { signals.speed_of(Rate::Input).to_vec() };
-            return Self { input: late(input), speed };
+            let speed = if needs_speed { late(&input_speed) } else { signals.speed_of(Rate::Input).to_vec() };
+            return Self { input: late(&input), speed };
         }
-        let (mut input, mut speed) = (input.clone(), input_speed.clone());
+        let (mut input, mut speed) = (input.into_owned(), input_speed.into_owned());
         for effect in effects {
             let first = effect.parameters.first().map_or(0.0, |parameter| parameter.value);
             let late = |values: &[f64]| match effect.form {
@@ -49,6 +52,15 @@ impl Arrived {
         }
         Self { input: signals.kept(&input), speed: signals.kept(&speed) }
     }
+}
+
+/// The input and its speed where it is never above a ceiling.
+fn below<'a>(ceiling: f64, input: &'a [f64], speed: &'a [f64]) -> (Cow<'a, [f64]>, Cow<'a, [f64]>) {
+    if ceiling == f64::INFINITY {
+        return (Cow::Borrowed(input), Cow::Borrowed(speed));
+    }
+    let moves = input.iter().zip(speed).map(|(input, speed)| if *input < ceiling { *speed } else { 0.0 });
+    (input.iter().map(|input| input.min(ceiling)).collect(), moves.collect())
 }
 
 /// Slow parts of the input.
@@ -90,7 +102,9 @@ impl Stages {
     pub fn with(&self, signals: &Signals, effects: &[Effect], changed: usize) -> Option<Seen> {
         let effect = &effects[changed];
         match effect.form {
-            Form::Lag | Form::Delay | Form::CreepOfInput => Some(Self::new(signals, effects).seen),
+            Form::Lag | Form::Delay | Form::Ceiling | Form::CreepOfInput => {
+                Some(Self::new(signals, effects).seen)
+            }
             Form::Driven(_) | Form::Inertia => {
                 let forced = forced(signals, effects, &self.arrived.input);
                 Some(widened(signals, effects, &self.faster, forced))

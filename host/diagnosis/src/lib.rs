@@ -371,8 +371,8 @@ fn among(
         None => what(&search, best),
     };
     let unexplained = left(&best, unexplained_by);
-    let is_silent = best.causes.is_empty() && unexplained.is_none();
-    let look = || overlooked(&search, sizes.first()?, &extender);
+    let is_silent = (best.causes.is_empty() || beside_lag.is_some()) && unexplained.is_none();
+    let look = || overlooked(&search, (&best, &sizes), &extender);
     let (best, alternatives, evidence) = match is_silent.then(look).flatten() {
         Some(Overlooked { set, alternatives, evidence }) => (set, alternatives, Some(evidence)),
         None => (best, alternatives, evidence),

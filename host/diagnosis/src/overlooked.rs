@@ -1,14 +1,17 @@
-//! A fast cause that the search has overlooked.
+//! A cause that acts at once and that the search has overlooked.
 //!
 //! The baseline of the search is linear in its weights and errs by more than an operator model does; what adds less than that is
 //! hardly seen there, such as the ringing of a small mass after a few jumps. So where nothing is named and nothing unexplained is
-//! seen, the fast causes that the search has looked at are tried once more, each in the operator model that runs free, of all rows.
+//! seen, the causes that act at once are tried once more, each in the operator model that runs free, of all rows.
 //! That model alone does not decide where its error is larger than the search's: a cause may then only correct the form of its hysteresis.
-//! A cause is found where it takes a fifth of that model's error away; or where both find it, the search beyond what placebos gain and
-//! the simulated model by more than chance.
+//! A fast cause is found where it takes a fifth of that model's error away; any that acts at once where both find it by more than chance:
+//! the simulated model, and the search on blocks of time that no fit has seen or beyond what placebos gain.
 //!
-//! Only fast ones, since next to nothing else looks like them: without any a warm-up takes away up to a sixth of the model's error,
-//! a mass, a delay, a lag or a width up to a twentieth.
+//! Only these, since next to nothing else looks like them: without any a warm-up takes away up to a sixth of the model's error,
+//! a mass, a delay, a lag or a width up to a twentieth. Where the command alone was recorded a regulator's ordinary lag is nothing that is
+//! named, and what else there is is asked beside it; but no fast cause, since a regulator of a higher order looks like one.
+
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
@@ -36,10 +39,15 @@ pub struct Overlooked {
     pub evidence: String,
 }
 
-/// The fast cause of single ones that were looked at which the operator model is clearly better with; None where there is none.
-pub fn overlooked(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Overlooked> {
-    let (set, others, [with, without]) =
-        clearly(search, singles, extender).or_else(|| found(search, singles, extender))?;
+/// The cause beside a base, which has nothing that is named, that the operator model is better with; None where there is none.
+pub fn overlooked(
+    search: &Search<'_>,
+    (base, sizes): (&Candidate, &[Vec<Candidate>]),
+    extender: &Extender<'_>,
+) -> Option<Overlooked> {
+    let alone = || clearly(search, sizes.first()?, extender);
+    let alone = base.causes.is_empty().then(alone).flatten();
+    let (set, others, [with, without]) = alone.or_else(|| found(search, (base, sizes), extender))?;
     Some(Overlooked {
         alternatives: others.iter().map(Candidate::names).collect(),
         set,
@@ -75,35 +83,46 @@ fn clearly(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) 
     is_trusted.then(|| (fast[best].clone(), others, [errors[best], without]))
 }
 
-/// The fast set that two judges find, see [`beyond_chance`].
-fn found(search: &Search<'_>, singles: &[Candidate], extender: &Extender<'_>) -> Option<Found> {
-    let fast: Vec<Cause> = search.examinable.iter().copied().filter(|cause| cause.is_fast()).collect();
-    beyond_chance(search, (&fast, &search.examinable), singles, extender)
+/// The set that two judges find beside a base, see [`beyond_chance`], with a cause that acts at once.
+fn found(
+    search: &Search<'_>,
+    (base, sizes): (&Candidate, &[Vec<Candidate>]),
+    extender: &Extender<'_>,
+) -> Option<Found> {
+    // Beside a regulator's ordinary lag a fast cause is what a regulator of a higher order does.
+    let is_asked = |cause: &Cause| cause.acts_at_once() && (base.causes.is_empty() || !cause.is_fast());
+    let asked: Vec<Cause> = search.examinable.iter().copied().filter(is_asked).collect();
+    beyond_chance(search, (&asked, &search.examinable), (base, sizes), extender)
 }
 
-/// Of single causes the one that costs least of those that two judges find beside none, each by more than is by chance: the search beyond
-/// what placebos of all causes that are `asked` gain, and the simulated operator models. And the others of them.
+/// Of single causes beside a base the one that costs least of those that two judges find, each by more than is by chance: the search, and
+/// the simulated operator models. The search on blocks of time that no fit has seen, or beyond what placebos of all causes that are `asked`
+/// gain in all rows. And the others of them.
 pub fn beyond_chance(
     search: &Search<'_>,
     (causes, asked): (&[Cause], &[Cause]),
-    singles: &[Candidate],
+    (base, sizes): (&Candidate, &[Vec<Candidate>]),
     extender: &Extender<'_>,
 ) -> Option<Found> {
-    let looked_at = [singles.to_vec()];
+    let least = standard_errors(FOUND, causes.len(), 1);
+    let placebos = OnceLock::new();
+    let placebos = || placebos.get_or_init(|| Placebos::of(search, base, asked)).as_ref();
     let of = |&cause: &Cause| {
-        let set = search.with(&search.baseline, cause, &looked_at)?;
-        let without = search.without(&set, cause, &looked_at)?;
-        let gain = search.gain(&without, &set);
-        (set.shows() && set.outlasts() && is_large(gain)).then_some((set, gain))
+        let set = search.with(base, cause, sizes)?;
+        let without = search.without(&set, cause, sizes)?;
+        let is_foretold = || without.score.gain(&set.score) > least * without.score.gain_error(&set.score);
+        let is_no_placebo = || {
+            let gain = search.gain(&without, &set);
+            is_large(gain) && placebos().is_some_and(|all| all.find(gain))
+        };
+        (set.shows() && set.outlasts() && (is_foretold() || is_no_placebo())).then_some(set)
     };
-    let promising: Vec<(Candidate, f64)> = causes.par_iter().filter_map(of).collect();
+    let promising: Vec<Candidate> = causes.par_iter().filter_map(of).collect();
     if promising.is_empty() {
         return None;
     }
-    let placebos = Placebos::of(search, &search.baseline, asked)?;
-    let plain = extender.model(&search.baseline)?;
-    let least = standard_errors(FOUND, causes.len(), 1);
-    let found = promising.into_iter().filter(|(_, gain)| placebos.find(*gain)).filter_map(|(set, _)| {
+    let plain = extender.model(base)?;
+    let found = promising.into_iter().filter_map(|set| {
         let gain = extender.gain_between(&plain, &extender.model(&set)?)?;
         gain.is_beyond(least).then_some((set, [gain.after.rmse, gain.before.rmse]))
     });

@@ -131,7 +131,8 @@ fn not_excluded(
         // What goes slowly takes up what the form lacks; next to nothing else looks like a fast cause. Of squares, so twice what is owed
         // of errors.
         let own = || search.gain(&less, wider) - 2.0 * search.owed(cause, set);
-        let is_found = || cause.is_fast() && is_large(own()) && placebos().is_some_and(|all| all.find(own()));
+        let is_found =
+            || cause.acts_at_once() && is_large(own()) && placebos().is_some_and(|all| all.find(own()));
         wider.shows() && wider.outlasts() && (gain > beyond_chance * error || is_found())
     };
     let gains = |wider: Candidate| {

@@ -59,7 +59,7 @@ pub fn unexcited(search: &Search<'_>, extender: &Extender<'_>, judged: &[Examina
     let all = judged.iter().map(|judged| judged.cause).filter(|cause| cause.about().fits == Fits::Any);
     let new: Vec<Cause> = all.filter(|cause| !search.examinable.contains(cause)).collect();
     let others = Search { examinable: new.clone(), ..search.clone() };
-    let found = beyond_chance(&others, (&new, &new), &[], extender);
+    let found = beyond_chance(&others, (&new, &new), (&others.baseline, &[]), extender);
     found
         .into_iter()
         .flat_map(|(set, more, _)| set.causes.into_iter().chain(more.into_iter().flat_map(|set| set.causes)))

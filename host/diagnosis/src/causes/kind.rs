@@ -27,6 +27,8 @@ pub enum Law {
     Mass,
     /// The loop is wider by a power of the rate, as it is by much that a model gets wrong about a hysteresis.
     Width,
+    /// The input ends at a level.
+    Ceiling,
     /// Time or travel alone, whatever the input does.
     Progress,
     /// The form of the operator model itself.

@@ -106,6 +106,11 @@ impl Cause {
         self.law() == Law::Delay || self.resists_motion()
     }
 
+    /// Whether it does the same whenever the input goes the same way: what the form of a model gets wrong over time is not like it.
+    pub fn acts_at_once(self) -> bool {
+        self.is_fast() || self.law() == Law::Ceiling
+    }
+
     /// Whether it resists motion by a law over the rate: three forms of much the same.
     pub fn resists_motion(self) -> bool {
         self.is_of_second_order() || self.law() == Law::Width

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `beginnings` | the better of what two beginnings come to |
 //! | `carry` | from the effects of the search, and the valve, to the extensions of the model |
+//! | `known` | what takes long to make, and is asked for again |
 //! | `plain` | the model without extensions |
 //! | `start` | the operator to begin with, identified from what the operators see in the search |
 //! | `variables` | operator and extensions as numbers that a search can move |
@@ -37,6 +38,7 @@ mod carry;
 mod compensating;
 pub mod given;
 pub mod heldout;
+mod known;
 mod plain;
 mod refine;
 mod rests;
@@ -52,7 +54,6 @@ mod variables;
 pub mod written;
 
 use std::borrow::Cow;
-use std::sync::{Mutex, PoisonError};
 
 use model_core::ExtensionParameters;
 use rayon::prelude::*;
@@ -69,6 +70,7 @@ use compensating::compensating;
 pub use given::Given;
 pub use heldout::HeldOutGain;
 use identification::{Density, HostExtendedModel, HostParameters, Options, Termination, Weights};
+use known::Known;
 pub use plain::Plain;
 use recording::figures::Figures;
 use recording::numbers::{range, root_mean_square};
@@ -336,7 +338,9 @@ pub struct Extender<'a> {
     /// The plain model's error over all scored rows, root mean square. Output unit.
     pub without: f64,
     /// What the operator begins with beside sets that were tried.
-    starts: Mutex<Vec<(StartOf, Operator)>>,
+    starts: Known<StartOf, Option<Operator>>,
+    /// The models of all scored rows that were asked for, by what names a set and its fit.
+    models: Known<(Vec<Cause>, f64), Option<Extension>>,
 }
 
 impl<'a> Extender<'a> {
@@ -346,7 +350,17 @@ impl<'a> Extender<'a> {
         let without = Task::alone(columns, &scored).rms(&plain.whole).unwrap_or(f64::INFINITY);
         let of_measured = Plain::of_measured(columns, &scored);
         let split = Split::of(columns, &scored);
-        Self { columns, search, scored, split, plain, of_measured, without, starts: Mutex::default() }
+        Self {
+            columns,
+            search,
+            scored,
+            split,
+            plain,
+            of_measured,
+            without,
+            starts: Known::default(),
+            models: Known::default(),
+        }
     }
 
     /// Unit of the output.
@@ -361,8 +375,11 @@ impl<'a> Extender<'a> {
 
     /// That model.
     pub fn model(&self, set: &Candidate) -> Option<Extension> {
-        let extensions = carry::extensions(self.columns, self.search, set);
-        self.found(&self.task(set, &self.scored), set, extensions, &self.plain.whole)
+        let fitted = || {
+            let extensions = carry::extensions(self.columns, self.search, set);
+            self.found(&self.task(set, &self.scored), set, extensions, &self.plain.whole)
+        };
+        self.models.get((set.causes.clone(), set.cost()), fitted)
     }
 
     /// The error of a model over all scored rows; None where it does not run through them. Output unit.
@@ -397,18 +414,14 @@ impl<'a> Extender<'a> {
 
     /// What the operator begins with beside a set.
     fn start(&self, set: &Candidate, taught: Taught) -> Option<Operator> {
-        let starts = || self.starts.lock().unwrap_or_else(PoisonError::into_inner);
-        let of = (set.causes.clone(), set.cost(), taught);
-        if let Some((_, operator)) = starts().iter().find(|(known, _)| *known == of) {
-            return Some(operator.clone());
-        }
-        let kept = self.search.signals.rows.iter().map(|row| row.at);
-        let rows: Vec<usize> =
-            kept.filter(|&row| taught == Taught::ByAll || self.split.teaches(row)).collect();
-        let operator = start::operator(&start::Seen::of(self.search, set), &rows).ok()?;
-        let operator = operator.valid_for(self.columns);
-        starts().push((of, operator.clone()));
-        Some(operator)
+        let identified = || {
+            let kept = self.search.signals.rows.iter().map(|row| row.at);
+            let rows: Vec<usize> =
+                kept.filter(|&row| taught == Taught::ByAll || self.split.teaches(row)).collect();
+            let operator = start::operator(&start::Seen::of(self.search, set), &rows).ok()?;
+            Some(operator.valid_for(self.columns))
+        };
+        self.starts.get((set.causes.clone(), set.cost(), taught), identified)
     }
 
     /// What a model gains over another one on all scored rows; None where one does not run through them.

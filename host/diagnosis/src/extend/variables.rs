@@ -1,7 +1,7 @@
 //! An operator with extensions as a list of numbers that a search can move, each in steps of about 1.
 //!
 //! What is positive is moved by its logarithm, or mirrored at 0 where it may be 0. Fixed are what no derivative is of
-//! (dead band, supply, references), the valve beside a muscle that is modelled from its pressure, and what is only a
+//! (dead band, references), the valve beside a muscle that is modelled from its pressure, and what is only a
 //! scaling of other parameters.
 
 use model_core::ExtensionParameters;
@@ -170,6 +170,9 @@ fn visit_extensions(
 ) {
     if let (Some(lag), true) = (&mut extensions.valve_lag, units.with_valve) {
         logarithm(&mut lag.time_constant_s, change);
+    }
+    if let (Some(saturation), true) = (&mut extensions.supply_saturation, units.with_valve) {
+        logarithm(&mut saturation.supply, change);
     }
     if let Some(delay) = &mut extensions.transport_delay {
         mirrored(&mut delay.delay_s, DELAY_STEP_S, change);

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::{BandForm, ORDINARY_LAG_S, Valve, ValveFit, ValvePart};
 use crate::Columns;
 use crate::equivalent::delayed;
+use crate::low_pass::low_pass;
 use recording::noise::steps;
 use recording::numbers::range;
 
@@ -78,7 +79,12 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
             without = without.min(Task { command: &later, ..task }.polished(poorer).1);
             without = without.min(task.polished(poorer.of_second_order()).1);
         }
-        let gain = (without / rmse_bar).ln();
+        let mut gain = (without / rmse_bar).ln();
+        if part == ValvePart::Band {
+            // What the command does between two rows nobody knows: where it turns there a band stands in for that.
+            let [with, without] = [valve, task.polished(poorer).0].map(|valve| task.beyond_rows(&valve));
+            gain = gain.min((without / with).ln());
+        }
         if gain > GAIN {
             named.push((part, gain));
         }
@@ -101,6 +107,21 @@ impl Task<'_> {
             }
         }
         (squares / f64::max(count, 1.0)).sqrt().max(self.noise)
+    }
+
+    /// Root mean square of the difference by which a valve is farther off than it can be since commands are known at rows alone: by half
+    /// of what the command moves between two, as the valve's lag leaves it. Never less than the pressure's noise.
+    fn beyond_rows(&self, valve: &Valve) -> f64 {
+        let moves = self.command.windows(2).map(|pair| 0.5 * (pair[1] - pair[0]).abs());
+        let moves: Vec<f64> = std::iter::once(0.0).chain(moves).collect();
+        let unknown = low_pass(&moves, self.time_s, valve.lag_s);
+        let simulated = valve.simulate(self.time_s, self.command);
+        let beyond =
+            simulated.iter().zip(self.pressure).zip(unknown).map(|((simulated, measured), unknown)| {
+                let off = simulated - measured;
+                measured + (off.abs() - unknown).max(0.0).copysign(off)
+            });
+        self.error(&beyond.collect::<Vec<_>>())
     }
 
     /// Mean of the absolute difference.
@@ -241,5 +262,39 @@ impl Task<'_> {
             matrix[(i, i)] = matrix[(i, i)] * (1.0 + 1e-6) + 1e-12;
         }
         Some(nalgebra::Cholesky::new(matrix)?.solve(&right).iter().copied().collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_command_does_between_rows_is_no_error_and_a_dead_band_is_one() {
+        // Triangles of 4.9 bar/s, simulated every millisecond and seen every tenth one.
+        let fine_s: Vec<f64> = (0..60_000).map(|row| 0.001 * f64::from(row)).collect();
+        let triangle = |time_s: &f64| 4.0 * (1.0 - (2.0 * (0.617 * time_s).fract() - 1.0).abs());
+        let commands: Vec<f64> = fine_s.iter().map(triangle).collect();
+        let every = |values: &[f64]| -> Vec<f64> { values.iter().step_by(10).copied().collect() };
+        let [time_s, command] = [every(&fine_s), every(&commands)];
+        let lag = Valve::slow(0.016);
+        let of = |valve: Valve| {
+            let pressure = every(&valve.simulate(&fine_s, &commands));
+            let task = Task {
+                time_s: &time_s,
+                command: &command,
+                pressure: &pressure,
+                scored: &vec![true; time_s.len()],
+                step_s: 0.01,
+                noise: 1e-4,
+            };
+            (task.error(&lag.simulate(&time_s, &command)), task.beyond_rows(&lag))
+        };
+        let (error, beyond) = of(lag);
+        assert!(error > 0.01 && beyond == 1e-4, "{error} {beyond}");
+        for form in [BandForm::Backlash, BandForm::Hold] {
+            let (error, beyond) = of(Valve { band: Some((form, 0.2)), ..lag });
+            assert!(error > 0.04 && beyond > 0.02, "{error} {beyond}");
+        }
     }
 }

@@ -101,7 +101,8 @@ fn holding(
                 Some((without, model))
             })
             .collect();
-        let needless = without.into_iter().filter(|(_, without)| !extender.gains_over(&extended, without));
+        let is_needless = |less: &Extended| extender.gain_of_muscle(&extended, less).is_none();
+        let needless = without.into_iter().filter(|(_, without)| is_needless(without));
         let least = needless.min_by(|(_, one), (_, other)| one.extended_rmse.total_cmp(&other.extended_rmse));
         let Some(least) = least else { break };
         (set, extended) = least;

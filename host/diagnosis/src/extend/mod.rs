@@ -429,21 +429,12 @@ impl<'a> Extender<'a> {
         heldout::on_all(self.columns, (one, other))
     }
 
-    /// Whether a model of the recording clearly gains something over another one that has less: from what its gain is counted from.
-    pub fn gains_over(&self, extended: &Extended, less: &Extended) -> bool {
-        self.gain_over(&extended.seen_from(self.columns), extended, less).is_some()
-    }
-
-    /// What it gains as a model of the muscle alone, if that is clear: from the pressure where that was recorded, since what the valve is
-    /// off by would hide it.
+    /// What a model of the muscle gains over another one that has less, if that is clear: from the pressure where that was recorded, since
+    /// what the valve is off by would hide it.
     pub fn gain_of_muscle(&self, extended: &Extended, less: &Extended) -> Option<HeldOutGain> {
-        self.gain_over(self.columns, extended, less)
-    }
-
-    fn gain_over(&self, seen: &Columns, extended: &Extended, less: &Extended) -> Option<HeldOutGain> {
         let models = (&less.counted.extended, &extended.counted.extended);
-        let heldout = heldout::gain(seen, &self.split, models, extended.heldout.noise_floor)?;
-        let [before, after] = [less, extended].map(|extended| extended.model.rmse(seen));
+        let heldout = heldout::gain(self.columns, &self.split, models, extended.heldout.noise_floor)?;
+        let [before, after] = [less, extended].map(|extended| extended.model.rmse(self.columns));
         heldout.is_clear(before, after).then_some(heldout)
     }
 

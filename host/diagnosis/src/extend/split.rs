@@ -1,8 +1,9 @@
 //! Which scored rows the compared models are fitted to, and which they are compared on.
 //!
 //! As a rule the last third: that is prediction. Where the rows before it have not taken the input
-//! both ways, as in one rise, a long hold and one fall at the end, they cannot teach what the rest
-//! asks, and the recording is held out in stretches all through it.
+//! both ways, as in one rise, a long hold and one fall at the end, or have not been where the rest
+//! goes, they cannot teach what the rest asks, and the recording is held out in stretches all through
+//! it.
 
 use crate::Columns;
 use recording::numbers::range;
@@ -14,6 +15,9 @@ const STRETCHES: usize = 30;
 /// The share of the input's span that rows have to move through, by convention: a loop over less than
 /// half of the span says little about the whole one.
 const MOVES: f64 = 0.5;
+/// How far the rest may go beyond the rows that teach, as a share of the input's span: half of a piece of
+/// the finest envelope (a bend within it is a guess from its neighbours, one beyond it is none).
+const BEYOND: f64 = 0.5 / 11.0;
 
 /// The rows that teach, and those that do not, in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +45,11 @@ impl Split {
         };
         let least = MOVES * span(scored);
         let goes_both_ways = |rows: &[usize]| both_ways(&input(rows)) >= least;
-        let at_end = goes_both_ways(taught) && span(untaught) >= least;
+        let (low, high) = range(&input(taught));
+        let (lowest, highest) = range(&input(scored));
+        let beyond = (low - lowest).max(highest - high);
+        let has_been_there = beyond <= BEYOND * (highest - lowest);
+        let at_end = goes_both_ways(taught) && span(untaught) >= least && has_been_there;
         if at_end || !goes_both_ways(scored) {
             return Self {
                 taught: taught.to_vec(),
@@ -100,6 +108,14 @@ mod tests {
         assert_eq!((hold.taught.len(), hold.untaught.len(), hold.from_s), (600, 300, None));
         assert_eq!(hold.untaught[..2], [30, 31]);
         assert!(hold.is_test && hold.teaches(870) && !hold.teaches(850));
+    }
+
+    #[test]
+    fn where_the_rest_goes_beyond_the_rows_that_teach_stretches_all_through_are_held_out() {
+        let within = split(|t| if t < 600.0 { 0.97 * (0.05 * t).sin() } else { (0.05 * t).sin() });
+        assert_eq!(within.from_s, Some(600.0));
+        let beyond = split(|t| if t < 600.0 { 0.8 * (0.05 * t).sin() } else { (0.05 * t).sin() });
+        assert_eq!((beyond.from_s, beyond.is_test), (None, true));
     }
 
     #[test]

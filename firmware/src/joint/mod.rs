@@ -12,6 +12,7 @@
 //! | `orders` | the requests of the host, between ticks ([`carry_out`]) |
 //! | [`start`] | fills the muscles, and tries the joint before it is controlled |
 //! | [`watch`] | what tells a fault of a sensor, a valve or a muscle |
+//! | [`pair`] | what only the pair shows: an angle that stands still, a feedback beyond its authority |
 //! | [`lock_step`] | a board whose samples come from a host |
 //!
 //! # States
@@ -41,6 +42,7 @@
 mod aim;
 pub mod lock_step;
 mod orders;
+pub mod pair;
 pub mod start;
 pub mod watch;
 
@@ -60,6 +62,7 @@ use crate::scaling::{COMMAND, VENT};
 use crate::timing::{TickEnd, Timing};
 use aim::Aimed;
 pub use orders::{JointNode, carry_out};
+use pair::{Moved, Pair};
 use start::Start;
 use watch::Watch;
 
@@ -114,6 +117,7 @@ pub struct JointTask {
     outputs: [Output; 2],
     limits: output::Limits,
     watch: Watch,
+    pair: Pair,
     missing: InARow,
     ticks: u32,
     /// Since the host's last sign of life.
@@ -138,6 +142,7 @@ struct Installed {
     control: BoardJointControl,
     /// The same without feedback, for the start.
     open: BoardJointControl,
+    moved: Moved,
     period_s: f32,
 }
 
@@ -185,6 +190,7 @@ impl JointTask {
             outputs: [Output::vented(); 2],
             limits: output::Limits::new(&protection, &COMMAND, UNCLOCKED_PERIOD_S),
             watch: Watch::new(&protection, UNCLOCKED_PERIOD_S),
+            pair: Pair::new(&protection),
             protection,
             missing: InARow::default(),
             ticks: 0,
@@ -331,6 +337,7 @@ impl JointTask {
             return Err(JointFault::OfBoard(Fault::BusSilent));
         }
         if self.state == JointBoardState::Service {
+            self.pair.serve(&measured)?;
             return Ok(Some(Asked { commands: self.pressures, command: None }));
         }
         let (Some(installed), Some(running)) = (&self.installed, &mut self.running) else {
@@ -346,6 +353,10 @@ impl JointTask {
         let [a, b] = command.commands;
         if !(a + b).is_finite() {
             return Err(JointFault::OfBoard(Fault::NotFinite));
+        }
+        if running.start.is_none() {
+            let made = (&command, target.load);
+            self.pair.track(&installed.control, &installed.moved, &measured, made)?;
         }
         if let Some(start) = &mut running.start
             && start.take(&measured, command.commands)?

@@ -12,6 +12,7 @@ use wire::registers::{ARMED_TICKS, HIGHEST_BAR};
 use wire::{Fault, Refusal};
 
 use super::aim::Aimed;
+use super::pair::{Moved, Pair};
 use super::start::Start;
 use super::watch::Watch;
 use super::{ANGLE, Installed, JointTask, Running};
@@ -151,6 +152,7 @@ impl JointTask {
         let protection = self.protection.for_period(installed.period_s);
         self.limits = output::Limits::new(&protection, &COMMAND, installed.period_s);
         self.watch = Watch::new(&protection, installed.period_s);
+        self.pair = Pair::new(&protection);
         self.installed = Some(installed);
         self.leave(JointBoardState::Ready);
         JointResponse::Accepted
@@ -181,7 +183,7 @@ impl JointTask {
         let start = Start::new((angles.min(), angles.max()), stiffness, installed.period_s);
         self.running = Some(Running { state: installed.control.rest_state(middle), start: Some(start) });
         self.aimed = Aimed::still(JointTarget { angle: middle, stiffness, load: 0.0 });
-        self.watch.restart();
+        self.restart();
         self.state = JointBoardState::Starting;
         self.silent_ticks = 0;
         self.armed_ticks = 0;
@@ -196,11 +198,17 @@ impl JointTask {
         if self.armed_ticks == 0 {
             return JointResponse::Refused(Refusal::NotArmed);
         }
-        self.watch.restart();
+        self.restart();
         self.has_served = true;
         self.leave(JointBoardState::Service);
         self.silent_ticks = 0;
         JointResponse::Accepted
+    }
+
+    /// The monitors forget the past.
+    fn restart(&mut self) {
+        self.watch.restart();
+        self.pair.restart();
     }
 
     fn stop(&mut self) -> JointResponse {
@@ -218,7 +226,7 @@ impl JointTask {
             }
             self.fault = None;
             self.black_box.iter_mut().for_each(|black_box| black_box.reopen());
-            self.watch.restart();
+            self.restart();
             self.leave(self.home());
         }
         JointResponse::Accepted
@@ -236,8 +244,10 @@ impl Installed {
         let parameters = &configuration.control;
         let none = PidParameters { kp: 0.0, ki: 0.0, kd: 0.0, ..parameters.pid };
         let open = BoardJointParameters { pid: none, ..parameters.clone() };
+        let control = BoardJointControl::try_new(parameters)?;
         Ok(Self {
-            control: BoardJointControl::try_new(parameters)?,
+            moved: Moved::new(&control),
+            control,
             open: BoardJointControl::try_new(&open)?,
             period_s: parameters.period_s,
         })

@@ -8,9 +8,11 @@ use wire::{Fault, Protection};
 use super::{ANGLE, JointSamples};
 use crate::board::DacCode;
 use crate::monitors::following::{self, Following};
+use crate::monitors::overpressure::{self, Overpressure};
 use crate::monitors::own::Own;
 use crate::monitors::sensor::{self, Sensor};
 use crate::monitors::slow::{self, Slow};
+use crate::monitors::stuck::Stuck;
 use crate::monitors::venting::{self, Venting};
 use crate::scaling::{COMMAND, PRESSURE, SUPPLY};
 
@@ -25,6 +27,8 @@ pub struct Measured {
     pub pressures: [f32; 2],
     /// Unit: rad.
     pub angle: f32,
+    /// The same. Unit: ADC code.
+    pub angle_code: u16,
 }
 
 /// The monitors with what they remember.
@@ -32,14 +36,18 @@ pub struct Measured {
 pub struct Watch {
     pressure: sensor::Limits,
     angle: sensor::Limits,
-    /// Unit: bar.
-    overpressure_bar: f32,
+    overpressure: overpressure::Limits,
+    /// How far a command has to move past a pressure that does not. Unit: DAC code.
+    stuck: u16,
     following: following::Limits,
     venting: venting::Limits,
     supply: slow::Limits,
     temperature: slow::Limits,
     sensors: [Sensor; 2],
     angle_sensor: Sensor,
+    mean: [Overpressure; 2],
+    /// Of both pressures.
+    still: [Stuck<u16, 1>; 2],
     valves: [Following; 2],
     vented: [Venting; 2],
     /// Of the supply and the temperature.
@@ -65,7 +73,8 @@ impl Watch {
                 jump: (ANGLE_JUMP_RAD * ANGLE.codes_per_unit) as u16,
                 faults: [Fault::ContractionSensor, Fault::ContractionSpiking],
             },
-            overpressure_bar: protection.overpressure_hard_bar,
+            overpressure: overpressure::Limits::new(protection, &PRESSURE),
+            stuck: (protection.stuck_command_bar * COMMAND.codes_per_unit) as u16,
             following: following::Limits {
                 band_bar: protection.following_band_bar,
                 limit: protection.following_limit_bar_s / period_s,
@@ -75,6 +84,8 @@ impl Watch {
             temperature: slow::Limits::of_temperature(protection),
             sensors: [Sensor::default(); 2],
             angle_sensor: Sensor::default(),
+            mean: [Overpressure::default(); 2],
+            still: [Stuck::default(); 2],
             valves: [Following::default(); 2],
             vented: [Venting::default(); 2],
             slow: [Slow::default(); 2],
@@ -116,20 +127,26 @@ impl Watch {
     /// The fault that they show.
     pub fn take(&mut self, out: [DacCode; 2], is_driven: bool) -> Result<Measured, JointFault> {
         let mut measured = Measured::default();
-        let codes = self.last.pressures.iter().zip(&mut self.sensors).zip(&mut measured.pressures);
-        for (channel, ((code, sensor), bar)) in Channel::BOTH.into_iter().zip(codes) {
+        let sensors = self.sensors.iter_mut().zip(&mut self.mean).zip(&mut self.still);
+        let codes = self.last.pressures.iter().zip(out).zip(&mut measured.pressures);
+        for (channel, (((sensor, mean), still), ((code, out), bar))) in
+            Channel::BOTH.into_iter().zip(sensors.zip(codes))
+        {
             let of = |fault| JointFault::OfChannel(channel, fault);
-            // The sample itself: a burst is no less likely than a spike.
-            if PRESSURE.is_plausible(code.0) && PRESSURE.value(code.0) > self.overpressure_bar {
-                return Err(of(Fault::OverpressureHard));
+            self.overpressure.hold(code.0).map_err(of)?;
+            let code = sensor.take(&self.pressure, code.0).map_err(of)?;
+            mean.take(&self.overpressure, code).map_err(of)?;
+            // Of one that is vented the venting is looked at.
+            if is_driven {
+                still.take(code, [out.0], [self.stuck], Fault::PressureStuck).map_err(of)?;
             }
-            *bar = PRESSURE.value(sensor.take(&self.pressure, code.0).map_err(of)?);
+            *bar = PRESSURE.value(code);
         }
         let angle = self.angle_sensor.take(&self.angle, self.last.angle.0).map_err(|fault| match fault {
             Fault::ContractionSpiking => JointFault::AngleSpiking,
             _ => JointFault::AngleSensor,
         })?;
-        measured.angle = ANGLE.value(angle);
+        (measured.angle, measured.angle_code) = (ANGLE.value(angle), angle);
         let [supply, temperature] = &mut self.slow;
         supply.take(&self.supply, self.last.supply.0).map_err(JointFault::OfBoard)?;
         temperature.take(&self.temperature, self.last.temperature.0).map_err(JointFault::OfBoard)?;
@@ -148,6 +165,8 @@ impl Watch {
     /// Forgets the past, with a start or a fault.
     pub fn restart(&mut self) {
         self.sensors.iter_mut().chain([&mut self.angle_sensor]).for_each(Sensor::restart);
+        self.mean = [Overpressure::default(); 2];
+        self.still = [Stuck::default(); 2];
         self.valves = [Following::default(); 2];
         self.slow = [Slow::default(); 2];
     }

@@ -21,7 +21,7 @@ use crate::{Fault, Refusal, Scaling};
 pub use fault::{JointFault, Motion};
 
 /// Version of these messages. Raised with every change that the other side would misread.
-pub const JOINT_VERSION: u16 = 4;
+pub const JOINT_VERSION: u16 = 5;
 /// The largest number of stops that a board takes.
 pub const STOPS: usize = 12;
 

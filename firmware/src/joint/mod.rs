@@ -10,6 +10,7 @@
 //! | this one | the tick, the states, and what a board tells of itself |
 //! | `aim` | straight lines between the targets of the host |
 //! | `orders` | the requests of the host, between ticks ([`carry_out`]) |
+//! | [`settings`] | limits, and the scalings of the sensors |
 //! | [`start`] | fills the muscles, and tries the joint before it is controlled |
 //! | [`watch`] | what tells a fault of a sensor, a valve or a muscle |
 //! | [`pair`] | what only the pair shows: an angle that stands still, a feedback beyond its authority |
@@ -43,6 +44,7 @@ mod aim;
 pub mod lock_step;
 mod orders;
 pub mod pair;
+pub mod settings;
 pub mod start;
 pub mod watch;
 
@@ -50,7 +52,7 @@ use core::hint::black_box;
 
 use model_core::joint::{JointCommand, JointState, JointTarget};
 use wire::fault::times::{DUMP_TICKS, MISSING_IN_A_ROW, STOP_TICKS};
-use wire::joint::{BoardJointControl, JointBoardState, JointFault, STOPS};
+use wire::joint::{BoardJointControl, JointBoardState, JointCalibration, JointFault, STOPS};
 use wire::{Fault, Protection, Scaling};
 
 use crate::board::{AcquisitionError, AdcCode, DacCode};
@@ -63,6 +65,7 @@ use crate::timing::{TickEnd, Timing};
 use aim::Aimed;
 pub use orders::{JointNode, carry_out};
 use pair::{Moved, Pair};
+pub use settings::JointScalings;
 use start::Start;
 use watch::Watch;
 
@@ -107,6 +110,9 @@ pub struct JointTask {
     state: JointBoardState,
     fault: Option<JointFault>,
     protection: Protection,
+    calibration: JointCalibration,
+    /// By the calibration.
+    scalings: JointScalings,
     installed: Option<Installed>,
     running: Option<Running>,
     aimed: Aimed,
@@ -189,9 +195,11 @@ impl JointTask {
             has_served: false,
             outputs: [Output::vented(); 2],
             limits: output::Limits::new(&protection, &COMMAND, UNCLOCKED_PERIOD_S),
-            watch: Watch::new(&protection, UNCLOCKED_PERIOD_S),
+            watch: Watch::new(&protection, &JointScalings::STANDARD, UNCLOCKED_PERIOD_S),
             pair: Pair::new(&protection),
             protection,
+            calibration: JointCalibration::default(),
+            scalings: JointScalings::STANDARD,
             missing: InARow::default(),
             ticks: 0,
             silent_ticks: 0,

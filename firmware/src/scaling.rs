@@ -175,7 +175,7 @@ fn ranged(name: &str, standard: &Scaling, input: &Input, least_high: f32) -> Res
 }
 
 /// A scaling with a calibrated line. `span`: of the sensor, in its unit.
-fn calibrated(name: &str, standard: &Scaling, line: Line, span: f32) -> Result<Scaling, Refusal> {
+pub(crate) fn calibrated(name: &str, standard: &Scaling, line: Line, span: f32) -> Result<Scaling, Refusal> {
     let Line { zero_code, codes_per_unit } = line;
     let share = codes_per_unit / standard.codes_per_unit;
     if !CREDIBLE_GAIN.contains(&share) {

@@ -51,6 +51,8 @@ impl JointBoard for HostJoint {
 pub struct Wired {
     joint: RigJoint,
     last_s: f64,
+    /// What the angle sensor has said last.
+    last_deg: f64,
     /// What is wrong with the wiring.
     pub wrong: Wrong,
 }
@@ -67,14 +69,14 @@ pub enum Wrong {
     Channels,
     /// The pressure sensors are.
     Sensors,
-    /// The angle sensor always says the same.
+    /// The angle sensor goes on with what it said last; at first that is 0 degrees.
     Frozen,
 }
 
 impl Wired {
     /// The joint of a seed.
     pub fn new(seed: u64, wrong: Wrong) -> Self {
-        Self { joint: RigJoint::new(seed, true), last_s: 0.0, wrong }
+        Self { joint: RigJoint::new(seed, true), last_s: 0.0, last_deg: 0.0, wrong }
     }
 
     /// Puts a torque (N m) on the joint from now on, towards larger angles.
@@ -93,9 +95,10 @@ impl JointPlant for Wired {
         self.last_s = time_s;
         let angle_deg = match self.wrong {
             Wrong::Angle => -measured.angle_deg,
-            Wrong::Frozen => 0.0,
+            Wrong::Frozen => self.last_deg,
             _ => measured.angle_deg,
         };
+        self.last_deg = angle_deg;
         Ok(JointMeasured { pressures_bar: pressures, angle_deg })
     }
 }

@@ -7,14 +7,17 @@ use firmware::joint::lock_step::LockStepJoint;
 use firmware::scaling::{COMMAND, PRESSURE};
 use model_core::joint::JointTarget;
 use wire::joint::{
-    Channel, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration, JointFault, JointReport,
-    JointRequest, JointResponse, JointTickReply, JointTickRequest,
+    BoardJointParameters, Channel, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration, JointFault,
+    JointReport, JointRequest, JointResponse, JointTickReply, JointTickRequest,
 };
 use wire::{Fault, Protection, Refusal};
 
 /// A stiffness that the joint can do. Unit: N m/rad.
 const STIFFNESS: f32 = 40.0;
 const WANTED: JointTarget<f32> = JointTarget { angle: 0.2, stiffness: STIFFNESS, load: 0.0 };
+
+/// Codes by which a sensor that is seen to live is off now and then: more than a stuck one's.
+const ALIVE: u16 = 6;
 
 /// A board on a plant that is where it is wanted.
 struct Obedient {
@@ -24,22 +27,34 @@ struct Obedient {
 
 impl Obedient {
     fn ready() -> Self {
+        Self::ready_by(joint_parameters())
+    }
+
+    fn ready_by(control: BoardJointParameters) -> Self {
         let mut board = LockStepJoint::new(Protection::STANDARD);
-        let configuration = JointConfiguration { version: JOINT_VERSION, control: joint_parameters() };
+        let configuration = JointConfiguration { version: JOINT_VERSION, control };
         assert_eq!(board.answer(&JointRequest::Configure(configuration)), JointResponse::Accepted);
         let last = board.tick();
         Self { board, last }
     }
 
     fn starting() -> Self {
-        let mut joint = Self::ready();
+        Self::ready().started()
+    }
+
+    fn started(mut self) -> Self {
+        let joint = &mut self;
         assert_eq!(joint.board.answer(&JointRequest::Arm), JointResponse::Accepted);
         assert_eq!(joint.board.answer(&JointRequest::Start(STIFFNESS)), JointResponse::Accepted);
-        joint
+        self
     }
 
     fn tracking() -> Self {
-        let mut joint = Self::starting();
+        Self::tracking_by(joint_parameters())
+    }
+
+    fn tracking_by(control: BoardJointParameters) -> Self {
+        let mut joint = Self::ready_by(control).started();
         for _ in 0..20_000 {
             if joint.tick(|_| ()).state == JointBoardState::Tracking {
                 break;
@@ -94,10 +109,119 @@ fn a_fault_of_one_channel_vents_both_muscles_in_the_tick_that_sees_it() {
             samples.pressure_codes[place] = PRESSURE.code(if tick % 2 == 0 { 0.2 } else { 5.8 });
         });
         assert_eq!(spikes.1, of(Fault::PressureSpiking));
-        // The valve lets no air in, from the begin of a start on.
-        let (tick, stuck) =
-            Obedient::starting().vented_by(|_, samples| samples.pressure_codes[place] = PRESSURE.code(0.0));
+        // The valve lets no air in, from the begin of a start on; the sensor is seen to live.
+        let (tick, stuck) = Obedient::starting().vented_by(|tick, samples| {
+            samples.pressure_codes[place] = PRESSURE.code(0.0) + ALIVE * (tick % 2) as u16;
+        });
         assert_eq!(stuck, of(Fault::ValveStuck), "after {tick} ticks");
+        // More in the mean than a muscle bears, though no sample is beyond the hard limit.
+        let (tick, mean) = Obedient::tracking().vented_by(|tick, samples| {
+            let from = PRESSURE.value(samples.pressure_codes[place]);
+            let bar = (from + 0.4 * tick as f32).min(Protection::STANDARD.overpressure_soft_bar + 0.3);
+            samples.pressure_codes[place] = PRESSURE.code(bar);
+        });
+        assert_eq!(mean, of(Fault::OverpressureSoft));
+        assert!(tick <= 15 + 64, "after {tick} ticks");
+        // It is not above the limit that a muscle bears for good.
+        let mut joint = Obedient::tracking();
+        for tick in 1..=400_u16 {
+            let reply = joint.tick(|samples| {
+                let from = PRESSURE.value(samples.pressure_codes[place]);
+                let most = Protection::STANDARD.overpressure_soft_bar - 0.05;
+                let bar = (from + 0.4 * f32::from(tick)).min(most);
+                samples.pressure_codes[place] = PRESSURE.code(bar);
+            });
+            assert_ne!(reply.fault, Some(of(Fault::OverpressureSoft)));
+        }
+    }
+}
+
+#[test]
+fn a_pressure_that_stands_still_past_its_command_vents_both_muscles() {
+    for (place, channel) in Channel::BOTH.into_iter().enumerate() {
+        let mut joint = Obedient::tracking();
+        let held = joint.tick(|_| ()).dac_codes.map(|code| PRESSURE.code(COMMAND.value(code)))[place];
+        let (tick, stuck) = joint.vented_by(|tick, samples| {
+            let angle = if tick % 2000 < 1000 { 0.4 } else { -0.4 };
+            samples.target = Some(JointTarget { angle, stiffness: 50.0, load: 0.0 });
+            samples.pressure_codes[place] = held;
+        });
+        assert_eq!(stuck, JointFault::OfChannel(channel, Fault::PressureStuck), "after {tick} ticks");
+        // The command alone, with a sensor that is seen to live, does not make it one.
+        let mut joint = Obedient::tracking();
+        for tick in 0..400_u16 {
+            let reply = joint.tick(|samples| samples.pressure_codes[place] += ALIVE * (tick % 2));
+            assert_eq!(reply.fault, None);
+        }
+    }
+}
+
+/// A reference that goes to and fro, 0.2 rad to either side.
+fn to_and_fro(tick: u32) -> JointTarget<f32> {
+    JointTarget { angle: 0.2 * (tick as f32 * 1e-3 * core::f32::consts::TAU * 0.5).sin(), ..WANTED }
+}
+
+#[test]
+fn an_angle_that_stands_still_while_both_pressures_would_turn_the_joint_vents_both_muscles() {
+    let mut joint = Obedient::tracking();
+    let held = ANGLE.code(joint.last.due_rad);
+    let (tick, stuck) = joint.vented_by(|tick, samples| {
+        samples.target = Some(to_and_fro(tick));
+        samples.angle_code = held + (tick % 3) as u16;
+    });
+    assert_eq!(stuck, JointFault::AngleStuck);
+    assert!((200..1000).contains(&tick), "after {tick} ticks");
+    // A stiffness that steps moves both pressures, and turns nothing.
+    let mut joint = Obedient::tracking();
+    let held = ANGLE.code(joint.last.due_rad);
+    for tick in 0..6000 {
+        let stiffness = if tick % 3000 < 1500 { 60.0 } else { STIFFNESS };
+        let reply = joint.tick(|samples| {
+            samples.target = Some(JointTarget { stiffness, ..WANTED });
+            samples.angle_code = held;
+        });
+        assert_eq!(reply.fault, None, "after {tick} ticks");
+    }
+    // Pressures that do not turn the joint accuse no angle: here those of a joint at rest.
+    let mut joint = Obedient::tracking();
+    let (held, codes) =
+        (ANGLE.code(joint.last.due_rad), joint.last.dac_codes.map(|code| PRESSURE.code(COMMAND.value(code))));
+    let (_, other) = joint.vented_by(|tick, samples| {
+        samples.target = Some(to_and_fro(tick));
+        samples.angle_code = held;
+        samples.pressure_codes = codes.map(|code| code + ALIVE * (tick % 2) as u16);
+    });
+    assert_ne!(other, JointFault::AngleStuck);
+}
+
+#[test]
+fn a_feedback_that_does_all_it_may_for_a_second_vents_both_muscles() {
+    let wide = joint_parameters();
+    // Whose bounds leave the feedback less than the 2 bar that it may put on either pressure.
+    let mut narrow = joint_parameters();
+    narrow.joint.muscles.iter_mut().for_each(|muscle| muscle.highest = [2.8; 2]);
+    for (control, off_rad, is_fault) in [
+        (&wide, 0.1, true),
+        (&wide, -0.1, true),
+        (&narrow, 0.1, false),
+        (&narrow, 0.3, true),
+        (&narrow, -0.3, true),
+    ] {
+        let mut joint = Obedient::tracking_by(control.clone());
+        let ended = (1..=6000_u32).find_map(|tick| {
+            let reply = joint.tick(|samples| {
+                // As slowly as no jump is.
+                let off = off_rad * (tick as f32 / 500.0).min(1.0);
+                samples.angle_code =
+                    ANGLE.code(ANGLE.value(samples.angle_code) - off) + ALIVE * (tick % 2) as u16;
+            });
+            reply.fault.map(|fault| (tick, fault))
+        });
+        let found = ended.map(|(_, fault)| fault);
+        let expected = is_fault.then_some(JointFault::OfBoard(Fault::Authority));
+        assert_eq!(found, expected, "{off_rad} rad off, {ended:?}");
+        assert!(ended.is_none_or(|(tick, _)| tick >= 1000), "{off_rad} rad off, {ended:?}");
+        assert!(!is_fault || joint.last.dac_codes == [0; 2]);
     }
 }
 

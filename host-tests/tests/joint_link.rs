@@ -211,6 +211,51 @@ fn the_pressures_of_a_file_are_played() {
 }
 
 #[test]
+fn a_board_is_given_limits_and_what_its_sensors_have_shown() {
+    let desk = with_model(Setting::sound(SEED), SEED);
+    desk.write("exc.csv", EXCITATION);
+    let write = |limits: &str, calibration: &str| {
+        desk.write("board.toml", &format!("[limits]\n{limits}\n[calibration]\n{calibration}\n"));
+    };
+    let capture =
+        format!("capture --joint --excitation exc.csv -o rec.csv --force --settings board.toml {PATIENT}");
+    for (limits, calibration, words) in [
+        (
+            "overpressure_hard_bar = 9",
+            "",
+            "board.toml, line 2: [limits] overpressure_hard_bar: 9 is out of range, must be 0 to 8.5 bar",
+        ),
+        ("contraction_jump_mm = 10", "", "contraction_jump_mm"),
+        ("", "pressure_a_zero_code = 410", "pressure_a_codes_per_bar: missing"),
+        (
+            "",
+            "pressure_b_zero_code = 410\npressure_b_codes_per_bar = 500",
+            "the board refuses: pressure b: 1.526251",
+        ),
+        ("overpressure_soft_bar = 3", "", "the board refuses: pressures of"),
+    ] {
+        write(limits, calibration);
+        let said = desk.refuses(&capture);
+        assert!(said.contains(words), "{said}");
+        assert!(is_vented(&desk) || was_never_driven(&desk));
+    }
+    write("supply_min_bar = 3", "pressure_a_zero_code = 409.5\npressure_a_codes_per_bar = 340");
+    desk.succeeds(&capture);
+    let rows = rows(&desk.path("rec.csv"));
+    let at_rest: Vec<&Vec<f64>> = rows.iter().filter(|row| row[0] > 8.9).collect();
+    assert!(!at_rest.is_empty());
+    for row in at_rest {
+        let (a, b) = (row[3] * 340.0 / 327.6, row[4]);
+        assert!((a - row[1]).abs() < 0.15 && (b - row[2]).abs() < 0.15 && row[3] < 0.98 * row[1], "{row:?}");
+    }
+    // They stay until others are given, or the board is next started.
+    write("", "angle_zero_code = 2047.5\nangle_codes_per_degree = 20.4728");
+    desk.succeeds(&format!("{TRACK} --settings board.toml -o log.csv"));
+    let said = desk.refuses("track --reference reference.csv --settings board.toml");
+    assert!(said.contains("--joint"), "{said}");
+}
+
+#[test]
 fn a_recording_that_was_interrupted_goes_on_filled_and_swung_again() {
     // After some 6 s, of which 3 count.
     let desk = JointDesk::new(Setting { restarts_at: &[1500], ..Setting::sound(SEED) });
@@ -345,7 +390,7 @@ fn a_board_that_is_none_of_a_joint_of_this_version_is_said_and_not_driven() {
         (of(Setting { is_single: true, ..sound }), "a board with one muscle answers"),
         (
             of(Setting { version: Some(3), ..sound }),
-            "speaks version 3 of a joint's messages, this program version 4",
+            "speaks version 3 of a joint's messages, this program version 5",
         ),
         (of(Setting { is_still: true, ..sound }), "ticks stand still"),
         (

@@ -203,13 +203,60 @@ fn what_is_watched_while_tracking_is_watched_and_vents_both() {
         for order in [JointRequest::Arm, JointRequest::Service] {
             assert_eq!(joint.order(&order), JointResponse::Accepted);
         }
-        let stuck = joint.vented_by(|_, samples| samples.pressure_codes[place] = PRESSURE.code(0.0));
+        let stuck = joint.vented_by(|tick, samples| {
+            samples.pressure_codes[place] = PRESSURE.code(0.0) + 6 * (tick % 2) as u16;
+        });
         assert_eq!(stuck.1, of(Fault::ValveStuck), "after {} ticks", stuck.0);
+        // With a sensor that never moves it is not known which of both is stuck.
+        let mut joint = Filled::off();
+        for order in [JointRequest::Arm, JointRequest::Service] {
+            assert_eq!(joint.order(&order), JointResponse::Accepted);
+        }
+        let stuck = joint.vented_by(|_, samples| samples.pressure_codes[place] = PRESSURE.code(0.0));
+        assert_eq!(stuck.1, of(Fault::PressureStuck), "after {} ticks", stuck.0);
+        let mean = vented(&|tick, samples| {
+            let from = PRESSURE.value(samples.pressure_codes[place]);
+            samples.pressure_codes[place] = PRESSURE.code((from + 0.4 * tick as f32).min(6.9));
+            samples.angle_code += 6 * (tick % 2) as u16;
+        });
+        assert_eq!(mean.1, of(Fault::OverpressureSoft));
     }
     assert_eq!(Filled::served().vented_by(|_, samples| samples.angle_code = 0), (3, JointFault::AngleSensor));
     let spikes = Filled::served()
         .vented_by(|tick, samples| samples.angle_code = ANGLE.code(if tick % 2 == 0 { -0.4 } else { 0.4 }));
     assert_eq!(spikes.1, JointFault::AngleSpiking);
+}
+
+#[test]
+fn an_angle_that_stands_still_while_the_muscles_change_sides_vents_both() {
+    let mut joint = Filled::served();
+    let mut play = |plays: &[[f32; 2]], angle: &dyn Fn(f32) -> f32| {
+        for pressures in plays {
+            for _ in 0..600 {
+                joint.press(*pressures);
+                let [a, b] = joint.last.dac_codes.map(|code| COMMAND.value(code));
+                joint.tick(|samples| samples.angle_code = ANGLE.code(angle(a - b)));
+                if joint.last.fault.is_some() {
+                    return joint.last.fault;
+                }
+            }
+        }
+        None
+    };
+    // At its end, for as long as the same muscle is the stronger one, and whatever both have.
+    assert_eq!(play(&[[4.5, 1.0], [3.0, 2.0], [6.0, 1.0], [3.1, 3.0], [2.0, 2.5]], &|_| 0.1), None);
+    // Turned by some degrees.
+    assert_eq!(play(&[[4.5, 1.0], [1.0, 4.5], [4.5, 1.0]], &|difference| 0.1 + 0.02 * difference), None);
+    assert_eq!(play(&[[4.5, 1.0], [1.0, 4.5]], &|_| 0.1), Some(JointFault::AngleStuck));
+    assert_eq!(joint.last.dac_codes, [0; 2]);
+    // What was before a fault is forgotten.
+    for order in [JointRequest::Acknowledge, JointRequest::Arm, JointRequest::Service] {
+        assert_eq!(joint.order(&order), JointResponse::Accepted);
+    }
+    for _ in 0..600 {
+        joint.press([1.0, 4.5]);
+        assert_eq!(joint.tick(|_| ()).fault, None);
+    }
 }
 
 #[test]

@@ -119,12 +119,18 @@ fn the_command_says_which_muscle_was_slack_where_and_when_in_which_file() {
             said.lines().find(|line| line.starts_with(&format!("slack         muscle {muscle} below ")));
         let line = line.expect("a line for each muscle");
         assert!(
-            line.contains(" of low.csv are left out")
+            line.contains(" of low.csv are left out: it was slack, or the joint at its end")
                 && (line.contains("down to 0.39 bar") || line.contains("down to 0.40 bar")),
             "{line}"
         );
         assert!(line.contains("from 150.") || line.contains("from 151."), "{line}");
     }
+    let page = std::fs::read_to_string(directory.path().join("joint.html")).expect("a page");
+    assert!(page.contains("Left out") && page.contains("data-name=\"left out\"") && !page.contains("NaN"));
+    for lowest in page.split("data-label=\"down to (bar)\">").skip(1) {
+        assert!(lowest.starts_with("0.39<") || lowest.starts_with("0.40<"), "{}", &lowest[..8]);
+    }
+    assert_eq!(page.matches("data-label=\"down to (bar)\">").count(), 2, "a row for each muscle");
     let figures = std::fs::read_to_string(directory.path().join("joint.json")).expect("figures");
     let figures: serde_json::Value = serde_json::from_str(&figures).expect("JSON");
     let slack = figures["slack"].as_array().expect("a list");

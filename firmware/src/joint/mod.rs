@@ -10,8 +10,10 @@
 //! | this one | the tick, the states, and what a board tells of itself |
 //! | `aim` | straight lines between the targets of the host |
 //! | `orders` | the requests of the host, between ticks ([`carry_out`]) |
+//! | [`settings`] | limits, and the scalings of the sensors |
 //! | [`start`] | fills the muscles, and tries the joint before it is controlled |
 //! | [`watch`] | what tells a fault of a sensor, a valve or a muscle |
+//! | [`pair`] | what only the pair shows: an angle that stands still, a feedback beyond its authority |
 //! | [`lock_step`] | a board whose samples come from a host |
 //!
 //! # States
@@ -41,6 +43,8 @@
 mod aim;
 pub mod lock_step;
 mod orders;
+pub mod pair;
+pub mod settings;
 pub mod start;
 pub mod watch;
 
@@ -48,7 +52,7 @@ use core::hint::black_box;
 
 use model_core::joint::{JointCommand, JointState, JointTarget};
 use wire::fault::times::{DUMP_TICKS, MISSING_IN_A_ROW, STOP_TICKS};
-use wire::joint::{BoardJointControl, JointBoardState, JointFault, STOPS};
+use wire::joint::{BoardJointControl, JointBoardState, JointCalibration, JointFault, STOPS};
 use wire::{Fault, Protection, Scaling};
 
 use crate::board::{AcquisitionError, AdcCode, DacCode};
@@ -60,6 +64,8 @@ use crate::scaling::{COMMAND, VENT};
 use crate::timing::{TickEnd, Timing};
 use aim::Aimed;
 pub use orders::{JointNode, carry_out};
+use pair::{Moved, Pair};
+pub use settings::JointScalings;
 use start::Start;
 use watch::Watch;
 
@@ -104,6 +110,9 @@ pub struct JointTask {
     state: JointBoardState,
     fault: Option<JointFault>,
     protection: Protection,
+    calibration: JointCalibration,
+    /// By the calibration.
+    scalings: JointScalings,
     installed: Option<Installed>,
     running: Option<Running>,
     aimed: Aimed,
@@ -114,6 +123,7 @@ pub struct JointTask {
     outputs: [Output; 2],
     limits: output::Limits,
     watch: Watch,
+    pair: Pair,
     missing: InARow,
     ticks: u32,
     /// Since the host's last sign of life.
@@ -138,6 +148,7 @@ struct Installed {
     control: BoardJointControl,
     /// The same without feedback, for the start.
     open: BoardJointControl,
+    moved: Moved,
     period_s: f32,
 }
 
@@ -184,8 +195,11 @@ impl JointTask {
             has_served: false,
             outputs: [Output::vented(); 2],
             limits: output::Limits::new(&protection, &COMMAND, UNCLOCKED_PERIOD_S),
-            watch: Watch::new(&protection, UNCLOCKED_PERIOD_S),
+            watch: Watch::new(&protection, &JointScalings::STANDARD, UNCLOCKED_PERIOD_S),
+            pair: Pair::new(&protection),
             protection,
+            calibration: JointCalibration::default(),
+            scalings: JointScalings::STANDARD,
             missing: InARow::default(),
             ticks: 0,
             silent_ticks: 0,
@@ -331,6 +345,7 @@ impl JointTask {
             return Err(JointFault::OfBoard(Fault::BusSilent));
         }
         if self.state == JointBoardState::Service {
+            self.pair.serve(&measured)?;
             return Ok(Some(Asked { commands: self.pressures, command: None }));
         }
         let (Some(installed), Some(running)) = (&self.installed, &mut self.running) else {
@@ -346,6 +361,10 @@ impl JointTask {
         let [a, b] = command.commands;
         if !(a + b).is_finite() {
             return Err(JointFault::OfBoard(Fault::NotFinite));
+        }
+        if running.start.is_none() {
+            let made = (&command, target.load);
+            self.pair.track(&installed.control, &installed.moved, &measured, made)?;
         }
         if let Some(start) = &mut running.start
             && start.take(&measured, command.commands)?

@@ -6,18 +6,21 @@ use model_core::pid::PidParameters;
 use wire::fault::times::LOOP_RESETS;
 use wire::joint::{
     BoardJointControl, BoardJointParameters, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration,
-    JointFault, JointHello, JointReport, JointRequest, JointResponse, JointTickReply,
+    JointFault, JointHello, JointReport, JointRequest, JointResponse, JointSettings, JointTickReply,
 };
 use wire::registers::{ARMED_TICKS, HIGHEST_BAR};
 use wire::{Fault, Refusal};
 
 use super::aim::Aimed;
+use super::pair::{Moved, Pair};
+use super::settings::checked;
 use super::start::Start;
 use super::watch::Watch;
-use super::{ANGLE, Installed, JointTask, Running};
+use super::{Installed, JointTask, Running};
+use crate::control::UNCLOCKED_PERIOD_S;
 use crate::output;
 use crate::report::FIRMWARE_VERSION;
-use crate::scaling::{COMMAND, PRESSURE};
+use crate::scaling::COMMAND;
 
 /// What has a joint's task.
 pub trait JointNode {
@@ -55,6 +58,7 @@ pub fn carry_out(node: &mut impl JointNode, request: &JointRequest) -> JointResp
         }),
         JointRequest::Service => node.task(JointTask::serve),
         JointRequest::Press(pressures) => node.task(|task| task.press(*pressures)),
+        JointRequest::Settings(settings) => node.task(|task| task.set(settings.as_ref())),
         JointRequest::Tick(_) => JointResponse::Refused(Refusal::NotHere),
     }
 }
@@ -134,8 +138,8 @@ impl JointTask {
             firmware: FIRMWARE_VERSION,
             state: self.state,
             fault: self.fault,
-            pressure: PRESSURE,
-            angle: ANGLE,
+            pressures: self.scalings.pressures,
+            angle: self.scalings.angle,
             command: COMMAND,
             ticks: self.ticks,
         }
@@ -148,12 +152,38 @@ impl JointTask {
         if let Err(refusal) = self.clock.map_or(Ok(()), |clock| clock.demand(installed.period_s)) {
             return JointResponse::Refused(refusal);
         }
-        let protection = self.protection.for_period(installed.period_s);
-        self.limits = output::Limits::new(&protection, &COMMAND, installed.period_s);
-        self.watch = Watch::new(&protection, installed.period_s);
         self.installed = Some(installed);
+        self.set_up();
         self.leave(JointBoardState::Ready);
         JointResponse::Accepted
+    }
+
+    /// Takes settings, or tells those that there are.
+    fn set(&mut self, settings: Option<&JointSettings>) -> JointResponse {
+        if let Some(settings) = settings {
+            if !matches!(self.state, JointBoardState::Off | JointBoardState::Ready) {
+                return JointResponse::WrongState(self.state);
+            }
+            match checked(settings, self.clock.is_some()) {
+                Ok((protection, scalings)) => {
+                    (self.protection, self.scalings) = (protection, scalings);
+                    self.calibration = settings.calibration;
+                }
+                Err(refusal) => return JointResponse::Refused(refusal),
+            }
+            self.armed_ticks = 0;
+            self.set_up();
+        }
+        JointResponse::Settings(JointSettings { protection: self.protection, calibration: self.calibration })
+    }
+
+    /// Output and monitors by the limits, the scalings and the period that there are now.
+    fn set_up(&mut self) {
+        let period_s = self.installed.as_ref().map_or(UNCLOCKED_PERIOD_S, |installed| installed.period_s);
+        let protection = self.protection.for_period(period_s);
+        self.limits = output::Limits::new(&protection, &COMMAND, period_s);
+        self.watch = Watch::new(&protection, &self.scalings, period_s);
+        self.pair = Pair::new(&protection);
     }
 
     fn arm(&mut self) -> JointResponse {
@@ -181,7 +211,7 @@ impl JointTask {
         let start = Start::new((angles.min(), angles.max()), stiffness, installed.period_s);
         self.running = Some(Running { state: installed.control.rest_state(middle), start: Some(start) });
         self.aimed = Aimed::still(JointTarget { angle: middle, stiffness, load: 0.0 });
-        self.watch.restart();
+        self.restart();
         self.state = JointBoardState::Starting;
         self.silent_ticks = 0;
         self.armed_ticks = 0;
@@ -196,11 +226,17 @@ impl JointTask {
         if self.armed_ticks == 0 {
             return JointResponse::Refused(Refusal::NotArmed);
         }
-        self.watch.restart();
+        self.restart();
         self.has_served = true;
         self.leave(JointBoardState::Service);
         self.silent_ticks = 0;
         JointResponse::Accepted
+    }
+
+    /// The monitors forget the past.
+    fn restart(&mut self) {
+        self.watch.restart();
+        self.pair.restart();
     }
 
     fn stop(&mut self) -> JointResponse {
@@ -218,7 +254,7 @@ impl JointTask {
             }
             self.fault = None;
             self.black_box.iter_mut().for_each(|black_box| black_box.reopen());
-            self.watch.restart();
+            self.restart();
             self.leave(self.home());
         }
         JointResponse::Accepted
@@ -236,8 +272,10 @@ impl Installed {
         let parameters = &configuration.control;
         let none = PidParameters { kp: 0.0, ki: 0.0, kd: 0.0, ..parameters.pid };
         let open = BoardJointParameters { pid: none, ..parameters.clone() };
+        let control = BoardJointControl::try_new(parameters)?;
         Ok(Self {
-            control: BoardJointControl::try_new(parameters)?,
+            moved: Moved::new(&control),
+            control,
             open: BoardJointControl::try_new(&open)?,
             period_s: parameters.period_s,
         })

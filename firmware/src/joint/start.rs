@@ -8,6 +8,7 @@
 use model_core::joint::JointTarget;
 use wire::joint::{JointFault, Motion};
 
+use super::pair::FARTHEST;
 use super::watch::Measured;
 
 /// For how long the muscles are filled. Unit: s.
@@ -21,8 +22,6 @@ const LARGE: f32 = 0.4;
 const LEAST: f32 = 0.3;
 /// In a large one it turns between these shares.
 const SHARES: (f32, f32) = (0.7, 1.4);
-/// And is no farther from what is asked for in the mean, as a share of the range.
-const FARTHEST: f32 = 0.15;
 
 /// The start, tick by tick.
 #[derive(Clone, Debug)]
@@ -163,6 +162,7 @@ impl Seen {
         if self.share() >= LEAST { Ok(()) } else { Err(JointFault::Still(motion)) }
     }
 
+    /// In the mean it is no farther from what was asked for than [`FARTHEST`].
     fn is_the_models(&self, amplitude: f32, range: f32) -> Result<(), JointFault> {
         let motion = self.motion(amplitude);
         let (least, most) = SHARES;

@@ -5,14 +5,16 @@
 use wire::joint::{Channel, JointFault};
 use wire::{Fault, Protection};
 
-use super::{ANGLE, JointSamples};
+use super::{JointSamples, JointScalings};
 use crate::board::DacCode;
 use crate::monitors::following::{self, Following};
+use crate::monitors::overpressure::{self, Overpressure};
 use crate::monitors::own::Own;
 use crate::monitors::sensor::{self, Sensor};
 use crate::monitors::slow::{self, Slow};
+use crate::monitors::stuck::Stuck;
 use crate::monitors::venting::{self, Venting};
-use crate::scaling::{COMMAND, PRESSURE, SUPPLY};
+use crate::scaling::{COMMAND, SUPPLY};
 
 /// No joint turns by as much from one tick of 1 ms to the next: at 0.1 rad it would turn by 16
 /// revolutions in a second. Unit: rad.
@@ -25,21 +27,27 @@ pub struct Measured {
     pub pressures: [f32; 2],
     /// Unit: rad.
     pub angle: f32,
+    /// The same. Unit: ADC code.
+    pub angle_code: u16,
 }
 
 /// The monitors with what they remember.
 #[derive(Clone, Debug)]
 pub struct Watch {
-    pressure: sensor::Limits,
+    pressures: [sensor::Limits; 2],
     angle: sensor::Limits,
-    /// Unit: bar.
-    overpressure_bar: f32,
+    overpressures: [overpressure::Limits; 2],
+    /// How far a command has to move past a pressure that does not. Unit: DAC code.
+    stuck: u16,
     following: following::Limits,
-    venting: venting::Limits,
+    ventings: [venting::Limits; 2],
     supply: slow::Limits,
     temperature: slow::Limits,
     sensors: [Sensor; 2],
     angle_sensor: Sensor,
+    mean: [Overpressure; 2],
+    /// Of both pressures.
+    still: [Stuck<u16, 1>; 2],
     valves: [Following; 2],
     vented: [Venting; 2],
     /// Of the supply and the temperature.
@@ -50,31 +58,34 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Monitors with these limits, for ticks that are `period_s` apart.
-    pub fn new(protection: &Protection, period_s: f32) -> Self {
-        // What is beyond any code saturates at the largest number.
-        let pressure_jump = (protection.pressure_jump_bar * PRESSURE.codes_per_unit) as u16;
+    /// Monitors with these limits and scalings, for ticks that are `period_s` apart.
+    pub fn new(protection: &Protection, scalings: &JointScalings, period_s: f32) -> Self {
+        let JointScalings { pressures, angle } = *scalings;
         Self {
-            pressure: sensor::Limits {
-                scaling: PRESSURE,
-                jump: pressure_jump,
+            pressures: pressures.map(|scaling| sensor::Limits {
+                scaling,
+                // What is beyond any code saturates at the largest number.
+                jump: (protection.pressure_jump_bar * scaling.codes_per_unit) as u16,
                 faults: [Fault::PressureSensor, Fault::PressureSpiking],
-            },
+            }),
             angle: sensor::Limits {
-                scaling: ANGLE,
-                jump: (ANGLE_JUMP_RAD * ANGLE.codes_per_unit) as u16,
+                scaling: angle,
+                jump: (ANGLE_JUMP_RAD * angle.codes_per_unit) as u16,
                 faults: [Fault::ContractionSensor, Fault::ContractionSpiking],
             },
-            overpressure_bar: protection.overpressure_hard_bar,
+            overpressures: pressures.map(|pressure| overpressure::Limits::new(protection, &pressure)),
+            stuck: (protection.stuck_command_bar * COMMAND.codes_per_unit) as u16,
             following: following::Limits {
                 band_bar: protection.following_band_bar,
                 limit: protection.following_limit_bar_s / period_s,
             },
-            venting: venting::Limits::new(protection, &PRESSURE),
+            ventings: pressures.map(|pressure| venting::Limits::new(protection, &pressure)),
             supply: slow::Limits::of_supply(protection, SUPPLY),
             temperature: slow::Limits::of_temperature(protection),
             sensors: [Sensor::default(); 2],
             angle_sensor: Sensor::default(),
+            mean: [Overpressure::default(); 2],
+            still: [Stuck::default(); 2],
             valves: [Following::default(); 2],
             vented: [Venting::default(); 2],
             slow: [Slow::default(); 2],
@@ -116,27 +127,36 @@ impl Watch {
     /// The fault that they show.
     pub fn take(&mut self, out: [DacCode; 2], is_driven: bool) -> Result<Measured, JointFault> {
         let mut measured = Measured::default();
-        let codes = self.last.pressures.iter().zip(&mut self.sensors).zip(&mut measured.pressures);
-        for (channel, ((code, sensor), bar)) in Channel::BOTH.into_iter().zip(codes) {
+        let sensors = self.sensors.iter_mut().zip(&mut self.mean).zip(&mut self.still);
+        let limits = self.pressures.iter().zip(&self.overpressures);
+        let codes = self.last.pressures.iter().zip(out).zip(&mut measured.pressures);
+        for (channel, ((((sensor, mean), still), (of_sensor, overpressure)), ((code, out), bar))) in
+            Channel::BOTH.into_iter().zip(sensors.zip(limits).zip(codes))
+        {
             let of = |fault| JointFault::OfChannel(channel, fault);
-            // The sample itself: a burst is no less likely than a spike.
-            if PRESSURE.is_plausible(code.0) && PRESSURE.value(code.0) > self.overpressure_bar {
-                return Err(of(Fault::OverpressureHard));
+            overpressure.hold(code.0).map_err(of)?;
+            let code = sensor.take(of_sensor, code.0).map_err(of)?;
+            mean.take(overpressure, code).map_err(of)?;
+            // Of one that is vented the venting is looked at.
+            if is_driven {
+                still.take(code, [out.0], [self.stuck], Fault::PressureStuck).map_err(of)?;
             }
-            *bar = PRESSURE.value(sensor.take(&self.pressure, code.0).map_err(of)?);
+            *bar = of_sensor.scaling.value(code);
         }
         let angle = self.angle_sensor.take(&self.angle, self.last.angle.0).map_err(|fault| match fault {
             Fault::ContractionSpiking => JointFault::AngleSpiking,
             _ => JointFault::AngleSensor,
         })?;
-        measured.angle = ANGLE.value(angle);
+        (measured.angle, measured.angle_code) = (self.angle.scaling.value(angle), angle);
         let [supply, temperature] = &mut self.slow;
         supply.take(&self.supply, self.last.supply.0).map_err(JointFault::OfBoard)?;
         temperature.take(&self.temperature, self.last.temperature.0).map_err(JointFault::OfBoard)?;
-        let valves = self.valves.iter_mut().zip(&mut self.vented).zip(self.last.pressures);
-        let of_both = valves.zip(out).zip(measured.pressures);
-        for (channel, ((((valve, vented), code), out), bar)) in Channel::BOTH.into_iter().zip(of_both) {
-            let mut found = vented.take(&self.venting, is_driven, code.0);
+        let valves = self.valves.iter_mut().zip(&mut self.vented).zip(&self.ventings);
+        let of_both = valves.zip(self.last.pressures).zip(out).zip(measured.pressures);
+        for (channel, (((((valve, vented), venting), code), out), bar)) in
+            Channel::BOTH.into_iter().zip(of_both)
+        {
+            let mut found = vented.take(venting, is_driven, code.0);
             if is_driven {
                 found = found.and_then(|()| valve.take(&self.following, COMMAND.value(out.0), bar));
             }
@@ -148,6 +168,8 @@ impl Watch {
     /// Forgets the past, with a start or a fault.
     pub fn restart(&mut self) {
         self.sensors.iter_mut().chain([&mut self.angle_sensor]).for_each(Sensor::restart);
+        self.mean = [Overpressure::default(); 2];
+        self.still = [Stuck::default(); 2];
         self.valves = [Following::default(); 2];
         self.slow = [Slow::default(); 2];
     }

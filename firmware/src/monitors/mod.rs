@@ -6,7 +6,9 @@
 //! | [`sensor`] | pressure and contraction, each for itself: open, short, spikes |
 //! | [`stuck`] | pressure and contraction, against the command |
 //! | [`slow`] | supply and temperature |
+//! | [`overpressure`] | pressure against its limits, at once and on average |
 //! | [`following`] | pressure against command: leak, burst, stuck valve |
+//! | [`authority`] | feedback beside a feed-forward |
 //! | [`survey`] | the model against itself, and contraction against pressure |
 //! | [`venting`] | pressure behind a valve that is vented |
 //! | [`own`] | what the board reads back of itself |
@@ -19,7 +21,9 @@
 //! without samples is one with the last. Both read whole numbers where they can: codes are compared
 //! with limits that were turned into codes once.
 
+pub mod authority;
 pub mod following;
+pub mod overpressure;
 pub mod own;
 pub mod persistence;
 pub mod sensor;
@@ -28,14 +32,16 @@ pub mod stuck;
 pub mod survey;
 pub mod venting;
 
-use wire::fault::times::{AUTHORITY_TICKS, IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
+use wire::fault::times::{IMPLAUSIBLE_TICKS, MISSING_IN_A_ROW};
 use wire::{Fault, Protection, Scaling};
 
 use crate::board::{AcquisitionError, DacCode, Samples};
-use crate::scaling::{Scalings, level};
+use crate::scaling::Scalings;
+use authority::Authority;
 use following::Following;
+use overpressure::Overpressure;
 use own::Own;
-use persistence::{Average, InARow};
+use persistence::InARow;
 use sensor::Sensor;
 use slow::Slow;
 use stuck::Stuck;
@@ -52,8 +58,7 @@ struct Limits {
     stuck: u16,
     supply: slow::Limits,
     temperature: slow::Limits,
-    overpressure_hard: u16,
-    overpressure_soft: u16,
+    overpressure: overpressure::Limits,
     venting: venting::Limits,
     following: following::Limits,
     implausible_share: f32,
@@ -69,17 +74,17 @@ pub struct Monitors {
     pressure: Sensor,
     contraction: Sensor,
     /// Of pressure and contraction.
-    stuck: [Stuck; 2],
+    stuck: [Stuck<u16, 1>; 2],
     /// That of the contraction which could last be trusted.
     contraction_code: u16,
     supply: Slow,
     temperature: Slow,
-    pressure_average: Average<4>,
+    overpressure: Overpressure,
     following: Following,
     venting: Venting,
     own: Own,
     implausible: InARow,
-    authority: InARow,
+    authority: Authority,
 }
 
 impl Monitors {
@@ -95,12 +100,12 @@ impl Monitors {
             contraction_code: 0,
             supply: Slow::default(),
             temperature: Slow::default(),
-            pressure_average: Average::default(),
+            overpressure: Overpressure::default(),
             following: Following::default(),
             venting: Venting::default(),
             own: Own::default(),
             implausible: InARow::default(),
-            authority: InARow::default(),
+            authority: Authority::default(),
         }
     }
 
@@ -130,11 +135,8 @@ impl Monitors {
         }
         if let Ok(samples) = samples {
             self.last = samples;
-            let Limits { pressure, contraction, overpressure_hard, .. } = &self.limits;
-            // The hard limit looks at the sample itself: a burst is no less likely than a spike.
-            if samples.pressure.0 > *overpressure_hard && samples.pressure.0 <= pressure.scaling.code_max {
-                return Err(Fault::OverpressureHard);
-            }
+            let Limits { contraction, overpressure, .. } = &self.limits;
+            overpressure.hold(samples.pressure.0)?;
             self.contraction_code = self.contraction.take(contraction, samples.contraction.0)?;
         }
         Ok(self.limits.contraction.scaling.value(self.contraction_code))
@@ -154,14 +156,12 @@ impl Monitors {
     ) -> Result<(), Fault> {
         let Limits { pressure, supply, temperature, stuck, following, .. } = &self.limits;
         let pressure_code = self.pressure.take(pressure, self.last.pressure.0)?;
-        if self.pressure_average.of(pressure_code) > self.limits.overpressure_soft {
-            return Err(Fault::OverpressureSoft);
-        }
+        self.overpressure.take(&self.limits.overpressure, pressure_code)?;
         self.supply.take(supply, self.last.supply.0)?;
         self.temperature.take(temperature, self.last.temperature.0)?;
         let [of_pressure, of_contraction] = &mut self.stuck;
-        of_pressure.take(pressure_code, command.0, *stuck, Fault::PressureStuck)?;
-        of_contraction.take(self.contraction_code, command.0, *stuck, Fault::ContractionStuck)?;
+        of_pressure.take(pressure_code, [command.0], [*stuck], Fault::PressureStuck)?;
+        of_contraction.take(self.contraction_code, [command.0], [*stuck], Fault::ContractionStuck)?;
         let (pressure_bar, contraction_mm) = (
             pressure.scaling.value(pressure_code),
             self.limits.contraction.scaling.value(self.contraction_code),
@@ -204,8 +204,7 @@ impl Monitors {
     /// It contradicts the feed-forward.
     #[inline(always)]
     pub fn judge(&mut self, feedback_bar: f32) -> Result<(), Fault> {
-        let is_beyond = feedback_bar.abs() > self.limits.authority_bar;
-        if self.authority.holds_for(AUTHORITY_TICKS, is_beyond) { Err(Fault::Authority) } else { Ok(()) }
+        self.authority.take(feedback_bar.abs() > self.limits.authority_bar)
     }
 
     /// Looks at the vented muscle at the end of the self-test.
@@ -222,11 +221,11 @@ impl Monitors {
         self.pressure.restart();
         self.contraction.restart();
         (self.supply, self.temperature) = (Slow::default(), Slow::default());
-        self.pressure_average = Average::default();
+        self.overpressure = Overpressure::default();
         self.stuck = [Stuck::default(); 2];
         self.following = Following::default();
         self.implausible = InARow::default();
-        self.authority = InARow::default();
+        self.authority = Authority::default();
     }
 }
 
@@ -252,8 +251,7 @@ impl Limits {
             stuck: codes(&command, protection.stuck_command_bar),
             supply: slow::Limits::of_supply(protection, supply),
             temperature: slow::Limits::of_temperature(protection),
-            overpressure_hard: level(&pressure, protection.overpressure_hard_bar),
-            overpressure_soft: level(&pressure, protection.overpressure_soft_bar),
+            overpressure: overpressure::Limits::new(protection, &pressure),
             venting: venting::Limits::new(protection, &pressure),
             following: following::Limits {
                 band_bar: protection.following_band_bar,

@@ -1,6 +1,7 @@
-//! A sensor whose code stays where it is while the command moves.
+//! A sensor whose code stays where it is while all moves that moves what it measures.
 
-use wire::Fault;
+use core::ops::Sub;
+
 use wire::fault::times::STUCK_TICKS;
 
 /// How far codes of a sensor that stays where it is may be apart: noise of a single conversion of
@@ -8,33 +9,43 @@ use wire::fault::times::STUCK_TICKS;
 /// means, four of which one tick in 15,000 exceeds.
 const STILL_CODES: u16 = 4;
 
-/// What is remembered of one sensor.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Stuck {
+/// What is remembered of one sensor, and of `N` quantities that move what it measures: one command,
+/// or several of which each has to have moved.
+#[derive(Clone, Copy, Debug)]
+pub struct Stuck<Q, const N: usize> {
     /// Where it stays.
     code: u16,
     /// Since how many ticks.
     ticks: u16,
-    /// The command's lowest and highest code since then.
-    command: (u16, u16),
+    /// The lowest and the highest of each quantity since then.
+    moving: [(Q, Q); N],
 }
 
-impl Stuck {
-    /// Takes a code of the sensor and of the command; `moved`: how far the command has to move (DAC
-    /// code).
+impl<Q: Copy + Default, const N: usize> Default for Stuck<Q, N> {
+    fn default() -> Self {
+        Self { code: 0, ticks: 0, moving: [(Q::default(), Q::default()); N] }
+    }
+}
+
+impl<Q: Copy + PartialOrd + Sub<Output = Q>, const N: usize> Stuck<Q, N> {
+    /// Takes a code of the sensor and the quantities; `moved`: how far each of them has to move.
     ///
     /// # Errors
     /// `fault`, when the sensor is stuck.
     #[inline(always)]
-    pub fn take(&mut self, code: u16, command: u16, moved: u16, fault: Fault) -> Result<(), Fault> {
+    pub fn take<F>(&mut self, code: u16, moving: [Q; N], moved: [Q; N], fault: F) -> Result<(), F> {
         if code.abs_diff(self.code) > STILL_CODES {
-            *self = Self { code, ticks: 0, command: (command, command) };
+            *self = Self { code, ticks: 0, moving: moving.map(|quantity| (quantity, quantity)) };
             return Ok(());
         }
         self.ticks = self.ticks.saturating_add(1);
-        let (low, high) = self.command;
-        self.command = (low.min(command), high.max(command));
-        let has_moved = self.command.1 - self.command.0 > moved;
-        if self.ticks >= STUCK_TICKS && has_moved { Err(fault) } else { Ok(()) }
+        let mut have_moved = true;
+        for ((ends, quantity), moved) in self.moving.iter_mut().zip(moving).zip(moved) {
+            let (low, high) = *ends;
+            *ends =
+                (if quantity < low { quantity } else { low }, if quantity > high { quantity } else { high });
+            have_moved = have_moved && ends.1 - ends.0 > moved;
+        }
+        if self.ticks >= STUCK_TICKS && have_moved { Err(fault) } else { Ok(()) }
     }
 }

@@ -111,7 +111,7 @@ class Report:
             return self.number() + 1
         if kind in (4, 5, 7):
             self.floats(3)
-        return {1: 301, 2: 302, 4: 303, 5: 304, 6: 305, 7: 306}[kind]
+        return {1: 301, 2: 302, 4: 303, 5: 304, 6: 305, 7: 306, 8: 307}[kind]
 
 
 class Joint:

@@ -13,6 +13,7 @@ use board_client::bus::BoardError;
 #[cfg(unix)]
 use board_client::emulator::{EmulatorError, image::ImageError};
 use board_client::joint::error::JointBoardError;
+use board_client::joint::settings::SettingsFileError;
 use board_client::part::PartError;
 use board_client::pil::PilError;
 use board_client::update::{PackageError, UpdateError};
@@ -95,6 +96,8 @@ pub enum Error {
     /// A board of a joint does not do what it is asked for.
     #[error(transparent)]
     JointBoard(#[from] JointBoardError),
+    #[error(transparent)]
+    JointSettings(#[from] SettingsFileError),
     /// The file of a backup is not what it should be.
     #[error(transparent)]
     BackupFile(#[from] BackupFileError),

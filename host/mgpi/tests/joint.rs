@@ -33,6 +33,7 @@ fn a_joint_is_recorded_and_identified() {
     }
     let page = bench.read("joint.html");
     assert!(page.contains("Stiffness that may be asked for") && !page.contains("NaN"), "a report");
+    assert!(!page.to_lowercase().contains("left out"), "nothing was slack");
 }
 
 /// The same recording twice is what it is once, but that it is filled twice.

@@ -104,6 +104,11 @@ pub struct JointCommand<T> {
     pub commands: [T; 2],
     /// The pressures that are asked for. Unit: bar.
     pub pressures: [T; 2],
+    /// Those of the feed-forward alone. Unit: bar.
+    pub forward: [T; 2],
+    /// What bounds of the pressures keep back of the torque that is asked for; 0 where they allow
+    /// it. Unit: N m.
+    pub withheld: T,
     /// The angle that is due. Unit: rad.
     pub due: T,
     /// The stiffness that is due. Unit: N m/rad.
@@ -213,6 +218,8 @@ impl<T: Real, const N: usize> JointControl<T, N> {
         Ok(JointCommand {
             commands: state.commands,
             pressures: both.pressures,
+            forward: forward.pressures,
+            withheld: both.excess,
             due,
             stiffness: stiff,
             feedback,

@@ -119,6 +119,8 @@ pub struct Joint<T, const N: usize> {
     stops: Thresholds<T, N>,
     /// Unit: rad.
     swing: T,
+    /// Unit: N m/rad.
+    stiffest: T,
     angles: Range<T>,
 }
 
@@ -136,21 +138,24 @@ impl<T: Real, const N: usize> Joint<T, N> {
             Check::at("passive", i, "N m").finite(*coefficient)?;
         }
         let [a, b] = muscles;
-        let joint = Self {
+        let mut joint = Self {
             muscles: [Pull::try_new(a, reaches, &angles)?, Pull::try_new(b, reaches, &angles)?],
             passive: *passive,
             viscosity: Check::new("viscosity", "N m s/rad").at_least(*viscosity, T::ZERO)?,
             stops,
             swing,
+            stiffest: T::ZERO,
             angles,
         };
-        joint.check_stiffening()?;
+        joint.stiffest = joint.check_stiffening()?;
         Ok(joint)
     }
 
     /// That the joint is stiff within the bounds of the pressures, and that more pressure in both
-    /// muscles makes it stiffer, at all angles.
-    fn check_stiffening(&self) -> Result<(), ParameterError> {
+    /// muscles makes it stiffer, at all angles. Answers the largest stiffness of these. Unit:
+    /// N m/rad.
+    fn check_stiffening(&self) -> Result<T, ParameterError> {
+        let mut stiffest = T::ZERO;
         let still = Stops::relaxed(T::ZERO);
         for i in 0..CHECKED_ANGLES {
             let angle = checked_angle(&self.angles, i);
@@ -162,16 +167,39 @@ impl<T: Real, const N: usize> Joint<T, N> {
                     let drives = self.drives([pressure_a, pressure_b]);
                     let form = self.stiffness_form(angle, drives);
                     Check::at("stiffening", i, "N m/(rad bar)").above(form.along(&torque), T::ZERO)?;
-                    Check::at("stiffness", i, "N m/rad").above(form.at(drives), T::ZERO)?;
+                    let stiffness = Check::at("stiffness", i, "N m/rad").above(form.at(drives), T::ZERO)?;
+                    stiffest = stiffest.at_least(stiffness);
                 }
             }
         }
-        Ok(())
+        Ok(stiffest)
     }
 
     /// The angles that it is valid for. Unit: rad.
     pub fn angles(&self) -> &Range<T> {
         &self.angles
+    }
+
+    /// Half the swing that the stiffness is for. Unit: rad.
+    pub fn swing(&self) -> T {
+        self.swing
+    }
+
+    /// What both muscles turn with at an angle (rad), their friction and what turns without
+    /// pressure left out. Pressures: bar, counted as the lowest ones where they are below; result:
+    /// N m.
+    pub fn pull_of(&self, angle: T, pressures: [T; 2]) -> T {
+        let ([a, b], [pressure_a, pressure_b]) = (&self.muscles, pressures);
+        let of = |muscle: &Pull<T, N>, pressure: T| {
+            polynomial(&muscle.arm, angle) * muscle.drive(pressure.at_least(muscle.bounds(angle).0))
+        };
+        of(a, pressure_a) - of(b, pressure_b)
+    }
+
+    /// The largest stiffness at the ends of the bounds of both pressures, over all angles. Unit:
+    /// N m/rad.
+    pub fn stiffest(&self) -> T {
+        self.stiffest
     }
 
     /// Turns the stops to an angle (rad), under pressures (bar, above 0).

@@ -31,6 +31,8 @@ pub enum JointFault {
     Crossed,
     /// The swing turned it otherwise than the model's.
     Another(Motion),
+    /// The angle stands still while both pressures would turn the joint.
+    AngleStuck,
 }
 
 /// What a motion of a joint has shown. Unit: rad.
@@ -58,6 +60,7 @@ impl JointFault {
             Self::Still(_) => 304,
             Self::Crossed => 305,
             Self::Another(_) => 306,
+            Self::AngleStuck => 307,
         }
     }
 
@@ -92,6 +95,10 @@ impl JointFault {
                 cause: "the model is of another joint, or muscles were changed",
                 cure: "`mgpi identify --joint` on a new recording",
             },
+            Self::AngleStuck => Advice {
+                cause: "the sensor's magnet or shaft is loose, its electronics are defective; a joint that is blocked",
+                cure: "turn the vented joint by hand and look at the angle; remove what blocks it",
+            },
         }
     }
 }
@@ -106,7 +113,7 @@ pub struct Advice {
 }
 
 /// Faults of a board whose cause or cure is another one at a joint.
-const OF_JOINTS: [(Fault, Advice); 7] = [
+const OF_JOINTS: [(Fault, Advice); 8] = [
     (Fault::SupplySensor, SUPPLY),
     (Fault::SupplyLow, SUPPLY),
     (
@@ -114,6 +121,14 @@ const OF_JOINTS: [(Fault, Advice); 7] = [
         Advice {
             cause: "the host's program has ended or hangs, or the cable is out",
             cure: "start it again",
+        },
+    ),
+    (
+        Fault::Authority,
+        Advice {
+            cause: "a torque from outside that the reference does not tell, or that is too large; an angle sensor \
+                    that has slipped or stands still; a muscle that has lost force",
+            cure: "tell the torque, or take it away; look at the sensor; identify again",
         },
     ),
     (Fault::Temperature, Advice { cause: "no cooling", cure: "cool it, look for a short" }),
@@ -172,6 +187,9 @@ impl fmt::Display for JointFault {
                 "fault {code}: pressure_a_bar follows command_b_bar, and pressure_b_bar command_a_bar: the two \
                  pressure sensors, or the two regulators, are swapped"
             ),
+            Self::AngleStuck => {
+                write!(f, "fault {code}: the angle stands still while both pressures would turn the joint")
+            }
             Self::Another(motion) => write!(
                 f,
                 "fault {code}: the joint turns by {:.1} degrees where its model turns by {:.1} degrees, and stands \
@@ -198,13 +216,14 @@ mod tests {
 
     const STILL: Motion = Motion { asked: 1.0, turned: 0.0, offset: 0.0 };
     /// Those that only a pair of muscles has.
-    const PAIR: [JointFault; 6] = [
+    const PAIR: [JointFault; 7] = [
         JointFault::AngleSensor,
         JointFault::AngleSpiking,
         JointFault::WrongWay(STILL),
         JointFault::Still(STILL),
         JointFault::Crossed,
         JointFault::Another(STILL),
+        JointFault::AngleStuck,
     ];
 
     /// The page has a table of its own, by hand: what a program says has to stand there.

@@ -11,6 +11,7 @@
 //! None of them stands in for the other, and neither does a question (`Aim` without a target).
 
 pub mod fault;
+pub mod settings;
 
 use core::fmt;
 
@@ -19,9 +20,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Fault, Refusal, Scaling};
 pub use fault::{JointFault, Motion};
+pub use settings::{JointCalibration, JointSettings};
 
 /// Version of these messages. Raised with every change that the other side would misread.
-pub const JOINT_VERSION: u16 = 4;
+pub const JOINT_VERSION: u16 = 5;
 /// The largest number of stops that a board takes.
 pub const STOPS: usize = 12;
 
@@ -63,6 +65,9 @@ pub enum JointRequest {
     /// unless it is refused: in other states than service, and above what the board allows.
     /// Answer: [`JointResponse::Report`].
     Press([f32; 2]),
+    /// Take these limits and lines of the sensors, as a whole; refused while a valve is driven, and
+    /// at fault. `None` only asks. Answer: [`JointResponse::Settings`].
+    Settings(Option<JointSettings>),
 }
 
 /// Where a joint is to go.
@@ -91,6 +96,8 @@ pub enum JointResponse {
     Tick(JointTickReply),
     /// The last tick.
     Report(JointReport),
+    /// What the board is set to.
+    Settings(JointSettings),
 }
 
 /// Who a board is.
@@ -105,7 +112,7 @@ pub struct JointHello {
     /// The fault that is latched.
     pub fault: Option<JointFault>,
     /// ADC code of either pressure in bar.
-    pub pressure: Scaling,
+    pub pressures: [Scaling; 2],
     /// ADC code of the angle in rad.
     pub angle: Scaling,
     /// DAC code of either command in bar.

@@ -21,6 +21,7 @@ use wire::{BusParameters, Calibration, Configuration, Protection};
 use crate::bus::board::Identity;
 
 pub use file::{BackupFile, BackupFileError};
+pub(crate) use section::value_within;
 pub use transfer::{read, restore};
 
 /// What a board has been told.

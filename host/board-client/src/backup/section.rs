@@ -115,7 +115,7 @@ pub fn to_calibration(mut section: Section) -> Result<Calibration, KeyError> {
 }
 
 /// A value that its register takes.
-fn value_within(section: &mut Section, register: &Register) -> Result<Value, KeyError> {
+pub(crate) fn value_within(section: &mut Section, register: &Register) -> Result<Value, KeyError> {
     let value = value(section, register)?;
     match register.access {
         Access::Write(min, max) if !register.takes(value) => Err(section.error(

@@ -54,6 +54,10 @@ pub enum JointBoardError {
     Vented(JointBoardState),
     #[error("the board's ticks stand still: is it an emulator, whose ticks come over its link?")]
     StandsStill,
+    #[error(
+        "the board has other limits and lines of its sensors than it was given: is another program at its link?"
+    )]
+    OtherSettings,
     #[error("the board has not tried the joint within {0} s")]
     NotStarted(f64),
     #[error(transparent)]

@@ -15,7 +15,9 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use wire::joint::{JOINT_VERSION, JointBoardState, JointHello, JointReport, JointRequest, JointResponse};
+use wire::joint::{
+    JOINT_VERSION, JointBoardState, JointHello, JointReport, JointRequest, JointResponse, JointSettings,
+};
 use wire::{FRAME_BYTES, Receiver, Refusal, Response};
 
 use super::error::JointBoardError;
@@ -120,6 +122,23 @@ impl JointLink {
             JointResponse::Report(report) => Ok(report),
             other => Err(self.refused(other)),
         }
+    }
+
+    /// Gives the board settings, or asks for them; behind that it is known how its codes are to be
+    /// read.
+    ///
+    /// # Errors
+    /// The board does not answer, or refuses.
+    pub fn settings(&mut self, request: &JointRequest) -> Result<JointSettings, JointBoardError> {
+        let settings = match self.ask(request)?.response {
+            JointResponse::Settings(settings) => settings,
+            other => return Err(self.refused(other)),
+        };
+        match self.ask(&JointRequest::Identify)?.response {
+            JointResponse::Hello(hello) => self.hello = hello,
+            other => return Err(self.refused(other)),
+        }
+        Ok(settings)
     }
 
     /// Why a request was not done; where the board is at fault, by which.

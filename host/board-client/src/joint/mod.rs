@@ -26,6 +26,7 @@ pub mod log;
 pub mod record;
 pub mod run;
 pub mod seam;
+pub mod settings;
 pub mod start;
 pub mod track;
 
@@ -204,7 +205,7 @@ impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
                 Err(PilError::OutsideSensor { time_s, quantity, value, min, max, unit })
             }
         };
-        let JointHello { pressure, angle, command, .. } = &self.hello;
+        let JointHello { pressures: [of_a, of_b], angle, command, .. } = &self.hello;
         let [a, b] = measured.pressures_bar;
         let request = JointTickRequest {
             target: Some(JointTarget {
@@ -213,8 +214,8 @@ impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
                 load: wanted.torque_nm as f32,
             }),
             pressure_codes: [
-                code(pressure, "pressure a", a, (1.0, "bar"))?,
-                code(pressure, "pressure b", b, (1.0, "bar"))?,
+                code(of_a, "pressure a", a, (1.0, "bar"))?,
+                code(of_b, "pressure b", b, (1.0, "bar"))?,
             ],
             angle_code: code(angle, "the angle", measured.angle_deg, (DEGREES, "degrees"))?,
         };

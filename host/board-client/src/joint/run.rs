@@ -143,7 +143,8 @@ impl<'a> Run<'a> {
     pub(super) fn measured(&self, report: &JointReport) -> JointMeasured {
         let hello = self.link.hello();
         JointMeasured {
-            pressures_bar: report.pressure_codes.map(|code| rounded(hello.pressure.value(code))),
+            pressures_bar: [0, 1]
+                .map(|place| rounded(hello.pressures[place].value(report.pressure_codes[place]))),
             angle_deg: rounded(hello.angle.value(report.angle_code) * DEGREES as f32),
         }
     }

@@ -1,7 +1,7 @@
 //! `mgpi capture --joint`: both pressures through a board with two channels, and a recording of
 //! what the joint does.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use board_client::growing::{Growing, head};
 use board_client::joint::excitation::Excitation;
@@ -9,6 +9,7 @@ use board_client::joint::link::{Address, JointLink};
 use board_client::joint::record::{JointRow, record};
 use board_client::joint::run::PERIOD_S;
 use board_client::joint::seam::seam;
+use board_client::joint::settings;
 use board_client::stop::Stop;
 use clap::Args;
 use recording::joint::columns::COLUMNS;
@@ -42,6 +43,9 @@ pub struct JointArguments {
     /// Take a fault of the board of a joint for seen to
     #[arg(long, requires = "joint")]
     acknowledge: bool,
+    /// Limits and calibration that the board of a joint is given
+    #[arg(long, value_name = "SETTINGS.toml", requires = "joint")]
+    settings: Option<PathBuf>,
 }
 
 /// What any muscle is recorded with.
@@ -74,7 +78,11 @@ impl JointArguments {
 pub fn run(arguments: Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
     let Arguments { joint, recording: file, every, address, resume, force, .. } = &arguments;
     let (excitation, words) = arguments.excitation()?;
+    let settings = joint.settings.as_deref().map(settings::read).transpose()?;
     let mut link = JointLink::open(address.clone(), joint.acknowledge)?;
+    if let Some(settings) = &settings {
+        settings::give(&mut link, settings)?;
+    }
     let [major, minor, patch] = link.hello().firmware;
     let comments = [
         format!("recorded by {TOOL} from a board of a joint, firmware {major}.{minor}.{patch}"),

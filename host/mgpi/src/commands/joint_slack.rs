@@ -55,7 +55,7 @@ impl SlackAt<'_> {
         let Self { slack: Slack { below_bar, lowest_bar, rows, .. }, file, from_s, to_s } = self;
         format!(
             "muscle {} below {below_bar:.1} bar, down to {lowest_bar:.2} bar: {} rows from {from_s:.2} to {to_s:.2} s \
-             of {file} are left out",
+             of {file} are left out: it was slack, or the joint at its end",
             self.muscle(),
             rows.len()
         )

@@ -6,7 +6,7 @@ use board_client::joint::link::{Address, JointLink};
 use board_client::joint::log::{COLUMNS, row};
 use board_client::joint::run::PERIOD_S;
 use board_client::joint::track::{Course, track};
-use board_client::joint::{JointSample, parameters};
+use board_client::joint::{JointSample, parameters, settings};
 use board_client::part::Part;
 use board_client::stop::Stop;
 use recording::Choice;
@@ -23,6 +23,8 @@ pub struct Arguments<'a> {
     pub choice: Choice,
     pub address: Address,
     pub acknowledges: bool,
+    /// Limits and calibration of the board.
+    pub settings: Option<&'a Path>,
     pub every: u16,
     pub log: Option<&'a Path>,
     pub report: Option<&'a Path>,
@@ -39,7 +41,11 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
     let Arguments { model, reference, choice, address, acknowledges, every, log, .. } = arguments;
     let asked = Asked::read(model, reference, choice, PERIOD_S.recip())?;
     let control = parameters(&asked.file.parameters, PERIOD_S)?;
+    let settings = arguments.settings.map(settings::read).transpose()?;
     let mut link = JointLink::open(address.clone(), *acknowledges)?;
+    if let Some(settings) = &settings {
+        settings::give(&mut link, settings)?;
+    }
     let mut part = log.map(|log| Part::begin(log, COLUMNS, arguments.force)).transpose()?;
     let stop = Stop::on_signals();
     let duration_s = (asked.wanted.len() - 1) as f64 * PERIOD_S;

@@ -77,6 +77,9 @@ pub struct Arguments {
     /// Take a fault of the board of a joint for seen to
     #[arg(long, requires = "joint")]
     acknowledge: bool,
+    /// Limits and calibration that the board of a joint is given
+    #[arg(long, value_name = "SETTINGS.toml", requires = "joint")]
+    settings: Option<PathBuf>,
     #[command(flatten)]
     port: PortArguments,
 }
@@ -115,7 +118,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let inputs: Vec<&Path> = [file].into_iter().chain(&learning.correction).map(PathBuf::as_path).collect();
     let inputs: Vec<&Path> = match model {
         // It is read before anything is written.
-        Some(model) if arguments.joint => inputs.into_iter().chain([model.as_path()]).collect(),
+        Some(model) if arguments.joint => {
+            inputs.into_iter().chain([model.as_path()]).chain(arguments.settings.as_deref()).collect()
+        }
         _ => inputs,
     };
     let mut outputs = Outputs::claim(files, &inputs, *force)?;
@@ -126,6 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
             choice: reading.choice(),
             address: arguments.port.link(),
             acknowledges: arguments.acknowledge,
+            settings: arguments.settings.as_deref(),
             every: arguments.every.unwrap_or(1),
             log: log.as_deref(),
             report: report.as_deref(),

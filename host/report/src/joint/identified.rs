@@ -1,7 +1,7 @@
 //! Report of `mgpi identify --joint`: the simulated angle beside the measured one, how stiff the
 //! joint may be, and what is known about its parameters.
 
-use identification::joint::{IdentifiedJoint, JointEstimate};
+use identification::joint::{IdentifiedJoint, JointEstimate, Slack};
 use maud::html;
 use recording::joint::columns::JointRecording;
 use recording::joint::file::JointIdentification;
@@ -15,6 +15,7 @@ use super::{DEGREES, degrees, over_time, plot};
 /// Angles at which the stiffness is drawn.
 const ANGLES: usize = 61;
 const FIGURES: [&str; 3] = ["rows", "RMSE (degrees)", "RMSE (% of range)"];
+const LEFT_OUT: [&str; 5] = ["muscle", "below (bar)", "down to (bar)", "time (s)", "rows"];
 const PARAMETERS: [&str; 3] = ["parameter (unit)", "value", "standard error"];
 
 /// The report as an HTML file, for a joint that was identified from a recording.
@@ -34,6 +35,16 @@ pub fn to_html(found: &IdentifiedJoint, recording: &JointRecording) -> String {
     let (of_fit, of_unseen) = (error(simulated_rad, scored), error(heldout_rad, unseen));
     let counted: Vec<f64> =
         angle.iter().zip(scored).map(|(angle, is)| if *is { *angle } else { f64::NAN }).collect();
+    // What was left out, and gaps elsewhere.
+    let mut left_out = vec![f64::NAN; angle.len()];
+    for rows in known.slack.iter().map(|slack| slack.rows.clone()) {
+        left_out[rows.clone()].copy_from_slice(&angle[rows]);
+    }
+    let mut angles_over_time =
+        vec![("measured", Style::Measured, &*angle), ("simulated", Style::Model, &simulated)];
+    if !known.slack.is_empty() {
+        angles_over_time.push(("left out", Style::Error, &left_out));
+    }
     let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let sum: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + b).collect();
 
@@ -45,12 +56,7 @@ pub fn to_html(found: &IdentifiedJoint, recording: &JointRecording) -> String {
     let measured = Style::Measured;
     let plots = [
         (
-            over_time(
-                "Angle over time",
-                "angle (degrees)",
-                time_s,
-                &[("measured", measured, &angle), ("simulated", Style::Model, &simulated)],
-            ),
+            over_time("Angle over time", "angle (degrees)", time_s, &angles_over_time),
             "Simulated from both pressures and the torque alone. Rows that do not count are shown here, too.",
         ),
         (
@@ -126,6 +132,21 @@ pub fn to_html(found: &IdentifiedJoint, recording: &JointRecording) -> String {
             vec![format!("{name} ({unit})"), legible(*value, 4), or_dash(*standard_error)].into()
         })
         .collect();
+    let stretches: Vec<Row> = known
+        .slack
+        .iter()
+        .map(|Slack { muscle, below_bar, lowest_bar, rows }| {
+            let (from_s, to_s) = (time_s[rows.start], time_s[rows.end - 1]);
+            vec![
+                ["a", "b"][*muscle].to_owned(),
+                format!("{below_bar:.1}"),
+                format!("{lowest_bar:.2}"),
+                format!("{from_s:.2} to {to_s:.2}"),
+                rows.len().to_string(),
+            ]
+            .into()
+        })
+        .collect();
     let stiffness = ["least", "largest"].into_iter().zip(known.stiffness);
     let name = recording.source.file.rsplit(['/', '\\']).next().unwrap_or_default();
     let body = html! {
@@ -142,6 +163,12 @@ pub fn to_html(found: &IdentifiedJoint, recording: &JointRecording) -> String {
             }
         } }
         (reading(name, &recording.notes))
+        @if !stretches.is_empty() {
+            h2 { "Left out" }
+            p { "In these stretches a muscle's pressure was so low that the torque did not answer to it: the muscle was slack, or the joint at \
+                 its end stop, which shows alike. Look where the angle stands still. Times are those of the plots." }
+            (table(&LEFT_OUT.map(str::to_owned), &stretches))
+        }
         (explained(&plots))
         h2 { "Parameters" }
         p { "A dash: the parameter stands at a bound, or the recording says nothing about it by itself. "

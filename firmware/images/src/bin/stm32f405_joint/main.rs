@@ -19,7 +19,7 @@
 //!
 //! # Limits
 //! No bus: number, registers and updates over it are those of the image of one channel. Nothing is
-//! stored: the host sends the joint behind each start.
+//! stored: the host sends settings and joint behind each start.
 #![no_std]
 #![no_main]
 

@@ -202,6 +202,21 @@ fn a_slow_valve_is_told_from_the_muscle() {
 }
 
 #[test]
+fn a_cause_of_the_muscle_shows_beside_a_valve_that_is_farther_off_than_it() {
+    // A slow valve whose pressure also swings by itself, which no valve of ours does: from the command 3 mm.
+    let Plant { time_s, .. } = Plant::new();
+    let commands: Vec<f64> = time_s.iter().map(|&t| command(t)).collect();
+    let slow = super::low_pass::low_pass(&commands, &time_s, 0.3);
+    let pressure = slow.iter().zip(&time_s).map(|(p, t)| p + 0.25 * (0.9 * t).sin()).collect();
+    let plant = Plant { time_s, pressure };
+    let output: Vec<f64> =
+        hysteresis(&plant.pressure).iter().zip(&plant.time_s).map(|(y, t)| y + 0.01 * t).collect();
+    let diagnosis = diagnosed(&plant.recorded(&output));
+    assert_eq!(names(&diagnosis), [cause("drift"), cause("valve_lag")], "{:?}", diagnosis.unexplained);
+    assert!((parameter(&diagnosis, "mm_per_s") - 0.01).abs() < 0.001);
+}
+
+#[test]
 fn what_leaves_more_of_the_stroke_than_a_driven_valve_may_is_no_explanation() {
     // A command in bar beside a pressure in another unit: as if the supply were at a fourteenth of what is asked for.
     let plant = Plant::new();

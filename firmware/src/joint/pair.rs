@@ -20,7 +20,7 @@
 //! # Feedback
 //! It may put no more than `authority_bar` on either pressure for good, as that of one muscle; and
 //! where a bound of the pressures keeps back what it asks for, the joint may not stand off what is
-//! due by more than a share of its range ([`FARTHEST`]).
+//! due by more than 0.15 of its range.
 //!
 //! # Limits
 //! A sensor that is stuck while the joint is to stay where it is shows by the authority alone.

@@ -4,14 +4,18 @@
 //! pressure. A lag is always part of it; its second order, a delay, a dead band and a limit are added while each makes the error clearly
 //! smaller. The muscle is then modelled from the measured pressure, whatever the valve does.
 //!
+//! The lag may be that of air through an orifice, which has another time constant at each pressure.
+//!
 //! A lag of the second order is not one and a delay: a regulator's spool, or a slow valve behind a regulator's own lag, begins as if it
 //! had a dead time.
 
 mod examine;
+mod orifice;
 
 use super::equivalent::delayed;
 use super::low_pass::{low_pass, low_pass_of_second_order};
 pub use examine::examine;
+pub use orifice::Orifice;
 use recording::unit::Unit;
 
 /// Lags and a delay up to here, together, are those of any proportional regulator, and not named. Unit: s.
@@ -34,6 +38,8 @@ pub struct Valve {
     pub lag_s: f64,
     /// The damping ratio of a lag of the second order: two lags one behind the other from one on. None of one of the first.
     pub damping_ratio: Option<f64>,
+    /// What its air flows through, where its lag is none of one time constant; it has no damping ratio then.
+    pub orifice: Option<Orifice>,
     /// Unit: s.
     pub delay_s: Option<f64>,
     /// Unit: bar.
@@ -60,6 +66,8 @@ pub enum ValvePart {
 pub struct ValveFit {
     /// The valve.
     pub valve: Valve,
+    /// The nearest to it without an orifice, as the extensions of a model have it.
+    pub linear: Valve,
     /// The parts that are named, each with the logarithmic gain of having it.
     pub named: Vec<(ValvePart, f64)>,
     /// Root mean square of measured less simulated pressure. Unit of the pressure.
@@ -73,7 +81,7 @@ pub struct ValveFit {
 impl Valve {
     /// With a lag only.
     fn slow(lag_s: f64) -> Self {
-        Self { lag_s, damping_ratio: None, delay_s: None, band: None, supply_bar: None }
+        Self { lag_s, damping_ratio: None, orifice: None, delay_s: None, band: None, supply_bar: None }
     }
 
     /// The pressure that it makes of a command. Unit: bar.
@@ -96,9 +104,10 @@ impl Valve {
         if let Some(supply_bar) = self.supply_bar {
             values.iter_mut().for_each(|value| *value = value.min(supply_bar));
         }
-        match self.damping_ratio {
-            Some(ratio) => low_pass_of_second_order(&values, time_s, self.lag_s, ratio),
-            None => low_pass(&values, time_s, self.lag_s),
+        match (self.orifice, self.damping_ratio) {
+            (Some(orifice), _) => orifice.follow(&values, time_s, self.lag_s),
+            (None, Some(ratio)) => low_pass_of_second_order(&values, time_s, self.lag_s, ratio),
+            (None, None) => low_pass(&values, time_s, self.lag_s),
         }
     }
 
@@ -132,19 +141,24 @@ impl Valve {
         }
     }
 
-    /// With a lag of the second order, if it has none yet.
+    /// With a lag of the second order, if it has none yet and is no orifice.
     fn of_second_order(&self) -> Self {
-        Self { damping_ratio: self.damping_ratio.or(Some(1.0)), ..*self }
+        let damping_ratio = self.damping_ratio.or(self.orifice.is_none().then_some(1.0));
+        Self { damping_ratio, ..*self }
     }
 
-    /// Lag and, where they are there, damping, delay and limit.
+    /// Lag and, where they are there, damping, delay, limit and the pressure before an orifice.
     fn smooth(&self) -> Vec<f64> {
         let damping = self.damping_ratio.map(f64::ln);
-        [Some(self.lag_s.ln()), damping, self.delay_s, self.supply_bar].into_iter().flatten().collect()
+        let before = self.orifice.map(|orifice| orifice.supply);
+        [Some(self.lag_s.ln()), damping, self.delay_s, self.supply_bar, before]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
-    /// This valve with those.
-    fn with_smooth(&self, values: &[f64], step_s: f64) -> Self {
+    /// This valve with those; `before`: what the pressure before an orifice is at least and at most.
+    fn with_smooth(&self, values: &[f64], step_s: f64, before: (f64, f64)) -> Self {
         let mut values = values.iter().copied();
         let mut next = || values.next().unwrap_or(0.0);
         Self {
@@ -152,6 +166,9 @@ impl Valve {
             damping_ratio: self.damping_ratio.map(|_| next().clamp(DAMPING.0.ln(), DAMPING.1.ln()).exp()),
             delay_s: self.delay_s.map(|_| next().clamp(0.0, 5.0)),
             supply_bar: self.supply_bar.map(|_| next()),
+            orifice: self
+                .orifice
+                .map(|orifice| Orifice { supply: next().clamp(before.0, before.1), ..orifice }),
             ..*self
         }
     }

@@ -56,7 +56,7 @@ pub fn before_operator(
 
 /// Adds what stands between command and pressure.
 pub fn add_valve(all: &mut ExtensionParameters<f64>, valve: Option<&ValveFit>) {
-    let Some(ValveFit { valve, .. }) = valve else { return };
+    let Some(ValveFit { linear: valve, .. }) = valve else { return };
     // One lag for both: as late on a ramp, if not quite after a jump.
     all.valve_lag = Some(ValveLagParameters::new(valve.lag_s));
     all.valve_deadband = valve.band.map(|(form, band)| match form {

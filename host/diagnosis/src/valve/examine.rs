@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::{BandForm, ORDINARY_LAG_S, Valve, ValveFit, ValvePart};
+use super::{BandForm, ORDINARY_LAG_S, Orifice, Valve, ValveFit, ValvePart};
 use crate::Columns;
 use crate::equivalent::delayed;
 use crate::low_pass::low_pass;
 use recording::noise::steps;
 use recording::numbers::range;
+use recording::unit::Unit;
 
 /// Logarithm of the ratio of errors that an effect has to gain.
 const GAIN: f64 = 0.12;
@@ -29,6 +30,12 @@ const APART: f64 = 8.0;
 const CLOSELY: [(i32, f64); 3] = [(60, 0.05), (60, 0.01), (60, 0.002)];
 /// How far to either side of the best a band that drags is looked for. Unit: place.
 const FINER: [f64; 8] = [6.0, 3.6, 2.0, 1.2, 0.72, 0.4, 0.24, 0.14];
+/// The standard atmosphere. Unit: bar.
+const OUTSIDE_BAR: f64 = 1.01325;
+/// What the pressure before an orifice is at most, in multiples of the highest that it is asked for; and where it is begun. It is not
+/// lower than that: a supply that is too low is a part of its own.
+const BEFORE: f64 = 4.0;
+const BEGUN: f64 = 1.2;
 /// Iterations for lag, damping, delay and limit.
 const ITERATIONS: usize = 12;
 
@@ -41,6 +48,10 @@ struct Task<'a> {
     scored: &'a [bool],
     step_s: f64,
     noise: f64,
+    /// The absolute pressure outside; None where the recording's unit is none of a pressure.
+    outside: Option<f64>,
+    /// The highest command.
+    highest: f64,
 }
 
 /// Finds the valve's effects; None without a command beside the pressure.
@@ -54,6 +65,8 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         scored: &columns.scored[..rows],
         step_s: steps(&columns.time_s).0,
         noise,
+        outside: Unit::BAR.convert(OUTSIDE_BAR, columns.input_unit),
+        highest: range(command).1,
     };
     let ideal_rmse_bar = task.error(command);
     let mut best = task.polished(Valve::slow(0.05));
@@ -93,7 +106,11 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         let at_once = task.error(&Valve { lag_s: 1e-6, ..valve }.simulate(task.time_s, task.command));
         named.push((ValvePart::Lag, (at_once / rmse_bar).ln()));
     }
-    Some(ValveFit { valve, named, rmse_bar, ideal_rmse_bar, unit: columns.input_unit })
+    let linear = match valve.orifice {
+        Some(_) => task.polished(Valve { orifice: None, ..valve }).0,
+        None => valve,
+    };
+    Some(ValveFit { valve, linear, named, rmse_bar, ideal_rmse_bar, unit: columns.input_unit })
 }
 
 impl Task<'_> {
@@ -135,8 +152,12 @@ impl Task<'_> {
     /// The valve with each effect that it has not, polished.
     fn richer(&self, valve: &Valve) -> Vec<(Valve, f64)> {
         let mut all = Vec::new();
-        if valve.damping_ratio.is_none() {
+        if valve.damping_ratio.is_none() && valve.orifice.is_none() {
             all.push(self.polished(valve.of_second_order()));
+            all.extend(self.outside.map(|outside| {
+                let supply = BEGUN * (self.highest + outside);
+                self.polished(Valve { orifice: Some(Orifice { supply, outside }), ..*valve })
+            }));
         }
         if valve.delay_s.is_none() {
             all.push(self.polished(Valve { delay_s: Some(2.0 * self.step_s), ..*valve }));
@@ -211,6 +232,8 @@ impl Task<'_> {
         let mut valve = valve;
         let mut simulated = valve.simulate(self.time_s, self.command);
         let mut error = self.error(&simulated);
+        let least = self.highest + self.outside.unwrap_or(0.0);
+        let supplies = (least, BEFORE * least);
         for _ in 0..ITERATIONS {
             let values = valve.smooth();
             let columns: Vec<Vec<f64>> = (0..values.len())
@@ -220,7 +243,8 @@ impl Task<'_> {
                     let logarithms = 1 + usize::from(valve.damping_ratio.is_some());
                     let step = if i < logarithms { 1e-3 } else { 0.1 * self.step_s.min(1e-2) };
                     moved[i] += step;
-                    let other = valve.with_smooth(&moved, self.step_s).simulate(self.time_s, self.command);
+                    let other =
+                        valve.with_smooth(&moved, self.step_s, supplies).simulate(self.time_s, self.command);
                     other.iter().zip(&simulated).map(|(a, b)| (a - b) / step).collect()
                 })
                 .collect();
@@ -229,7 +253,7 @@ impl Task<'_> {
             let before = error;
             for _ in 0..4 {
                 let moved: Vec<f64> = values.iter().zip(&change).map(|(v, c)| v + share * c).collect();
-                let other = valve.with_smooth(&moved, self.step_s);
+                let other = valve.with_smooth(&moved, self.step_s, supplies);
                 let next = other.simulate(self.time_s, self.command);
                 if self.error(&next) < error {
                     (valve, error) = (other, self.error(&next));
@@ -287,6 +311,8 @@ mod tests {
                 scored: &vec![true; time_s.len()],
                 step_s: 0.01,
                 noise: 1e-4,
+                outside: None,
+                highest: 4.0,
             };
             (task.error(&lag.simulate(&time_s, &command)), task.beyond_rows(&lag))
         };

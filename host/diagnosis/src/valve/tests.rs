@@ -82,3 +82,37 @@ fn a_held_band_is_found_so_closely_that_the_same_commands_are_accepted() {
         assert!(found.rmse_bar < 2e-3, "{band}: {} bar", found.rmse_bar);
     }
 }
+
+/// Air through an orifice, filled from 7 bar.
+fn of_orifice(lag_s: f64) -> Valve {
+    Valve { orifice: Some(Orifice { supply: 8.0, outside: 1.01325 }), ..Valve::slow(lag_s) }
+}
+
+#[test]
+fn of_a_valve_whose_air_flows_through_an_orifice_nothing_else_is_named() {
+    let time_s: Vec<f64> = (0..6000).map(|row| 0.01 * f64::from(row)).collect();
+    for (lag_s, named) in [(0.05, vec![]), (0.2, vec![ValvePart::Lag])] {
+        for commands in [jumps(&time_s), time_s.iter().map(|&time_s| command(time_s)).collect()] {
+            let found = found(&time_s, &commands, &of_orifice(lag_s));
+            assert_eq!(found.named.iter().map(|(part, _)| *part).collect::<Vec<_>>(), named, "{found:?}");
+            assert!((found.valve.lag_s / lag_s - 1.0).abs() < 0.1, "{found:?}");
+            assert!(found.rmse_bar < 3e-3, "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_dead_band_before_an_orifice_is_named_and_measured() {
+    let time_s: Vec<f64> = (0..8000).map(|row| 0.01 * f64::from(row)).collect();
+    let commands: Vec<f64> = time_s.iter().map(|&time_s| command(time_s)).collect();
+    for form in [BandForm::Hold, BandForm::Backlash] {
+        let found = found(&time_s, &commands, &Valve { band: Some((form, 0.15)), ..of_orifice(0.05) });
+        assert_eq!(
+            found.named.iter().map(|(part, _)| *part).collect::<Vec<_>>(),
+            [ValvePart::Band],
+            "{found:?}"
+        );
+        let band = found.valve.band.map_or(0.0, |(_, band)| band);
+        assert!((band / 0.15 - 1.0).abs() < 0.05, "{found:?}");
+    }
+}

@@ -1,6 +1,7 @@
 //! What only the pair shows, at joints of the rig: sound ones never trip it, however they are
 //! driven and loaded, and a sensor that stops in the middle of a motion is seen.
 
+use board_client::joint::run::PERIOD_S;
 use board_client::joint::{JointMeasured, JointPlant, JointWanted, Loop, parameters};
 use board_client::pil::PilError;
 use board_client::stop::Stop;
@@ -12,7 +13,6 @@ use wire::{Fault, Protection};
 
 /// Joints that nothing was chosen by.
 const SEEDS: std::ops::RangeInclusive<u64> = 201..=206;
-const PERIOD_S: f64 = 1e-3;
 
 /// A joint with a torque from outside that nobody has told, and a sensor that stops.
 struct Loaded<'a> {

@@ -162,7 +162,7 @@ impl Effect {
         Self::new(Form::Wander, [])
     }
 
-    /// The lowest ceiling of the input; infinite where there is none among these effects. Input unit.
+    /// The level that the input never exceeds under these effects; infinite where none of them is a ceiling. Input unit.
     pub fn ceiling(effects: &[Self]) -> f64 {
         let of = |effect: &Self| (effect.form == Form::Ceiling).then(|| effect.parameters[0].value);
         effects.iter().filter_map(of).fold(f64::INFINITY, f64::min)

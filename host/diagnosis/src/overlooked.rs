@@ -39,7 +39,7 @@ pub struct Overlooked {
     pub evidence: String,
 }
 
-/// The cause beside a base, which has nothing that is named, that the operator model is better with; None where there is none.
+/// The overlooked cause, if there is one. `base`: the set without it, in which nothing is named: no cause, or a regulator's ordinary lag.
 pub fn overlooked(
     search: &Search<'_>,
     (base, sizes): (&Candidate, &[Vec<Candidate>]),

@@ -38,7 +38,7 @@ pub struct Valve {
     pub lag_s: f64,
     /// The damping ratio of a lag of the second order: two lags one behind the other from one on. None of one of the first.
     pub damping_ratio: Option<f64>,
-    /// What its air flows through, where its lag is none of one time constant; it has no damping ratio then.
+    /// The orifice of a valve whose lag has another time constant at each pressure. Such a valve has no damping ratio.
     pub orifice: Option<Orifice>,
     /// Unit: s.
     pub delay_s: Option<f64>,

@@ -19,10 +19,11 @@ use recording::numbers::range;
 
 /// The name of its parameter.
 const SUPPLY: &str = "supply_bar";
-/// Where a ceiling is looked for, as shares of the input's span, and the lowest.
+/// Where the search for a ceiling begins, and the lowest that it may come to, as shares of the input's span. Choices: of a supply below the
+/// lowest less than half of the recording would be left.
 const STARTS: [f64; 3] = [0.95, 0.85, 0.7];
 const LOWEST: f64 = 0.4;
-/// A step of it, as a share of the span.
+/// The difference that derivatives are taken by, as a share of the span.
 const STEP: f64 = 1e-3;
 
 /// The cause.

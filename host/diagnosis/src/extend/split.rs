@@ -5,6 +5,7 @@
 //! goes, they cannot teach what the rest asks, and the recording is held out in stretches all through
 //! it.
 
+use super::start::KNOTS;
 use crate::Columns;
 use recording::numbers::range;
 
@@ -15,9 +16,10 @@ const STRETCHES: usize = 30;
 /// The share of the input's span that rows have to move through, by convention: a loop over less than
 /// half of the span says little about the whole one.
 const MOVES: f64 = 0.5;
-/// How far the rest may go beyond the rows that teach, as a share of the input's span: half of a piece of
-/// the finest envelope (a bend within it is a guess from its neighbours, one beyond it is none).
-const BEYOND: f64 = 0.5 / 11.0;
+/// How far the rest may go beyond the inputs of the rows that teach, as a share of the input's span: half
+/// the distance between two knots of a piecewise-linear envelope. A choice; no error level is
+/// calibrated for it.
+const BEYOND: f64 = 0.5 / (KNOTS - 1) as f64;
 
 /// The rows that teach, and those that do not, in order.
 #[derive(Clone, Debug, PartialEq)]

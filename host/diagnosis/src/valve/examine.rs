@@ -32,8 +32,9 @@ const CLOSELY: [(i32, f64); 3] = [(60, 0.05), (60, 0.01), (60, 0.002)];
 const FINER: [f64; 8] = [6.0, 3.6, 2.0, 1.2, 0.72, 0.4, 0.24, 0.14];
 /// The standard atmosphere. Unit: bar.
 const OUTSIDE_BAR: f64 = 1.01325;
-/// What the pressure before an orifice is at most, in multiples of the highest that it is asked for; and where it is begun. It is not
-/// lower than that: a supply that is too low is a part of its own.
+/// The absolute pressure before an orifice is between the highest command's and so many times that, and the search begins at so many times
+/// it: choices, a bound and a start. It is not below that command, since a supply that is too low is a part of
+/// its own.
 const BEFORE: f64 = 4.0;
 const BEGUN: f64 = 1.2;
 /// Iterations for lag, damping, delay and limit.
@@ -48,9 +49,9 @@ struct Task<'a> {
     scored: &'a [bool],
     step_s: f64,
     noise: f64,
-    /// The absolute pressure outside; None where the recording's unit is none of a pressure.
+    /// The atmosphere's pressure, in the recording's unit; None where that is not a unit of pressure.
     outside: Option<f64>,
-    /// The highest command.
+    /// The highest command. Unit of the pressure.
     highest: f64,
 }
 
@@ -83,7 +84,7 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
     let recorded_s = RECORDED_DELAY * task.step_s;
     let later = delayed(task.command, task.time_s, recorded_s);
     for (part, poorer) in valve.poorer() {
-        let mut without = task.polished(poorer).1;
+        let (fewer, mut without) = task.polished(poorer);
         if part == ValvePart::Delay {
             let is_ordinary = |delay_s| delay_s + valve.lag_s <= ORDINARY_LAG_S;
             if valve.delay_s.is_some_and(|delay_s| delay_s <= recorded_s || is_ordinary(delay_s)) {
@@ -95,7 +96,7 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         let mut gain = (without / rmse_bar).ln();
         if part == ValvePart::Band {
             // What the command does between two rows nobody knows: where it turns there a band stands in for that.
-            let [with, without] = [valve, task.polished(poorer).0].map(|valve| task.beyond_rows(&valve));
+            let [with, without] = [valve, fewer].map(|valve| task.beyond_rows(&valve));
             gain = gain.min((without / with).ln());
         }
         if gain > GAIN {

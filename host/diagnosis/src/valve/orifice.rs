@@ -4,11 +4,13 @@
 //! slow near its supply, and when it vents a low pressure; a lag of one time constant is off by tenths of a bar there.
 //!
 //! # Limits
-//! The chamber does not grow, and the valve never opens wide: with both, a large step takes longer.
+//! The chamber does not grow, and the valve never opens wide: with both, a large step takes longer. One ratio of sonic flow is taken for all
+//! valves; those of the rig have the same, so it fits them better than it may fit others.
 
 /// The ratio of the pressures on both sides up to which the flow is sonic. ISO 6358 calls it b; valves have 0.2 to 0.5.
 const CRITICAL: f64 = 0.3;
-/// The flow changes with the pressure inside: it is looked at anew within a row that is longer than this, at most so many times.
+/// The flow changes with the pressure inside, so it is calculated anew after at most this time within a row, in at most so many parts.
+/// Unit: s; parts.
 const SUBSTEP_S: f64 = 0.01;
 const SUBSTEPS: f64 = 8.0;
 

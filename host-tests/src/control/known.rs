@@ -42,16 +42,17 @@ pub fn model(csv: &[u8], desk: Desk) -> Result<ModelFile> {
             let options = Options { starts: STARTS, ..Options::default() };
             let fit = identify(&(&recording).into(), &options, &|_| ())?;
             let extensions = ExtensionParameters::default();
-            let extension = Extension { parameters: fit.parameters, density: fit.density, extensions };
+            let (parameters, density) = (fit.parameters, fit.density);
+            let extension = Extension { parameters, density, extensions, jump: None };
             (extension, fit.starts, fit.termination.to_string())
         }
         Desk::Diagnose => {
             let (_, extended) = diagnose_and_extend(&columns, None, &|_, _| ())?;
             let written = extended.written(&columns.as_measured(), None).context("no model is written")?;
-            (written.model.clone(), written.starts, written.termination.to_string())
+            (written.model.of_muscle(), written.starts, written.termination.to_string())
         }
     };
-    let Extension { parameters, density, extensions } = extension;
+    let Extension { parameters, density, extensions, .. } = extension;
     let mut model = ModelFile {
         input: recording.drive.input.channel.clone(),
         output: recording.output.channel.clone(),

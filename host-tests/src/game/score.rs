@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::time::Duration;
 
-use rig::effect::Effect;
 use rig::truth::Truth;
 use serde_json::{Value, json};
 
@@ -37,15 +36,12 @@ impl Outcome {
         Self { case, truth, found, duration }
     }
 
-    /// Whether the verdict is right: the exact set of causes, or `unexplained` for an outsider.
+    /// Whether the verdict is right: the exact set of causes; for an outsider `unexplained`, or its very name.
     pub fn is_right(&self) -> bool {
-        let outsider = self.case.effects.iter().any(|effect| Effect::outsiders().contains(effect));
+        let Truth { causes, outsiders } = &self.truth;
         self.found.as_ref().is_ok_and(|found| {
-            if outsider {
-                found.verdict == "unexplained"
-            } else {
-                found.names(self.truth.causes.keys().copied())
-            }
+            let is_outside = !outsiders.is_empty() && found.verdict == "unexplained";
+            is_outside || found.names(causes.keys().chain(outsiders.keys()).copied())
         })
     }
 

@@ -11,10 +11,14 @@ use super::candidate::Candidate;
 use super::causes::{Cause, Law};
 use super::effect::{Effect, Form};
 use super::fit::fit;
+use super::pure_error::pure_error;
 use super::race::{Runner, is_same};
 use super::screen::Screen;
 use super::search::{LARGEST, Search};
 use super::series::{arrange, beside};
+
+/// What a search has found, and all sets that were looked at, by size.
+type Ran = (Candidate, Vec<Vec<Candidate>>);
 
 /// Sets of each size that go on.
 const BEAM: usize = 3;
@@ -62,12 +66,21 @@ impl Search<'_> {
         let others = self.examinable.iter().filter(|cause| !set.causes.contains(cause));
         let mut all: Vec<(f64, Cause, Vec<Effect>)> = others
             .map(|&cause| {
-                let mut starts: Vec<(f64, Effect)> = self
-                    .starts(set, cause)
-                    .into_iter()
-                    .map(|effect| (screen.promise(&effect), effect))
-                    .collect();
-                starts.sort_by(|one, other| other.0.total_cmp(&one.0));
+                let promise = |effect: Effect| (screen.promise(&effect), effect);
+                let by_promise =
+                    |all: &mut Vec<(f64, Effect)>| all.sort_by(|one, other| other.0.total_cmp(&one.0));
+                let mut starts: Vec<(f64, Effect)> =
+                    self.starts(set, cause).into_iter().map(promise).collect();
+                by_promise(&mut starts);
+                let mut at = starts.first().map(|(_, effect)| effect.clone());
+                while let Some(best) = at {
+                    let mut near: Vec<(f64, Effect)> =
+                        cause.nearer(&self.thinned, &best).into_iter().map(promise).collect();
+                    by_promise(&mut near);
+                    at = near.first().map(|(_, effect)| effect.clone());
+                    starts.extend(near);
+                }
+                by_promise(&mut starts);
                 let best = starts.first().map_or(0.0, |start| start.0);
                 let most =
                     if set.causes.is_empty() && cause.resists_motion() { starts.len() } else { STARTS };
@@ -119,7 +132,7 @@ impl Search<'_> {
     /// that a later one has made needless, each tried against its closest rivals. No size is looked at beyond one that has no such set.
     ///
     /// `progress` is called with the share of the work that is done.
-    pub fn run(&self, progress: &(dyn Fn(f64) + Sync)) -> (Candidate, Vec<Vec<Candidate>>) {
+    pub fn run(&self, progress: &(dyn Fn(f64) + Sync)) -> Ran {
         let mut sizes: Vec<Vec<Candidate>> = Vec::new();
         let mut going = vec![self.baseline.clone()];
         let mut best = (self.baseline.clone(), Vec::new());
@@ -156,15 +169,25 @@ impl Search<'_> {
 
     /// Runs the search, and again with the other past of the muscle where the set that was found costs less with that. Returns the search
     /// whose set costs less, and what it has found ([`Self::run`]).
-    pub fn run_for_either_past(
-        self,
-        progress: &(dyn Fn(f64) + Sync),
-    ) -> (Self, (Candidate, Vec<Vec<Candidate>>)) {
-        let found = self.run(progress);
+    pub fn run_for_either_past(self, progress: &(dyn Fn(f64) + Sync)) -> (Self, Ran) {
+        let (search, found) = self.run_from_best(progress);
         let goes_better = |other: &Self| other.same(&found.0).is_some_and(|set| set.cost() < found.0.cost());
-        let Some(other) = self.of_other_past().filter(goes_better) else { return (self, found) };
-        let of_other = other.run(progress);
-        if of_other.0.cost() < found.0.cost() { (other, of_other) } else { (self, found) }
+        let Some(other) = search.of_other_past().filter(goes_better) else { return (search, found) };
+        let (other, of_other) = other.run_from_best(progress);
+        if of_other.0.cost() < found.0.cost() { (other, of_other) } else { (search, found) }
+    }
+
+    /// Runs the search; once more where a set without its cause has come down to a better baseline than the first one: beside a bad one
+    /// no cause is worth its place, since that has led to the better.
+    fn run_from_best(mut self, progress: &(dyn Fn(f64) + Sync)) -> (Self, Ran) {
+        let found = self.run(progress);
+        if !found.0.causes.is_empty() || !self.is_better(&self.baseline, &found.0) {
+            return (self, found);
+        }
+        self.pure = pure_error(self.signals, &self.basis, &found.0.fit.seen, &found.0.residual);
+        self.baseline = found.0;
+        let found = self.run(progress);
+        (self, found)
     }
 
     /// The best of the last size that is better than the best smaller set and worth each of its causes, or what is left of one that

@@ -213,7 +213,7 @@ impl Diagnosed {
     /// The parameters are those of no model.
     pub fn model(&self) -> Result<ModelFile, ParameterError> {
         let Self { written, examined: Examined { recording, sources, .. }, other, .. } = self;
-        let Extension { parameters, density, extensions } = &written.model;
+        let Extension { parameters, density, extensions, .. } = &written.model.of_muscle();
         let heldout = Some(HeldOut {
             recording: other.as_ref().unwrap_or(recording).source(),
             from_s: written.gain.from_s,

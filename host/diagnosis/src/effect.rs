@@ -4,7 +4,7 @@
 //! |---|---|
 //! | on the way of the input | `transport_delay`, `creep`; where only the command is known `valve_lag`, `supply_saturation` |
 //! | before the operators, as an equivalent input | `load`, `temperature`, `warm_up`, `viscous_lag`, `inertia`, `rate_dependent_width` |
-//! | on the output | `load`, `temperature`, `warm_up`, `viscous_lag`, `inertia`, `creep`, `drift`, `periodic_disturbance` |
+//! | on the output | `load`, `temperature`, `warm_up`, `viscous_lag`, `inertia`, `creep`, `drift`, `periodic_disturbance`, `zero_step` |
 //!
 //! Nobody knows beforehand whether a cause acts on the balance of forces or on the length: where both are sensible both
 //! are tried, and the better one stands for the cause. An equivalent input is `u = p(t - delay) - sum of h(y) d(t)`: a
@@ -90,8 +90,6 @@ pub enum Form {
     Tone,
     /// On the output: a step; the parameter is its time. Unit: s.
     Step,
-    /// On the output: a free curve over time.
-    Wander,
 }
 
 /// A column that drives an effect.
@@ -150,16 +148,6 @@ impl Effect {
             (Form::Lag, Some(lag)) => lag.value.exp(),
             _ => 0.0,
         }
-    }
-
-    /// A step of the zero at this time. Unit: s.
-    pub fn step(time_s: f64) -> Self {
-        Self::new(Form::Step, [Parameter::new(time_s, time_s, time_s, 1.0)])
-    }
-
-    /// A free curve over time.
-    pub fn wander() -> Self {
-        Self::new(Form::Wander, [])
     }
 
     /// The level that the input never exceeds under these effects; infinite where none of them is a ceiling. Input unit.

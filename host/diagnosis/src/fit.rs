@@ -13,7 +13,7 @@ use nalgebra::{Cholesky, DVector, Dyn};
 
 use super::basis::{Basis, COLUMNS, Seen, Weights};
 use super::design::{Columns, Design, Normal};
-use super::effect::{Effect, Form};
+use super::effect::Effect;
 use super::equivalent::Stages;
 use super::misfit::{Misfit, STRENGTHS};
 use super::output;
@@ -55,12 +55,6 @@ impl Fit {
     /// The weights of an effect's columns on the output.
     pub fn output_weights(&self, signals: &Signals, effect: usize) -> &[f64] {
         &self.weights[self.output_places(signals)[effect].clone()]
-    }
-
-    /// The height of a step of the zero, if there is one. Output unit.
-    pub fn step_weight(&self, signals: &Signals) -> Option<f64> {
-        let step = self.effects.iter().position(|effect| effect.form == Form::Step)?;
-        self.output_weights(signals, step).first().copied()
     }
 
     /// Root mean square of the residual. Output unit.

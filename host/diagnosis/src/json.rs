@@ -106,9 +106,6 @@ fn parameters(all: &[(&str, f64)], units: Names) -> Value {
 
 fn unexplained(seen: &Unexplained) -> Value {
     match seen {
-        Unexplained::ZeroStep { time_s, height, .. } => {
-            json!({"seen": "zero_step", "time_s": time_s, "height": height})
-        }
         Unexplained::Outliers { rows, largest } => {
             json!({"seen": "outliers", "rows": rows, "largest": largest})
         }

@@ -138,7 +138,7 @@ use recording::drop_out::DropOut;
 use recording::noise::{self, NoiseFloor};
 use recording::numbers::{range, root_mean_square};
 use recording::unit::Unit;
-use reject::{Unexplained, is_repeatable, no_gain, not_repeatable, unexplained as unexplained_by};
+use reject::{Unexplained, is_repeatable, no_gain, unexplained as unexplained_by};
 use rivals::{Alike, Settled, alike, not_told_apart, settled};
 use scored::Scored;
 use search::Search;
@@ -405,15 +405,6 @@ fn among(
         }
     }
     let named = if is_named { &best } else { &search.baseline };
-    // What the simulated model does not see is not there: the search's own model was farther off.
-    let unexplained = match unexplained {
-        Some(Unexplained::ZeroStep { left: beside, .. })
-            if best.causes.is_empty() && extended.extended_rmse < beside =>
-        {
-            left(&best, not_repeatable)
-        }
-        seen => seen,
-    };
     let errors = || extended.errors(columns, &scored_rows);
     let is_alike = || errors().is_some_and(|errors| is_repeatable(&search, &errors));
     let unexplained = match unexplained {

@@ -3,10 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::effect::{Driver, Effect, Form};
-use super::signals::{Signals, TENTS, hats};
-
-/// Curves over time that [`Form::Wander`] is made of.
-const WANDER: usize = 9;
+use super::signals::{Signals, TENTS};
 
 /// Columns of an effect for the scored rows, and whether their weights must not be negative.
 pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
@@ -38,12 +35,6 @@ pub fn columns(effect: &Effect, signals: &Signals) -> (Vec<Vec<f64>>, bool) {
             (vec![of_rows(&|at| phase(at).sin()), of_rows(&|at| phase(at).cos())], false)
         }
         Form::Step => (vec![of_rows(&|at| f64::from(u8::from(signals.time_s[at] >= parameter(0))))], false),
-        Form::Wander => {
-            let knots: [f64; WANDER] = std::array::from_fn(|i| i as f64 / (WANDER - 1) as f64);
-            let column = |i: usize| -> Vec<f64> { of_rows(&|at| hats(&knots, time(at) / duration_s)[i]) };
-            // The first one is what the baseline's constant makes of the others.
-            ((1..WANDER).map(column).collect(), false)
-        }
         _ => (Vec::new(), false),
     }
 }
@@ -67,7 +58,6 @@ pub fn count(effect: &Effect, signals: &Signals) -> usize {
         Form::Drift | Form::Step => 1,
         Form::Tone => 2,
         Form::Creep => signals.slow.len(),
-        Form::Wander => WANDER - 1,
         _ => 0,
     }
 }
@@ -97,7 +87,8 @@ mod tests {
         let starts: Vec<Effect> =
             Cause::ALL.into_iter().flat_map(|cause| cause.starts_beside(&signals, &tone)).collect();
         assert!(starts.iter().any(|effect| effect.form == Form::Tone));
-        for effect in starts.into_iter().chain([Effect::step(30.0), Effect::wander()]) {
+        assert!(starts.iter().any(|effect| effect.form == Form::Step));
+        for effect in starts {
             assert_eq!(count(&effect, &signals), columns(&effect, &signals).0.len(), "{:?}", effect.form);
         }
     }

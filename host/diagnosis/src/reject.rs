@@ -1,7 +1,5 @@
 //! What is wrong, but none of the causes: then nothing is named, and what is seen is said.
 //!
-//! - A step of the zero at a free time: if with it fewer causes do better than all of them without, or if it alone is
-//!   worth its place where no cause is.
 //! - A pure error that stays large: visits to the same state still differ by much of the residual, and naming the causes
 //!   has removed less than half of that. Beside a warm-up that takes strokes away all of it has to be gone: a muscle that
 //!   loses pressure, say, does so as well, but does not settle.
@@ -13,28 +11,16 @@
 //!
 //! They do not take part in the search: a free curve also beats each single cause of a true pair.
 
-use rayon::prelude::*;
-
-use super::beam::EVIDENCE;
 use super::candidate::Candidate;
-use super::effect::Effect;
 use super::extend::Extended;
-use super::fit::fit;
 use super::fitted::Doubt;
 use super::poor::Poor;
 use super::pure_error::pure_error;
-use super::screen::Screen;
 use super::search::Search;
 use super::signals::Signals;
 use super::stuck::{Stuck, stuck};
 use recording::numbers::root_mean_square;
 
-/// Times at which a step is looked for, and how near the ends of the record, as a share of it: a step at the beginning
-/// is one with the unknown memory of the muscle.
-const TIMES: usize = 80;
-const END: f64 = 0.05;
-/// Of these times so many are fitted: to first order, in which the others fall behind, the envelope and the width stay as they are.
-const FITTED: usize = 5;
 /// A pure error above the first share of the held-out error is large: then the second share of its square has to have
 /// been removed by the causes; the more the larger it is, up to the other pair.
 const LARGE: [(f64, f64); 2] = [(0.45, 0.5), (0.65, 0.8)];
@@ -57,15 +43,6 @@ const TOO_MANY: usize = 4;
 /// Something that is seen and not explained.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unexplained {
-    /// The zero jumps. Units: s, output unit.
-    ZeroStep {
-        /// When.
-        time_s: f64,
-        /// By how much.
-        height: f64,
-        /// What a hysteresis of any form with the step is off by on blocks that no fit has seen.
-        left: f64,
-    },
     /// Visits to the same state differ. Output unit.
     NotRepeatable {
         /// The pure error beside the causes that fit best.
@@ -99,7 +76,6 @@ pub enum Unexplained {
 pub fn unexplained(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     outliers(search.signals)
         .or_else(|| stuck(search.signals, &search.baseline.fit.residual).map(Unexplained::Stuck))
-        .or_else(|| zero_step(search, set))
         .or_else(|| not_repeatable(search, set))
 }
 
@@ -126,58 +102,6 @@ fn outliers(signals: &Signals) -> Option<Unexplained> {
     let left_out = signals.drop_outs.iter().map(|drop_out| drop_out.distance);
     let largest = far.iter().copied().chain(left_out).fold(0.0, f64::max);
     (places >= TOO_MANY).then_some(Unexplained::Outliers { rows, largest })
-}
-
-/// The best step beside a fit.
-fn best_step(search: &Search<'_>, set: &Candidate) -> Option<(f64, Candidate)> {
-    let signals = search.signals;
-    let screen = Screen::new(signals, &search.basis, &set.fit)?;
-    let start_s = signals.time_s.first().copied().unwrap_or(0.0);
-    let mut times: Vec<(f64, f64)> = (0..TIMES)
-        .into_par_iter()
-        .map(|i| start_s + signals.duration_s() * (END + (1.0 - 2.0 * END) * i as f64 / (TIMES - 1) as f64))
-        .map(|time_s| (screen.promise(&Effect::step(time_s)), time_s))
-        .collect();
-    times.sort_by(|one, other| other.0.total_cmp(&one.0));
-    let fitted = |&(_, time_s): &(f64, f64)| {
-        let mut effects = set.fit.effects.clone();
-        // Before the causes' own, which stand at the end.
-        effects.insert(effects.len() - set.causes.len(), Effect::step(time_s));
-        Some((time_s, fit(signals, &search.basis, &effects)?))
-    };
-    let first = times.par_iter().take(FITTED).filter_map(fitted);
-    let (time_s, fit) = first.min_by(|one, other| one.1.rms().total_cmp(&other.1.rms()))?;
-    Some((time_s, search.candidate(set.causes.clone(), fit)))
-}
-
-/// A step of the zero that explains more than a set of causes, whether the muscle was fresh or not.
-fn zero_step(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
-    zero_step_of(search, set).or_else(|| {
-        let other = search.of_other_past()?;
-        let set = if set.causes.is_empty() { &other.baseline } else { set };
-        zero_step_of(&other, set)
-    })
-}
-
-fn zero_step_of(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
-    let (time_s, beside) = best_step(search, set)?;
-    if set.evidence(&beside) < EVIDENCE {
-        return None;
-    }
-    let (time_s, with_step) = if set.causes.is_empty() {
-        (time_s, beside)
-    } else {
-        let (time_s, alone) = best_step(search, &search.baseline)?;
-        // Fewer causes with the step have to do better than all of them without it.
-        let fewer = Search { baseline: alone, largest: set.causes.len() - 1, ..search.clone() };
-        let (best, _) = fewer.run(&|_| ());
-        if set.evidence(&best) < EVIDENCE {
-            return None;
-        }
-        (time_s, best)
-    };
-    let place = with_step.fit.step_weight(search.signals)?;
-    Some(Unexplained::ZeroStep { time_s, height: place, left: with_step.score.mean() })
 }
 
 /// That visits to the same state differ by more than what a set of causes leaves room for.

@@ -7,6 +7,7 @@ use model_core::ExtensionParameters;
 use model_core::extension::profile::Profile;
 use model_core::extension::{ProfileParameters, Site};
 
+use super::extend::jump::Jump;
 use super::turn::Loop;
 use identification::HostParameters;
 
@@ -15,12 +16,19 @@ pub struct Simulated<'a> {
     turn: Loop,
     /// What extends its operator.
     pub extensions: &'a ExtensionParameters<f64>,
+    /// What the sensor's zero did.
+    pub jump: Option<Jump>,
 }
 
 impl<'a> Simulated<'a> {
     /// Of an operator and its extensions; None where there is no loop to take a slope from.
     pub fn of(operator: &HostParameters, extensions: &'a ExtensionParameters<f64>) -> Option<Self> {
-        Some(Self { turn: Loop::of_operator(operator)?, extensions })
+        Some(Self { turn: Loop::of_operator(operator)?, extensions, jump: None })
+    }
+
+    /// The same where the sensor's zero jumps.
+    pub fn jumping(self, jump: Option<Jump>) -> Self {
+        Self { jump, ..self }
     }
 
     /// The changes of the output at the knots of a profile that is taken off the input, or off the output.

@@ -38,9 +38,6 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
             names.join(" and ")
         ),
         Verdict::Unexplained => match &diagnosis.unexplained {
-            Some(Unexplained::ZeroStep { time_s, height, .. }) => {
-                format!("{none}: the zero jumps by {} {unit} at {time_s:.0} s.", legible(*height, 2))
-            }
             Some(Unexplained::Outliers { rows, largest }) => {
                 format!(
                     "{none}: {rows} single rows are off their neighbours, by up to {} {unit}.",
@@ -150,7 +147,11 @@ pub fn written(written: &Written, units: Names) -> String {
         return format!("{form} without extensions; {rmse} {unit}");
     }
     let extensions: Vec<String> = written.extensions().iter().map(|all| extension(all, units)).collect();
-    format!("{form} with {}; {rmse} {unit} instead of {plain_rmse} {unit}{from}", extensions.join(" and "))
+    let zero = model.jump.map_or("", |_| "; written with the zero behind the jump");
+    format!(
+        "{form} with {}; {rmse} {unit} instead of {plain_rmse} {unit}{from}{zero}",
+        extensions.join(" and ")
+    )
 }
 
 /// A cause with the first of its parameters.

@@ -5,6 +5,7 @@ use model_core::ExtensionParameters;
 use super::needs::{Judge, Judged, Lack};
 use crate::carrier::Carrier;
 use crate::effect::Effect;
+use crate::extend::jump::Jump;
 use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
 use crate::signals::Signals;
@@ -148,6 +149,11 @@ pub trait Kind: Sync {
         self.starts(signals)
     }
 
+    /// More starts near the one that has turned out to be the most promising; none where it needs none. Asked again of the best of these.
+    fn nearer(&self, _signals: &Signals, _start: &Effect) -> Vec<Effect> {
+        Vec::new()
+    }
+
     /// Its parameters in the units that people measure in, as the search has it.
     fn parameters(&self, _fitted: &Fitted<'_>) -> Parameters {
         Vec::new()
@@ -160,6 +166,11 @@ pub trait Kind: Sync {
 
     /// Adds its extension of a model to those of others, the nearest to its effect in the search.
     fn extend(&self, _carrier: &Carrier<'_>, _all: &mut ExtensionParameters<f64>) {}
+
+    /// What it has done to the sensor's zero in the recording, which is no part of the muscle.
+    fn jump(&self, _carrier: &Carrier<'_>) -> Option<Jump> {
+        None
+    }
 
     /// Its parameters where it extends a model; None where it does not.
     fn written(&self, _model: &Simulated<'_>) -> Option<Parameters> {

@@ -35,6 +35,7 @@ mod valve_deadband;
 mod valve_lag;
 mod viscous_lag;
 mod warm_up;
+mod zero_step;
 
 use std::fmt;
 use std::ops::Deref;
@@ -48,7 +49,7 @@ pub struct Cause(&'static dyn Kind);
 
 impl Cause {
     /// All of them, in the order in which they are listed.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self(&valve_lag::ValveLag),
         Self(&valve_deadband::ValveDeadband),
         Self(&supply_saturation::SupplySaturation),
@@ -62,6 +63,7 @@ impl Cause {
         Self(&drift::Drift),
         Self(&warm_up::WarmUp),
         Self(&periodic_disturbance::PeriodicDisturbance),
+        Self(&zero_step::ZeroStep),
         Self(&hysteresis_shape::HysteresisShape),
     ];
 

@@ -21,7 +21,7 @@ pub fn nearer(
     if reached < LITTLE * task.rms(plain)? {
         return Some(found);
     }
-    let other = task.refined(Extension { extensions, ..plain.clone() });
+    let other = task.refined(Extension { extensions, jump: found.jump, ..plain.clone() });
     let other =
         other.map(|(other, _)| other).filter(|other| task.rms(other).is_some_and(|rms| rms < reached));
     Some(other.unwrap_or(found))
@@ -30,7 +30,7 @@ pub fn nearer(
 /// The model without extensions, or, if it errs by less, what it comes to from the operator of another one: few starts lead to it, and
 /// what a cause gains is not to be what another beginning does.
 pub fn plainer(task: &Task<'_>, plain: Extension, other: &Extension) -> Extension {
-    let begin = Extension { extensions: ExtensionParameters::default(), ..other.clone() };
+    let begin = Extension { extensions: ExtensionParameters::default(), jump: None, ..other.clone() };
     let errs_less = |from_other: &Extension| Some(task.rms(from_other)? < task.rms(&plain)?);
     let from_other = task.refined(begin).map(|(from_other, _)| from_other);
     from_other.filter(|from_other| errs_less(from_other).unwrap_or(false)).unwrap_or(plain)
@@ -50,7 +50,8 @@ pub fn continued(
         let other = other.and_then(|other| whole.refined(other));
         other.filter(|other| other.0.rmse(whole.columns) < one.0.rmse(whole.columns)).unwrap_or(one)
     };
-    let other = Extension { extensions: taught.extensions.clone(), ..plain.clone() };
+    let (extensions, jump) = (taught.extensions.clone(), taught.jump);
+    let other = Extension { extensions, jump, ..plain.clone() };
     let model = better(whole.refined(taught)?, Some(other));
     let is_near = model.0.rmse(whole.columns) <= whole.reached;
     let from_search = from_search.filter(|_| !is_near).and_then(|begin| begin());

@@ -6,6 +6,7 @@ use model_core::extension::{
     SupplySaturationParameters, ValveDeadbandParameters, ValveLagParameters,
 };
 
+use super::jump::Jump;
 use crate::Columns;
 use crate::candidate::Candidate;
 use crate::carrier::Carrier;
@@ -27,6 +28,14 @@ pub fn extensions(columns: &Columns, search: &Search<'_>, set: &Candidate) -> Ex
         cause.extend(&Carrier { columns, fitted: fitted.as_fitted(first + i) }, &mut all);
     }
     all
+}
+
+/// What the causes of a set have done to the sensor's zero.
+pub fn jump(columns: &Columns, search: &Search<'_>, set: &Candidate) -> Option<Jump> {
+    let fitted = FittedSet::new(search.signals, &search.basis, &set.fit);
+    let first = set.fit.effects.len() - set.causes.len();
+    let mut causes = set.causes.iter().enumerate();
+    causes.find_map(|(i, cause)| cause.jump(&Carrier { columns, fitted: fitted.as_fitted(first + i) }))
 }
 
 /// The same extensions for an operator whose thresholds cannot change: what they do with the rate is a width before it.

@@ -53,7 +53,8 @@ pub(super) fn judge(
 ) -> Option<(Given, Extension)> {
     let same = operator.with(richer.extensions.clone());
     let can_have = HostExtendedModel::try_new(&same.parameters, &same.extensions).is_ok();
-    let as_given = if can_have { same } else { operator.with(before(&richer.extensions)) };
+    let as_given =
+        if can_have { same } else { operator.with(before(&richer.extensions)) }.jumping(richer.jump);
     let rmse = task.rms(&as_given)?;
     let (refitted, _) = task.refined(as_given)?;
     let given = Given {

@@ -108,7 +108,7 @@ pub fn standard_error(before: &[f64], after: &[f64]) -> f64 {
 
 /// The gain on another recording, which took no part in anything; None as for [`gain`].
 pub fn on_another(columns: &Columns, extended: &Extended) -> Option<HeldOutGain> {
-    on_all(&extended.seen_from(columns), (&extended.plain, &extended.model))
+    on_all(&extended.seen_from(columns), (&extended.plain, &extended.model.of_muscle()))
 }
 
 /// The gain of the second model over the first on all scored rows of a recording; None as for [`gain`].

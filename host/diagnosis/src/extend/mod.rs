@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `beginnings` | the better of what two beginnings come to |
 //! | `carry` | from the effects of the search, and the valve, to the extensions of the model |
+//! | [`jump`] | a jump of the sensor's zero, which is the recording's and not the muscle's |
 //! | `known` | what takes long to make, and is asked for again |
 //! | `plain` | the model without extensions |
 //! | `start` | the operator to begin with, identified from what the operators see in the search |
@@ -38,6 +39,7 @@ mod carry;
 mod compensating;
 pub mod given;
 pub mod heldout;
+pub mod jump;
 mod known;
 mod plain;
 mod refine;
@@ -70,6 +72,7 @@ use compensating::compensating;
 pub use given::Given;
 pub use heldout::HeldOutGain;
 use identification::{Density, HostExtendedModel, HostParameters, Options, Termination, Weights};
+use jump::Jump;
 use known::Known;
 pub use plain::Plain;
 use recording::figures::Figures;
@@ -102,7 +105,7 @@ impl Operator {
     }
 
     fn with(&self, extensions: ExtensionParameters<f64>) -> Extension {
-        Extension { parameters: self.parameters.clone(), density: self.density, extensions }
+        Extension { parameters: self.parameters.clone(), density: self.density, extensions, jump: None }
     }
 }
 
@@ -115,6 +118,8 @@ pub struct Extension {
     pub density: Density,
     /// What the muscle does beside hysteresis.
     pub extensions: ExtensionParameters<f64>,
+    /// What the sensor's zero did in the recording.
+    pub jump: Option<Jump>,
 }
 
 /// A model extended by the named causes, and the same without.
@@ -177,12 +182,26 @@ impl Extension {
     /// model refuses a row. Output unit.
     pub fn answer(&self, columns: &Columns) -> Option<Vec<f64>> {
         let model = HostExtendedModel::try_new(&self.parameters, &self.acting(columns)).ok()?;
-        rows(columns).answer(&model).ok()
+        let mut answer = rows(columns).answer(&model).ok()?;
+        if let Some(jump) = self.jump {
+            answer.iter_mut().zip(&columns.time_s).for_each(|(y, &time_s)| *y += jump.at(time_s));
+        }
+        Some(answer)
+    }
+
+    /// The model of the muscle alone, with the sensor's zero as it was at the end: for other recordings, and for the board.
+    pub fn of_muscle(&self) -> Self {
+        let Some(jump) = self.jump else { return self.clone() };
+        Self { parameters: jump.behind(self.parameters.clone()), jump: None, ..self.clone() }
+    }
+
+    fn jumping(self, jump: Option<Jump>) -> Self {
+        Self { jump, ..self }
     }
 
     /// The same, for what causes read from it; None where it cannot be simulated.
     pub fn simulated(&self) -> Option<Simulated<'_>> {
-        Simulated::of(&self.parameters, &self.extensions)
+        Simulated::of(&self.parameters, &self.extensions).map(|model| model.jumping(self.jump))
     }
 
     /// The operator's form, as `mgpi compare` calls it.
@@ -408,7 +427,9 @@ impl<'a> Extender<'a> {
         extensions: ExtensionParameters<f64>,
         plain: &Extension,
     ) -> Option<Extension> {
-        let (found, _) = task.refined(self.start(set, Taught::ByPart)?.with(extensions.clone()))?;
+        let jump = carry::jump(self.columns, self.search, set);
+        let start = self.start(set, Taught::ByPart)?.with(extensions.clone()).jumping(jump);
+        let (found, _) = task.refined(start)?;
         side::nearer(task, nearer(task, found, plain, extensions)?)
     }
 
@@ -506,7 +527,8 @@ impl<'a> Extender<'a> {
             let from_search = || {
                 let mut extensions = carry::extensions(columns, search, set);
                 carry::add_valve(&mut extensions, valve);
-                Some(self.start(set, Taught::ByAll)?.with(extensions))
+                let jump = carry::jump(columns, search, set);
+                Some(self.start(set, Taught::ByAll)?.with(extensions).jumping(jump))
             };
             let from_search: Option<&dyn Fn() -> _> = given.is_none().then_some(&from_search);
             (model, ended) = continued(&whole, extended, &plain_of_all, from_search)?;

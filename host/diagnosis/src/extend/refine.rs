@@ -179,7 +179,8 @@ impl Task<'_> {
                 cut.answer(&model.with_tolerance(tolerance)).ok()?
             }
         };
-        let errors = self.scored.iter().map(|&row| simulated[row] - columns.output[row]);
+        let jump = |row: usize| model.jump.map_or(0.0, |jump| jump.at(columns.time_s[row]));
+        let errors = self.scored.iter().map(|&row| simulated[row] + jump(row) - columns.output[row]);
         let errors = DVector::from_iterator(self.scored.len(), errors);
         errors.iter().all(|error| error.is_finite()).then_some(errors)
     }

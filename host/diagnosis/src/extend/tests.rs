@@ -9,6 +9,7 @@ use model_core::{ExtensionParameters, Kind};
 
 use super::given::judge;
 use super::heldout::gain;
+use super::jump::Jump;
 use super::task::Task;
 use super::{Extension, Operator, Plain, Split, plainer};
 use crate::Columns;
@@ -69,7 +70,8 @@ pub fn model() -> Extension {
         drift: Some(DriftParameters { rate_per_s: 0.02, compensated: false }),
         ..ExtensionParameters::default()
     };
-    Extension { parameters: fit.parameters, density: fit.density, extensions }
+    let jump = Some(Jump { time_s: 20.0, height: 0.4 });
+    Extension { parameters: fit.parameters, density: fit.density, extensions, jump }
 }
 
 /// What that muscle would be recorded to do.

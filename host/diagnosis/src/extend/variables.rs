@@ -61,6 +61,9 @@ fn visit(model: &mut Extension, units: &Units, change: &mut impl FnMut(f64) -> f
     visit_operator(&mut model.parameters, &mut model.density, units, change);
     if units.with_extensions {
         visit_extensions(&mut model.extensions, units, change);
+        if let Some(jump) = &mut model.jump {
+            scaled(&mut jump.height, SHARE_STEP * units.stroke, change);
+        }
     }
 }
 

@@ -34,7 +34,7 @@ pub struct Written {
 impl Written {
     /// Whether anything extends the operator.
     pub fn is_extended(&self) -> bool {
-        self.model.extensions != Default::default()
+        self.model.extensions != Default::default() || self.model.jump.is_some()
     }
 
     /// What extends the operator, in the order in which the model has it: each by the cause that it stands for, with its parameters in the

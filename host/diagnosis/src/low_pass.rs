@@ -4,7 +4,12 @@ use recording::simulation::SAME_STEP_S;
 
 /// A first-order low-pass from rest at the first value, exact for values that are held.
 pub fn low_pass(values: &[f64], time_s: &[f64], time_constant_s: f64) -> Vec<f64> {
-    let mut state = values.first().copied().unwrap_or(0.0);
+    low_pass_from(values.first().copied().unwrap_or(0.0), values, time_s, time_constant_s)
+}
+
+/// The same from another value.
+pub fn low_pass_from(start: f64, values: &[f64], time_s: &[f64], time_constant_s: f64) -> Vec<f64> {
+    let mut state = start;
     let (mut last_s, mut known) = (time_s.first().copied().unwrap_or(0.0), (0.0, 0.0));
     values
         .iter()
@@ -21,9 +26,15 @@ pub fn low_pass(values: &[f64], time_s: &[f64], time_constant_s: f64) -> Vec<f64
         .collect()
 }
 
-/// A second-order low-pass from rest at the first value, exact for values that are held. `late_s`: how late it is on a ramp, twice the
+/// A second-order low-pass from rest at a value, exact for values that are held. `late_s`: how late it is on a ramp, twice the
 /// damping ratio over the natural frequency; from a damping ratio of one on it is two first-order lags.
-pub fn low_pass_of_second_order(values: &[f64], time_s: &[f64], late_s: f64, damping_ratio: f64) -> Vec<f64> {
+pub fn low_pass_of_second_order(
+    start: f64,
+    values: &[f64],
+    time_s: &[f64],
+    late_s: f64,
+    damping_ratio: f64,
+) -> Vec<f64> {
     let frequency = 2.0 * damping_ratio / late_s;
     let decay = damping_ratio * frequency;
     // Half of the difference of the poles, squared: negative where it rings.
@@ -43,7 +54,7 @@ pub fn low_pass_of_second_order(values: &[f64], time_s: &[f64], late_s: f64, dam
         };
         [[even + decay * odd, odd], [-frequency.powi(2) * odd, even - decay * odd]]
     };
-    let (mut state, mut speed) = (values.first().copied().unwrap_or(0.0), 0.0);
+    let (mut state, mut speed) = (start, 0.0);
     let (mut last_s, mut known) = (time_s.first().copied().unwrap_or(0.0), (0.0, over(0.0)));
     values
         .iter()
@@ -75,7 +86,7 @@ mod tests {
     #[test]
     fn a_well_damped_one_is_two_lags() {
         let (values, time_s) = step();
-        let at_once = low_pass_of_second_order(&values, &time_s, 0.3, 10.0);
+        let at_once = low_pass_of_second_order(values[0], &values, &time_s, 0.3, 10.0);
         let one = low_pass(&values, &time_s, 0.3 * 0.5 * (1.0 + (1.0_f64 - 0.01).sqrt()));
         // The shorter of the lags is below a millisecond, a twentieth of a row.
         assert!(at_once.iter().zip(&one).all(|(both, one)| (both - one).abs() < 0.02));
@@ -85,7 +96,7 @@ mod tests {
     fn it_is_that_of_its_equation_at_any_damping() {
         let (values, time_s) = step();
         for damping_ratio in [0.3, 0.999_999_999, 1.0, 1.7] {
-            let found = low_pass_of_second_order(&values, &time_s, 0.3, damping_ratio);
+            let found = low_pass_of_second_order(values[0], &values, &time_s, 0.3, damping_ratio);
             let frequency = 2.0 * damping_ratio / 0.3;
             let (mut state, mut speed) = (0.0, 0.0);
             for (row, value) in values.iter().enumerate().skip(1) {

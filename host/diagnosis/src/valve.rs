@@ -6,6 +6,9 @@
 //!
 //! The lag may be that of air through an orifice, which has another time constant at each pressure.
 //!
+//! A recording may begin before the valve has come to its first command, so it begins at the first pressure. And it has the command at its
+//! rows alone: a band that holds may have accepted others between them.
+//!
 //! A lag of the second order is not one and a delay: a regulator's spool, or a slow valve behind a regulator's own lag, begins as if it
 //! had a dead time.
 
@@ -13,7 +16,7 @@ mod examine;
 mod orifice;
 
 use super::equivalent::delayed;
-use super::low_pass::{low_pass, low_pass_of_second_order};
+use super::low_pass::{low_pass_from, low_pass_of_second_order};
 pub use examine::examine;
 pub use orifice::Orifice;
 use recording::unit::Unit;
@@ -22,11 +25,17 @@ use recording::unit::Unit;
 pub const ORDINARY_LAG_S: f64 = 0.07;
 /// Damping ratios of a lag of the second order: from one that rings on and on to one whose shorter lag is 0.0006 of the longer one.
 const DAMPING: (f64, f64) = (0.1, 20.0);
+/// A command jumps where it moves more than so many times as fast as to the row before and to the next one: a choice. A sine of more than
+/// six rows a period never does.
+const JUMP: f64 = 2.0;
 /// How a dead band works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BandForm {
     /// A command nearer than the band to the last accepted one is ignored, any other accepted whole.
     Hold,
+    /// The same of a command that goes straight from row to row, where it does not jump: levels at the band's distance are accepted
+    /// on the way, which the rows do not have.
+    HoldBetween,
     /// The output follows at the distance of half a band.
     Backlash,
 }
@@ -84,18 +93,22 @@ impl Valve {
         Self { lag_s, damping_ratio: None, orifice: None, delay_s: None, band: None, supply_bar: None }
     }
 
-    /// The pressure that it makes of a command. Unit: bar.
-    pub fn simulate(&self, time_s: &[f64], command: &[f64]) -> Vec<f64> {
+    /// The pressure that it makes of a command, from rest at the pressure at the `start`: a recording may begin before the valve has come
+    /// to its first command. Unit: bar.
+    pub fn simulate(&self, start: f64, time_s: &[f64], command: &[f64]) -> Vec<f64> {
         let mut values = match self.delay_s {
             Some(delay_s) => delayed(command, time_s, delay_s),
             None => command.to_vec(),
         };
         if let Some((form, band)) = self.band {
+            let jumps = if form == BandForm::HoldBetween { jumps(time_s, &values) } else { Vec::new() };
             let mut held = values.first().copied().unwrap_or(0.0);
-            for value in &mut values {
+            for (row, value) in values.iter_mut().enumerate() {
+                let off = *value - held;
                 held = match form {
-                    BandForm::Hold if (*value - held).abs() < band => held,
-                    BandForm::Hold => *value,
+                    BandForm::Hold | BandForm::HoldBetween if off.abs() < band => held,
+                    BandForm::HoldBetween if !jumps[row] => held + band * (off / band).trunc(),
+                    BandForm::Hold | BandForm::HoldBetween => *value,
                     BandForm::Backlash => held.clamp(*value - 0.5 * band, *value + 0.5 * band),
                 };
                 *value = held;
@@ -105,9 +118,9 @@ impl Valve {
             values.iter_mut().for_each(|value| *value = value.min(supply_bar));
         }
         match (self.orifice, self.damping_ratio) {
-            (Some(orifice), _) => orifice.follow(&values, time_s, self.lag_s),
-            (None, Some(ratio)) => low_pass_of_second_order(&values, time_s, self.lag_s, ratio),
-            (None, None) => low_pass(&values, time_s, self.lag_s),
+            (Some(orifice), _) => orifice.follow(start, &values, time_s, self.lag_s),
+            (None, Some(ratio)) => low_pass_of_second_order(start, &values, time_s, self.lag_s, ratio),
+            (None, None) => low_pass_from(start, &values, time_s, self.lag_s),
         }
     }
 
@@ -172,6 +185,19 @@ impl Valve {
             ..*self
         }
     }
+}
+
+/// Whether a command comes to each row by a jump: it moves far faster than before and behind.
+fn jumps(time_s: &[f64], command: &[f64]) -> Vec<bool> {
+    let speed = |row: usize| {
+        let last = row.checked_sub(1)?;
+        Some((command.get(row)? - command[last]).abs() / (time_s[row] - time_s[last]))
+    };
+    let beside = |row: usize| {
+        let before = row.checked_sub(1).and_then(speed).unwrap_or(0.0);
+        before.max(speed(row + 1).unwrap_or(0.0))
+    };
+    (0..command.len()).map(|row| speed(row).is_some_and(|speed| speed > JUMP * beside(row))).collect()
 }
 
 #[cfg(test)]

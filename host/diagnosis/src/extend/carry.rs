@@ -69,7 +69,7 @@ pub fn add_valve(all: &mut ExtensionParameters<f64>, valve: Option<&ValveFit>) {
     // One lag for both: as late on a ramp, if not quite after a jump.
     all.valve_lag = Some(ValveLagParameters::new(valve.lag_s));
     all.valve_deadband = valve.band.map(|(form, band)| match form {
-        BandForm::Hold => ValveDeadbandParameters { band, form: DeadbandForm::Hold },
+        BandForm::Hold | BandForm::HoldBetween => ValveDeadbandParameters { band, form: DeadbandForm::Hold },
         BandForm::Backlash => ValveDeadbandParameters { band: 0.5 * band, form: DeadbandForm::Backlash },
     });
     all.supply_saturation = valve.supply_bar.map(|supply| SupplySaturationParameters { supply });

@@ -298,7 +298,8 @@ impl Extended {
 fn seen_from(columns: &Columns, valve_is_named: bool) -> Cow<'_, Columns> {
     match &columns.command {
         Some(command) if valve_is_named => Cow::Owned(Columns {
-            input: command.clone(),
+            // A recording may begin before the valve has come to its first command: the model's valve begins at the first pressure.
+            input: columns.input.iter().take(1).chain(command.iter().skip(1)).copied().collect(),
             input_is_command: true,
             command: None,
             ..columns.clone()

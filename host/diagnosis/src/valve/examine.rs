@@ -69,7 +69,7 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         outside: Unit::BAR.convert(OUTSIDE_BAR, columns.input_unit),
         highest: range(command).1,
     };
-    let ideal_rmse_bar = task.error(command);
+    let ideal_rmse_bar = task.error(task.command);
     let mut best = task.polished(Valve::slow(0.05));
     // No error is less than the noise: near it there is nothing left to gain.
     while (best.1 / noise).ln() > GAIN {
@@ -104,7 +104,7 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         }
     }
     if valve.lag_s > ORDINARY_LAG_S {
-        let at_once = task.error(&Valve { lag_s: 1e-6, ..valve }.simulate(task.time_s, task.command));
+        let at_once = task.error(&task.simulated(&Valve { lag_s: 1e-6, ..valve }));
         named.push((ValvePart::Lag, (at_once / rmse_bar).ln()));
     }
     let linear = match valve.orifice {
@@ -115,6 +115,12 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
 }
 
 impl Task<'_> {
+    /// What a valve makes of the command, from the first pressure on.
+    fn simulated(&self, valve: &Valve) -> Vec<f64> {
+        let start = self.pressure.first().copied().unwrap_or(0.0);
+        valve.simulate(start, self.time_s, self.command)
+    }
+
     /// Root mean square of the difference, never less than the pressure's noise.
     fn error(&self, simulated: &[f64]) -> f64 {
         let (mut squares, mut count) = (0.0, 0.0);
@@ -133,7 +139,7 @@ impl Task<'_> {
         let moves = self.command.windows(2).map(|pair| 0.5 * (pair[1] - pair[0]).abs());
         let moves: Vec<f64> = std::iter::once(0.0).chain(moves).collect();
         let unknown = low_pass(&moves, self.time_s, valve.lag_s);
-        let simulated = valve.simulate(self.time_s, self.command);
+        let simulated = self.simulated(valve);
         let beyond =
             simulated.iter().zip(self.pressure).zip(unknown).map(|((simulated, measured), unknown)| {
                 let off = simulated - measured;
@@ -169,7 +175,9 @@ impl Task<'_> {
         }
         if valve.band.is_none() {
             all.extend(
-                [BandForm::Hold, BandForm::Backlash].into_iter().filter_map(|form| self.banded(valve, form)),
+                [BandForm::Hold, BandForm::HoldBetween, BandForm::Backlash]
+                    .into_iter()
+                    .filter_map(|form| self.banded(valve, form)),
             );
         }
         all
@@ -187,7 +195,7 @@ impl Task<'_> {
             Valve { band: Some((form, share * (high - low))), lag_s, ..*valve }
         };
         let mean_error = |place: f64, lag_s: f64| {
-            let error = self.mean_error(&at(place, lag_s).simulate(self.time_s, self.command));
+            let error = self.mean_error(&self.simulated(&at(place, lag_s)));
             (error, place, lag_s)
         };
         let lags = LAGS_S.into_iter().chain([valve.lag_s]);
@@ -205,7 +213,7 @@ impl Task<'_> {
         begun.truncate(BEGINNINGS);
         let polished = |(place, lag_s)| (place, self.polished(at(place, lag_s)));
         let ends = begun.into_par_iter().map(polished).map(|mut end| {
-            if form == BandForm::Hold {
+            if form != BandForm::Backlash {
                 for (count, apart) in CLOSELY {
                     let lag_s = end.1.0.lag_s;
                     let near = (-count..=count).map(|i| mean_error(end.0 + f64::from(i) * apart, lag_s));
@@ -231,7 +239,7 @@ impl Task<'_> {
     /// Lag, damping, delay and limit by Gauss-Newton with differences.
     fn polished(&self, valve: Valve) -> (Valve, f64) {
         let mut valve = valve;
-        let mut simulated = valve.simulate(self.time_s, self.command);
+        let mut simulated = self.simulated(&valve);
         let mut error = self.error(&simulated);
         let least = self.highest + self.outside.unwrap_or(0.0);
         let supplies = (least, BEFORE * least);
@@ -244,8 +252,7 @@ impl Task<'_> {
                     let logarithms = 1 + usize::from(valve.damping_ratio.is_some());
                     let step = if i < logarithms { 1e-3 } else { 0.1 * self.step_s.min(1e-2) };
                     moved[i] += step;
-                    let other =
-                        valve.with_smooth(&moved, self.step_s, supplies).simulate(self.time_s, self.command);
+                    let other = self.simulated(&valve.with_smooth(&moved, self.step_s, supplies));
                     other.iter().zip(&simulated).map(|(a, b)| (a - b) / step).collect()
                 })
                 .collect();
@@ -255,7 +262,7 @@ impl Task<'_> {
             for _ in 0..4 {
                 let moved: Vec<f64> = values.iter().zip(&change).map(|(v, c)| v + share * c).collect();
                 let other = valve.with_smooth(&moved, self.step_s, supplies);
-                let next = other.simulate(self.time_s, self.command);
+                let next = self.simulated(&other);
                 if self.error(&next) < error {
                     (valve, error) = (other, self.error(&next));
                     simulated = next;
@@ -304,7 +311,7 @@ mod tests {
         let [time_s, command] = [every(&fine_s), every(&commands)];
         let lag = Valve::slow(0.016);
         let of = |valve: Valve| {
-            let pressure = every(&valve.simulate(&fine_s, &commands));
+            let pressure = every(&valve.simulate(commands[0], &fine_s, &commands));
             let task = Task {
                 time_s: &time_s,
                 command: &command,
@@ -315,7 +322,7 @@ mod tests {
                 outside: None,
                 highest: 4.0,
             };
-            (task.error(&lag.simulate(&time_s, &command)), task.beyond_rows(&lag))
+            (task.error(&task.simulated(&lag)), task.beyond_rows(&lag))
         };
         let (error, beyond) = of(lag);
         assert!(error > 0.01 && beyond == 1e-4, "{error} {beyond}");

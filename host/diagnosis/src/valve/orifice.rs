@@ -24,10 +24,10 @@ pub struct Orifice {
 }
 
 impl Orifice {
-    /// The pressure that follows these values, from rest at the first; `lag_s`: its time constant while it fills at half of the supply.
-    pub fn follow(&self, values: &[f64], time_s: &[f64], lag_s: f64) -> Vec<f64> {
+    /// The pressure that follows these values from the `start` on; `lag_s`: its time constant while it fills at half of the supply.
+    pub fn follow(&self, start: f64, values: &[f64], time_s: &[f64], lag_s: f64) -> Vec<f64> {
         let per_s = 1.0 / (lag_s * self.flow(0.5 * self.supply, true));
-        let mut state = values.first().copied().unwrap_or(0.0);
+        let mut state = start;
         let mut last_s = time_s.first().copied().unwrap_or(0.0);
         values
             .iter()
@@ -64,7 +64,7 @@ mod tests {
     fn left(from: f64, to: f64) -> f64 {
         let time_s: Vec<f64> = (0..=100).map(|row| 0.001 * f64::from(row)).collect();
         let values: Vec<f64> = time_s.iter().map(|time_s| if *time_s > 0.0 { to } else { from }).collect();
-        let last = *ORIFICE.follow(&values, &time_s, 0.1).last().expect("rows");
+        let last = *ORIFICE.follow(from, &values, &time_s, 0.1).last().expect("rows");
         (last - to) / (from - to)
     }
 
@@ -83,7 +83,7 @@ mod tests {
             let time_s: Vec<f64> = (0..=(1.0 / step_s) as usize).map(|row| row as f64 * step_s).collect();
             let values: Vec<f64> =
                 time_s.iter().map(|time_s| if *time_s > 0.0 { 5.0 } else { 0.5 }).collect();
-            ORIFICE.follow(&values, &time_s, 0.3).pop().expect("rows")
+            ORIFICE.follow(0.5, &values, &time_s, 0.3).pop().expect("rows")
         };
         assert!((at(0.05) - at(0.001)).abs() < 0.01, "{} {}", at(0.05), at(0.001));
     }

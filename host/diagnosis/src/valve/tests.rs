@@ -10,7 +10,7 @@ fn command(time_s: f64) -> f64 {
 
 /// What is found of a valve that was given these commands.
 fn found(time_s: &[f64], commands: &[f64], valve: &Valve) -> ValveFit {
-    let pressure = valve.simulate(time_s, commands);
+    let pressure = valve.simulate(commands[0], time_s, commands);
     let columns = Columns {
         scored: vec![true; time_s.len()],
         output: pressure.clone(),
@@ -80,6 +80,67 @@ fn a_held_band_is_found_so_closely_that_the_same_commands_are_accepted() {
         let Some((BandForm::Hold, near)) = found.valve.band else { panic!("{:?}", found.valve) };
         assert!((near / band - 1.0).abs() < 2e-3, "{near} instead of {band}");
         assert!(found.rmse_bar < 2e-3, "{band}: {} bar", found.rmse_bar);
+    }
+}
+
+#[test]
+fn a_held_band_is_named_and_measured_where_commands_between_rows_were_accepted() {
+    // Triangles of 1 to 6 bar/s, now and then a jump; seen every 16 ms, and some rows are lost.
+    let fine_s: Vec<f64> = (0..60_000).map(|row| 0.001 * f64::from(row)).collect();
+    let commands: Vec<f64> =
+        fine_s.iter().map(|&time_s| command(time_s) + if time_s % 20.0 > 17.0 { 0.6 } else { 0.0 }).collect();
+    let seen = |row: &usize| row % 16 == 0 && row % 7 != 3;
+    for (band, lag_s) in [(0.22, 0.05), (0.31, 0.15)] {
+        let valve = Valve { band: Some((BandForm::Hold, band)), ..Valve::slow(lag_s) };
+        let pressure = valve.simulate(commands[0], &fine_s, &commands);
+        let of = |values: &[f64]| -> Vec<f64> { (0..60_000).filter(seen).map(|row| values[row]).collect() };
+        let columns = Columns {
+            time_s: of(&fine_s),
+            command: Some(of(&commands)),
+            input: of(&pressure),
+            output: of(&pressure),
+            ..Columns::default()
+        };
+        let scored = vec![true; columns.time_s.len()];
+        let found = examine(&Columns { scored, ..columns }, 1e-4).expect("there is a command");
+        assert!(found.named.iter().any(|(part, _)| *part == ValvePart::Band), "{found:?}");
+        // Where the command turns between two rows, nobody knows how far it has been.
+        let near = found.valve.band.map_or(0.0, |(_, band)| band);
+        assert!((near / band - 1.0).abs() < 0.05 && found.rmse_bar < 0.15 * band, "{found:?}");
+    }
+}
+
+#[test]
+fn a_command_jumps_where_it_moves_far_faster_than_before_and_behind() {
+    let time_s = [0.0, 0.01, 0.02, 0.05, 0.06, 0.07, 0.08, 0.09];
+    // A row is lost between the third and the fourth; the jump is at the sixth; the triangle turns at the end.
+    let command = [0.0, 0.1, 0.2, 0.5, 0.6, 1.2, 1.3, 1.2];
+    let at: Vec<usize> =
+        super::jumps(&time_s, &command).iter().enumerate().filter(|(_, j)| **j).map(|(row, _)| row).collect();
+    assert_eq!(at, [5]);
+}
+
+#[test]
+fn a_valve_that_has_not_come_to_its_first_command_is_no_farther_off() {
+    let time_s: Vec<f64> = (0..6000).map(|row| 0.01 * f64::from(row)).collect();
+    let commands: Vec<f64> = time_s.iter().map(|&time_s| 1.0 + command(time_s)).collect();
+    for valve in [Valve::slow(0.3), of_two(0.2, 0.1), of_orifice(0.2)] {
+        let pressure = valve.simulate(0.0, &time_s, &commands);
+        let columns = Columns {
+            scored: vec![true; time_s.len()],
+            output: pressure.clone(),
+            command: Some(commands.clone()),
+            input: pressure,
+            time_s: time_s.clone(),
+            ..Columns::default()
+        };
+        let found = examine(&columns, 1e-4).expect("there is a command");
+        assert_eq!(
+            found.named.iter().map(|(part, _)| *part).collect::<Vec<_>>(),
+            [ValvePart::Lag],
+            "{found:?}"
+        );
+        assert!(found.rmse_bar < 3e-3, "{found:?}");
     }
 }
 

@@ -18,7 +18,7 @@ pub fn section(view: &View<'_>, columns: &Columns) -> Markup {
         return html! {};
     };
     let pressure = format!("pressure ({})", fit.unit);
-    let simulated = view.rows(&fit.valve.simulate(&columns.time_s, command));
+    let simulated = view.rows(&fit.valve.simulate(columns.input[0], &columns.time_s, command));
     let (command, measured) = (view.rows(command), &view.input);
     let less =
         |simulated: &[f64]| -> Vec<f64> { measured.iter().zip(simulated).map(|(a, b)| a - b).collect() };
@@ -86,7 +86,9 @@ fn in_words(ValveFit { valve, unit, .. }: &ValveFit) -> String {
     let unit = unit.symbol();
     let band = valve.band.map(|(form, band)| {
         let form = match form {
-            BandForm::Hold => "a dead band that ignores smaller changes of the command than",
+            BandForm::Hold | BandForm::HoldBetween => {
+                "a dead band that ignores smaller changes of the command than"
+            }
             BandForm::Backlash => "a backlash of",
         };
         format!("{form} {}", with_unit(band, unit))

@@ -14,7 +14,7 @@ const SECTOR: usize = 1024;
 fuzz_target!(|input: (u16, u8, &[u8])| {
     let (units, tear, contents) = input;
     let flash = MockFlash::<SECTOR>::with(&contents[..contents.len().min(2 * SECTOR)]);
-    let mut store = ParameterStore::new(flash.clone());
+    let mut store = ParameterStore::<_, Parameters>::new(flash.clone());
     let found = store.load();
     assert_eq!(store.load(), found);
     let after = store.into_flash();

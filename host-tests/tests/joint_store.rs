@@ -56,6 +56,14 @@ fn hello(board: &mut KeptJoint) -> JointHello {
     }
 }
 
+/// Which joint it has.
+fn joint_of(board: &mut KeptJoint) -> Option<u32> {
+    match board.answer(&JointRequest::Installed) {
+        JointResponse::Installed(joint) => joint,
+        other => panic!("{other:?}"),
+    }
+}
+
 fn settings_of(board: &mut KeptJoint) -> JointSettings {
     match board.answer(&JointRequest::Settings(None)) {
         JointResponse::Settings(settings) => settings,
@@ -87,7 +95,8 @@ fn a_joint_and_its_settings_are_there_behind_a_restart_bit_by_bit() {
     assert_eq!(*board.parameters(), joint_set());
     assert_eq!(settings_of(&mut board), settings());
     let by = JointScalings::calibrated(&joint_calibration()).expect("working sensors");
-    let JointHello { joint, pressures, angle, fault, .. } = hello(&mut board);
+    let joint = joint_of(&mut board);
+    let JointHello { pressures, angle, fault, .. } = hello(&mut board);
     assert_eq!((joint, fault), (Some(fingerprint(&control())), None));
     assert_eq!((pressures, angle), (by.pressures, by.angle));
     // Which muscle is which matters.
@@ -171,6 +180,7 @@ fn what_only_moves_a_joint_or_only_asks_is_not_stored() {
     for request in [
         JointRequest::Identify,
         JointRequest::Settings(None),
+        JointRequest::Installed,
         JointRequest::Arm,
         JointRequest::Start(40.0),
         JointRequest::Stop,
@@ -218,13 +228,13 @@ fn what_a_flash_does_not_keep_is_in_use_and_whoever_sent_it_is_told() {
     assert_eq!(board.answer(&JointRequest::Settings(Some(settings()))), not_stored);
     assert_eq!(board.answer(&configure(control())), not_stored);
     assert_eq!(settings_of(&mut board), settings());
-    assert_eq!(hello(&mut board).joint, Some(fingerprint(&control())));
+    assert_eq!(joint_of(&mut board), Some(fingerprint(&control())));
     let mut board = board.restarted();
     assert_eq!(*board.parameters(), JointParameters::NEW);
-    assert_eq!(hello(&mut board).joint, None);
+    assert_eq!(joint_of(&mut board), None);
     // With power it is stored when it is sent again.
     assert_eq!(board.answer(&configure(control())), JointResponse::Accepted);
-    assert_eq!(hello(&mut board.restarted()).joint, Some(fingerprint(&control())));
+    assert_eq!(joint_of(&mut board.restarted()), Some(fingerprint(&control())));
 }
 
 #[test]
@@ -244,8 +254,8 @@ fn power_lost_at_every_byte_of_a_save_leaves_the_joint_before_or_the_new_one_and
             let told = board.answer(&configure(other.clone()));
             assert_eq!(told, JointResponse::Refused(Refusal::NotStored), "{tear:?} after {cut}");
             let mut board = board.restarted();
-            let JointHello { joint, fault, .. } = hello(&mut board);
-            assert_eq!(fault, None, "{tear:?} after {cut}");
+            let joint = joint_of(&mut board);
+            assert_eq!(hello(&mut board).fault, None, "{tear:?} after {cut}");
             assert_eq!(settings_of(&mut board), settings());
             olds += usize::from(joint == Some(fingerprint(&control())));
             news += usize::from(joint == Some(fingerprint(&other)));
@@ -272,7 +282,8 @@ fn a_flash_that_cannot_be_read_or_is_another_boards_is_a_fault_and_leaves_a_boar
         (golden("store_layout_65535.bin"), Fault::ConfigurationVersion),
     ] {
         let mut board = KeptJoint::start(MockFlash::with(&bytes));
-        let JointHello { state, fault: found, joint, .. } = hello(&mut board);
+        let joint = joint_of(&mut board);
+        let JointHello { state, fault: found, .. } = hello(&mut board);
         assert_eq!((state, found, joint), (JointBoardState::Fault, Some(JointFault::OfBoard(fault)), None));
         for _ in 0..BEGINNING {
             assert_eq!(rest(&mut board).dac_codes, [0; 2]);
@@ -282,7 +293,8 @@ fn a_flash_that_cannot_be_read_or_is_another_boards_is_a_fault_and_leaves_a_boar
         assert_eq!(settings_of(&mut board), standard);
         // A board that nobody has told anything is as a new one at its next start.
         let mut board = board.restarted();
-        let JointHello { state, fault: found, joint, .. } = hello(&mut board);
+        let joint = joint_of(&mut board);
+        let JointHello { state, fault: found, .. } = hello(&mut board);
         assert_eq!((state, found, joint), (JointBoardState::Off, None, None));
     }
 }
@@ -302,7 +314,7 @@ fn only_what_is_valid_is_taken_of_what_was_kept() {
     let mut slack = joint_set();
     slack.control.iter_mut().for_each(|control| control.joint.muscles[1].lowest = [9.0, 9.0]);
     let mut board = assert_recalled(&slack, Fault::ConfigurationCorrupt);
-    assert_eq!(hello(&mut board).joint, None);
+    assert_eq!(joint_of(&mut board), None);
     assert_eq!(settings_of(&mut board), settings(), "the other parts are whole");
     assert_eq!(board.answer(&JointRequest::Acknowledge), JointResponse::Accepted);
     assert_eq!(hello(&mut board).state, JointBoardState::Off);
@@ -311,7 +323,7 @@ fn only_what_is_valid_is_taken_of_what_was_kept() {
     wild.protection.slew_bar_per_s = -1.0;
     let mut board = assert_recalled(&wild, Fault::ConfigurationCorrupt);
     assert_eq!(settings_of(&mut board).protection, Protection::STANDARD);
-    assert_eq!(hello(&mut board).joint, Some(fingerprint(&control())));
+    assert_eq!(joint_of(&mut board), Some(fingerprint(&control())));
     assert_eq!(board.answer(&JointRequest::Acknowledge), JointResponse::Accepted);
     assert_eq!(hello(&mut board).state, JointBoardState::Ready);
 
@@ -338,10 +350,8 @@ fn a_limit_above_the_ceiling_or_a_joint_of_another_period_that_was_kept_is_a_fau
         let mut task = on_board();
         recall(&mut task, &set);
         assert_eq!(task.fault(), Some(JointFault::OfBoard(Fault::ConfigurationCorrupt)));
-        match carry_out(&mut task, &JointRequest::Identify) {
-            JointResponse::Hello(hello) => assert_eq!(hello.joint.is_some(), has_joint),
-            other => panic!("{other:?}"),
-        }
+        let installed = carry_out(&mut task, &JointRequest::Installed);
+        assert_eq!(installed == JointResponse::Installed(None), !has_joint, "{installed:?}");
     }
 }
 

@@ -108,6 +108,9 @@ fn apply(node: &mut impl JointNode, request: &JointRequest) -> JointResponse {
         JointRequest::Service => node.task(JointTask::serve),
         JointRequest::Press(pressures) => node.task(|task| task.press(*pressures)),
         JointRequest::Settings(settings) => node.task(|task| task.set(settings.as_ref())),
+        JointRequest::Installed => JointResponse::Installed(
+            node.task(|task| task.installed.as_ref().map(|installed| installed.fingerprint)),
+        ),
         JointRequest::Tick(_) => JointResponse::Refused(Refusal::NotHere),
     }
 }
@@ -190,7 +193,6 @@ impl JointTask {
             pressures: self.scalings.pressures,
             angle: self.scalings.angle,
             command: COMMAND,
-            joint: self.installed.as_ref().map(|installed| installed.fingerprint),
             ticks: self.ticks,
         }
     }

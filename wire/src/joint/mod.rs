@@ -69,6 +69,8 @@ pub enum JointRequest {
     /// Take these limits and lines of the sensors, as a whole, and keep them without power; refused
     /// as a configuration is. `None` only asks. Answer: [`JointResponse::Settings`].
     Settings(Option<JointSettings>),
+    /// Which joint do you have? Answer: [`JointResponse::Installed`].
+    Installed,
 }
 
 /// Where a joint is to go.
@@ -99,6 +101,9 @@ pub enum JointResponse {
     Report(JointReport),
     /// What the board is set to.
     Settings(JointSettings),
+    /// The [`fingerprint`](crate::fingerprint) of the joint that the board has, of
+    /// [`JointConfiguration::control`]; none without one.
+    Installed(Option<u32>),
 }
 
 /// Who a board is.
@@ -118,9 +123,6 @@ pub struct JointHello {
     pub angle: Scaling,
     /// DAC code of either command in bar.
     pub command: Scaling,
-    /// The [`fingerprint`](crate::fingerprint) of the joint that it has, of
-    /// [`JointConfiguration::control`]; none without one.
-    pub joint: Option<u32>,
     /// Ticks since the board started.
     pub ticks: u32,
 }

@@ -28,7 +28,7 @@ use wire::{FRAME_BYTES, Protection, Receiver, Refusal, Request, Response};
 
 use crate::PERIOD_S;
 use crate::commands::Commands;
-use crate::flash::MockFlash;
+use crate::flash::{MockFlash, Tear};
 use crate::joint::{Wired, Wrong};
 use crate::kept_joint::KeptJoint;
 
@@ -60,6 +60,10 @@ pub struct Setting {
     pub is_single: bool,
     /// With which requests the board has just started again.
     pub restarts_at: &'static [u32],
+    /// What stands at the beginning of the board's flash.
+    pub stored: &'static [u8],
+    /// The flash keeps nothing.
+    pub is_worn: bool,
 }
 
 impl Setting {
@@ -74,6 +78,8 @@ impl Setting {
             is_still: false,
             is_single: false,
             restarts_at: &[],
+            stored: &[],
+            is_worn: false,
         }
     }
 }
@@ -118,7 +124,10 @@ impl JointAtLink {
         let mut plant = Wired::new(setting.seed, setting.wrong);
         plant.put_on(setting.load_nm);
         let measured = plant.advance(0.0, [0.0; 2]).expect("the rig answers");
-        let board = KeptJoint::start(MockFlash::blank());
+        let mut board = KeptJoint::start(MockFlash::with(setting.stored));
+        if setting.is_worn {
+            board.flash().cut_after(0, Tear::Rising, 0);
+        }
         Self { board, plant, measured, receiver: Receiver::new(), setting, seen }
     }
 }

@@ -36,6 +36,7 @@
 
 mod blocking;
 mod joint_parameters;
+mod layouts;
 mod parameters;
 mod previous;
 mod record;
@@ -49,7 +50,8 @@ use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
 use wire::Fault;
 
 pub use joint_parameters::{JOINT_LAYOUT, JointParameters};
-pub use parameters::{LAYOUT, Parameters};
+pub use layouts::LAYOUT;
+pub use parameters::Parameters;
 pub use record::RECORD_BYTES;
 pub use sealed::{Lines, Sealed};
 pub use set::{BoardState, Set};

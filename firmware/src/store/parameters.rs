@@ -1,18 +1,9 @@
 //! What a board with one muscle keeps.
-//!
-//! A change of [`Parameters`], or of anything in it, is a new layout: [`LAYOUT`] is raised, and the
-//! struct as it was joins those before it ([`super::previous`]).
 
 use serde::{Deserialize, Serialize};
 use wire::{BoardParameters, BusParameters, Configuration, Protection, Request, VERSION};
 
-use super::LoadError;
-use super::previous::{self, Ratiometric, Unobserved, Unsealed, WithoutBus};
 use super::sealed::Sealed;
-use super::set::{Set, whole};
-
-/// Number of the layout that is written.
-pub const LAYOUT: u16 = 6;
 
 /// A set of parameters, saved and loaded as a whole. Raw: validated each time that it is taken.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,22 +42,6 @@ impl Parameters {
                 Some(Self { tracking: Some(configuration.tracking.clone()), ..*self })
             }
             _ => None,
-        }
-    }
-}
-
-impl Set for Parameters {
-    const LAYOUT: u16 = LAYOUT;
-    const NEW: Self = Self::FACTORY;
-
-    fn of_layout(layout: u16, bytes: &[u8]) -> Result<Self, LoadError> {
-        match layout {
-            LAYOUT => whole(bytes),
-            previous::UNOBSERVED => whole::<Unobserved>(bytes).map(Self::from),
-            previous::RATIOMETRIC => whole::<Ratiometric>(bytes).map(Self::from),
-            previous::UNSEALED => whole::<Unsealed>(bytes).map(Self::from),
-            previous::WITHOUT_BUS => whole::<WithoutBus>(bytes).map(Self::from),
-            other => Err(LoadError::Layout(other)),
         }
     }
 }

@@ -10,7 +10,7 @@ use host_tests::kept_joint::{KeptJoint, SECTOR};
 use host_tests::store::{joint_calibration, joint_set, numbered, paper_set};
 use model_core::joint::JointTarget;
 use wire::joint::{
-    BoardJointParameters, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration, JointFault,
+    BoardJointParameters, Channel, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration, JointFault,
     JointHello, JointRequest, JointResponse, JointSettings, JointTickReply, JointTickRequest,
 };
 use wire::{Fault, Protection, Refusal, State, fingerprint};
@@ -103,6 +103,30 @@ fn a_joint_and_its_settings_are_there_behind_a_restart_bit_by_bit() {
     let mut swapped = control();
     swapped.joint.muscles.reverse();
     assert_ne!(joint, Some(fingerprint(&swapped)));
+}
+
+/// Settings alone, as before a recording: what watches, and what drives, goes by them.
+#[test]
+fn limits_and_calibration_that_were_kept_act_without_a_joint() {
+    let mut board = new_board();
+    let mut slow = settings();
+    slow.protection.soft_start_bar_per_s = 2.0;
+    assert_eq!(board.answer(&JointRequest::Settings(Some(slow))), JointResponse::Settings(slow));
+    let mut board = board.restarted();
+    for request in [JointRequest::Arm, JointRequest::Service] {
+        assert_eq!(board.answer(&request), JointResponse::Accepted, "{request:?}");
+    }
+    let mut last = rest(&mut board);
+    for _ in 0..500 {
+        board.answer(&JointRequest::Press([3.0, 2.0]));
+        last = tick(&mut board, last.dac_codes.map(|code| COMMAND.value(code)), 0.0);
+    }
+    let reached = last.dac_codes.map(|code| COMMAND.value(code));
+    assert!(reached.iter().all(|bar| (0.9..1.05).contains(bar)), "{reached:?} bar after half a second");
+    // By the standard line 7.0 bar, which bursts nothing.
+    let burst = tick(&mut board, [7.6, 1.0], 0.0);
+    assert_eq!(burst.fault, Some(JointFault::OfChannel(Channel::A, Fault::OverpressureHard)));
+    assert_eq!(burst.dac_codes, [0; 2]);
 }
 
 #[test]

@@ -32,6 +32,6 @@ fuzz_target!(|input: (u16, u8, &[u8])| {
     let saved = store.save(State::Ready, &new);
     let mut flash = store.into_flash();
     flash.power_up();
-    let kept = ParameterStore::new(flash).load().expect("the old set was there");
+    let kept = ParameterStore::<_, Parameters>::new(flash).load().expect("the old set was there");
     assert!(kept == new || saved.is_err() && kept == old);
 });

@@ -175,7 +175,7 @@ pub fn tried(seed: u64, frequencies_hz: &[f64]) -> Result<Tried> {
             let mut plant = Wired::new(seed, Wrong::Nothing);
             // As on a board with muscles: what protects them must not disturb sound control.
             let mut board = HostJoint::new(Protection::STANDARD);
-            let mut joint = Loop::new(&parameters, &mut board, &mut plant, Stop::default())?;
+            let mut joint = Loop::new((&parameters, None), &mut board, &mut plant, Stop::default())?;
             joint.start(&wanted(0.0))?;
             joint.approach(&wanted(0.0))?;
             let ticks = (duration_s / PERIOD_S).round() as usize;

@@ -17,7 +17,6 @@ use board_client::emulator::terminal::PseudoTerminal;
 use board_client::joint::{JointMeasured, JointPlant};
 use board_client::stop::Stop;
 use firmware::joint::ANGLE;
-use firmware::joint::lock_step::LockStepJoint;
 use firmware::scaling::{COMMAND, PRESSURE};
 use fleet::board::Board;
 use fleet::line::Way;
@@ -29,7 +28,9 @@ use wire::{FRAME_BYTES, Protection, Receiver, Refusal, Request, Response};
 
 use crate::PERIOD_S;
 use crate::commands::Commands;
+use crate::flash::{MockFlash, Tear};
 use crate::joint::{Wired, Wrong};
+use crate::kept_joint::KeptJoint;
 
 /// How time passes at a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +60,10 @@ pub struct Setting {
     pub is_single: bool,
     /// With which requests the board has just started again.
     pub restarts_at: &'static [u32],
+    /// What stands at the beginning of the board's flash.
+    pub stored: &'static [u8],
+    /// The flash keeps nothing.
+    pub is_worn: bool,
 }
 
 impl Setting {
@@ -73,6 +78,8 @@ impl Setting {
             is_still: false,
             is_single: false,
             restarts_at: &[],
+            stored: &[],
+            is_worn: false,
         }
     }
 }
@@ -104,7 +111,7 @@ trait AtLink {
 
 /// The control code of two channels and a joint.
 struct JointAtLink {
-    board: LockStepJoint,
+    board: KeptJoint,
     plant: Wired,
     measured: JointMeasured,
     receiver: Receiver,
@@ -117,7 +124,10 @@ impl JointAtLink {
         let mut plant = Wired::new(setting.seed, setting.wrong);
         plant.put_on(setting.load_nm);
         let measured = plant.advance(0.0, [0.0; 2]).expect("the rig answers");
-        let board = LockStepJoint::new(Protection::STANDARD);
+        let mut board = KeptJoint::start(MockFlash::with(setting.stored));
+        if setting.is_worn {
+            board.flash().cut_after(0, Tear::Rising, 0);
+        }
         Self { board, plant, measured, receiver: Receiver::new(), setting, seen }
     }
 }
@@ -128,13 +138,14 @@ impl AtLink for JointAtLink {
             return;
         }
         let JointMeasured { pressures_bar, angle_deg } = self.measured;
-        self.board.feed(&JointTickRequest {
+        let board = &mut self.board.board;
+        board.feed(&JointTickRequest {
             target: None,
             pressure_codes: pressures_bar.map(|bar| PRESSURE.code(bar as f32)),
             angle_code: ANGLE.code(angle_deg.to_radians() as f32),
         });
-        let reply = self.board.tick();
-        let ticks = self.board.task().ticks();
+        let reply = board.tick();
+        let ticks = board.task().ticks();
         let commands = reply.dac_codes.map(|code| COMMAND.value(code));
         self.measured = self.plant.advance(f64::from(ticks) * PERIOD_S, commands).expect("the rig answers");
         let mut seen = lock(&self.seen);
@@ -157,7 +168,7 @@ impl AtLink for JointAtLink {
         let restarts = self.setting.restarts_at.contains(&seen.requests);
         drop(seen);
         if restarts {
-            self.board = LockStepJoint::new(Protection::STANDARD);
+            self.board = KeptJoint::start(self.board.flash().clone());
         }
         let response = match received {
             Ok(JointRequest::Tick(_)) => JointResponse::Refused(Refusal::NotHere),

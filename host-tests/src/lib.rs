@@ -15,6 +15,7 @@ pub mod flash;
 pub mod game;
 pub mod joint;
 pub mod joint_desk;
+pub mod kept_joint;
 pub mod single;
 pub mod store;
 

@@ -1,18 +1,57 @@
 //! Sets of parameters to keep.
 
+use board_models::joint::joint_parameters;
 use board_models::paper_parameters;
-use firmware::store::{Parameters, Sealed};
+use firmware::store::{JointParameters, Parameters, Sealed, Set};
 use model_core::cascade::CascadeParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::{EnvelopeParameters, PiecewiseLinearParameters};
 use model_core::play::PlayParameters;
 use model_core::{ModelParameters, TrackingParameters};
-use wire::{Calibration, Input, Inputs, Line, Signal};
+use wire::joint::JointCalibration;
+use wire::{Calibration, Input, Inputs, Line, Protection, Signal};
+
+/// A set with limits of the plant in it.
+pub trait Limited: Set {
+    /// The limits.
+    fn protection(&mut self) -> &mut Protection;
+}
+
+impl Limited for Parameters {
+    fn protection(&mut self) -> &mut Protection {
+        &mut self.protection
+    }
+}
+
+impl Limited for JointParameters {
+    fn protection(&mut self) -> &mut Protection {
+        &mut self.protection
+    }
+}
 
 /// The set with a number in it, by which sets can be told apart.
-pub fn numbered(number: u32, mut set: Parameters) -> Parameters {
-    set.protection.bus_silent_ticks = number;
+pub fn numbered<P: Limited>(number: u32, mut set: P) -> P {
+    set.protection().bus_silent_ticks = number;
     set
+}
+
+/// A set of a joint, whose muscles are not alike: every list of the model is full, and no sensor is
+/// the standard one.
+pub fn joint_set() -> JointParameters {
+    let mut control = joint_parameters();
+    let [_, b] = &mut control.joint.muscles;
+    (b.knee, b.valve_lag_s) = (0.15, 0.06);
+    JointParameters {
+        protection: Protection { bus_silent_ticks: 1000, ..Protection::STANDARD },
+        calibration: Some(Sealed::new(joint_calibration())),
+        control: Some(control),
+    }
+}
+
+/// A calibration of a joint's working sensors, no two alike.
+pub fn joint_calibration() -> JointCalibration {
+    let line = |zero_code, codes_per_unit| Some(Line { zero_code, codes_per_unit });
+    JointCalibration { pressures: [line(430.0, 300.0), line(380.0, 350.0)], angle: line(2250.0, 1100.0) }
 }
 
 /// The paper's model with the limits of a new board.

@@ -44,7 +44,7 @@ fn started(file: &JointFile, seed: u64, wrong: Wrong) -> Result<(), PilError> {
     let (soft, _) = file.joint.stiffness_range(0.0);
     let mut board = HostJoint::new(Protection::STANDARD);
     let wanted = JointWanted { angle_deg: 0.0, stiffness: 1.2 * soft, torque_nm: 0.0 };
-    Loop::new(&parameters, &mut board, &mut plant, Stop::default())?.start(&wanted)
+    Loop::new((&parameters, None), &mut board, &mut plant, Stop::default())?.start(&wanted)
 }
 
 #[test]
@@ -73,7 +73,8 @@ fn fed_back(torque_nm: f64, known_nm: f64) -> f64 {
     let mut plant = Wired::new(1, Wrong::Nothing);
     plant.put_on(torque_nm);
     let mut board = HostJoint::new(Protection::STANDARD);
-    let mut joint = Loop::new(&parameters, &mut board, &mut plant, Stop::default()).expect("configured");
+    let mut joint =
+        Loop::new((&parameters, None), &mut board, &mut plant, Stop::default()).expect("configured");
     let wanted = JointWanted { angle_deg: 0.0, stiffness: 55.0, torque_nm: known_nm };
     joint.start(&wanted).expect("the joint of the model");
     joint.approach(&wanted).expect("it follows");

@@ -248,11 +248,83 @@ fn a_board_is_given_limits_and_what_its_sensors_have_shown() {
         let (a, b) = (row[3] * 340.0 / 327.6, row[4]);
         assert!((a - row[1]).abs() < 0.15 && (b - row[2]).abs() < 0.15 && row[3] < 0.98 * row[1], "{row:?}");
     }
-    // They stay until others are given, or the board is next started.
+    // They stay until others are given.
     write("", "angle_zero_code = 2047.5\nangle_codes_per_degree = 20.4728");
     desk.succeeds(&format!("{TRACK} --settings board.toml -o log.csv"));
     let said = desk.refuses("track --reference reference.csv --settings board.toml");
     assert!(said.contains("--joint"), "{said}");
+}
+
+const DEPLOY: &str = "deploy joint.toml --joint --settings board.toml --timeout-s 10";
+const SETTINGS: &str = "[limits]\nsupply_min_bar = 3.5\n[calibration]\npressure_a_zero_code = 411\n\
+                        pressure_a_codes_per_bar = 325.9\n";
+
+#[test]
+fn a_joint_and_its_settings_are_deployed_listed_and_there_when_the_board_has_started_again() {
+    // The first request of the third command.
+    let desk = with_model(Setting { restarts_at: &[13], ..Setting::sound(SEED) }, SEED);
+    desk.write("board.toml", SETTINGS);
+    let said = desk.succeeds(&format!("{DEPLOY} --dry-run"));
+    let listed = [
+        "joint.toml: two muscles at a joint, off by 0.",
+        "the board has no joint yet",
+        "supply_min_bar          4 -> 3.5",
+        "pressure a              standard -> 411 + 325.9 a bar",
+    ];
+    assert!(listed.iter().all(|words| said.contains(words)), "{said}");
+    assert!(said.contains("nothing has been changed (--dry-run)"), "{said}");
+    let before = desk.seen().requests;
+    let said = desk.succeeds(DEPLOY);
+    assert!(said.contains("the board has no joint yet"), "the dry run has changed something: {said}");
+    assert!(said.contains("joint.toml is installed, and kept without power"), "{said}");
+    assert_eq!((before, desk.seen().requests), (4, 12), "no request was asked twice");
+    let said = desk.succeeds("deploy joint.toml --joint --timeout-s 10");
+    assert!(said.contains("the board has this joint already"), "{said}");
+    let again = desk.succeeds(&format!("{DEPLOY} --dry-run"));
+    assert!(again.contains("limits and calibration  stay"), "{again}");
+    std::fs::write(desk.path("other.toml"), identified(101).expect("a joint").to_toml()).expect("written");
+    let said = desk.succeeds("deploy other.toml --joint --dry-run --timeout-s 10");
+    assert!(said.contains("the board has another joint"), "{said}");
+    assert!(was_never_driven(&desk));
+    // Settings alone, for a recording, are kept with the joint.
+    desk.write("exc.csv", EXCITATION);
+    desk.write("board.toml", "");
+    desk.succeeds(&format!(
+        "capture --joint --excitation exc.csv -o rec.csv --settings board.toml {PATIENT}"
+    ));
+    let said = desk.succeeds("deploy joint.toml --joint --dry-run --timeout-s 10");
+    assert!(said.contains("the board has this joint already"), "{said}");
+}
+
+#[test]
+fn what_a_flash_does_not_keep_ends_a_deployment_and_is_noted_beside_a_run() {
+    let desk = with_model(Setting { is_worn: true, ..Setting::sound(SEED) }, SEED);
+    desk.write("board.toml", SETTINGS);
+    desk.write("exc.csv", EXCITATION);
+    let said = desk.refuses(DEPLOY);
+    assert!(said.contains("its flash has not kept it: it is lost when power is"), "{said}");
+    let capture = format!("capture --joint --excitation exc.csv -o rec.csv --settings board.toml {PATIENT}");
+    let says_so = |command: &str| {
+        let done = desk.run(command);
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert!(done.status.success() && said.contains("note: what the board was given is in use"), "{said}");
+    };
+    says_so(&capture);
+    says_so(&format!("{TRACK} -o log.csv"));
+}
+
+#[test]
+fn what_another_image_has_stored_is_a_fault_with_its_cure_and_a_deployment_replaces_it() {
+    let setting = Setting { stored: include_bytes!("golden/store_layout_6.bin"), ..Setting::sound(SEED) };
+    let desk = with_model(setting, SEED);
+    desk.write("board.toml", SETTINGS);
+    let said = desk.refuses(DEPLOY);
+    for words in ["fault 23", "was one for a single muscle", "mgpi deploy --joint", "--acknowledge"] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(was_never_driven(&desk));
+    desk.succeeds(&format!("{DEPLOY} --acknowledge"));
+    desk.succeeds(&format!("{TRACK} -o log.csv"));
 }
 
 #[test]
@@ -340,6 +412,10 @@ fn what_cannot_be_is_said_before_the_board_is_asked() {
     write("outside.csv", &REFERENCE.replace("2,6,55", "2,80,55"));
     write("limp.csv", &REFERENCE.replace("2,6,55", "2,6,0"));
     write("there.csv", "");
+    let mut bad = identified(SEED).expect("a joint");
+    let (lowest, highest) = bad.parameters.angles;
+    bad.identification.heldout_rmse_deg = 0.2 * (highest - lowest).to_degrees();
+    write("bad.toml", &bad.to_toml());
     const HIGH: &str = "high.csv, line 3, column command_b_bar: 7 bar is outside 0 to 6.6 bar, what a board of a joint takes";
     write("high.csv", "time_s,command_a_bar,command_b_bar,valid\n0,0,0,0\n1,2,7,1\n");
     write("filled.csv", "time_s,command_a_bar,command_b_bar,valid\n0,0,0,1\n1,2,2,1\n");
@@ -374,6 +450,11 @@ fn what_cannot_be_is_said_before_the_board_is_asked() {
         ("capture --joint --excitation high.csv --max-bar 5 -o rec.csv", "cannot be used with"),
         ("capture --joint --excitation high.csv -o high.csv --force", "is an input of this command"),
         ("capture --min-bar 2 -o rec.csv", "--joint"),
+        ("deploy reference.csv --joint", "not a TOML file"),
+        ("deploy joint.toml --joint --kp 3", "cannot be used with"),
+        ("deploy joint.toml --joint --keep-gains", "cannot be used with"),
+        ("deploy joint.toml --settings there.csv", "--joint"),
+        ("deploy bad.toml --joint", "off by 20.00 % of its range of angles on held-out samples"),
     ] {
         let said = desk.refuses(arguments);
         assert!(said.contains(message), "{arguments}: {said}");
@@ -390,7 +471,7 @@ fn a_board_that_is_none_of_a_joint_of_this_version_is_said_and_not_driven() {
         (of(Setting { is_single: true, ..sound }), "a board with one muscle answers"),
         (
             of(Setting { version: Some(3), ..sound }),
-            "speaks version 3 of a joint's messages, this program version 5",
+            "speaks version 3 of a joint's messages, this program version 6",
         ),
         (of(Setting { is_still: true, ..sound }), "ticks stand still"),
         (

@@ -64,7 +64,7 @@ fn driven(file: &JointFile, seed: u64, course: &Course<'_>) -> Option<(f64, Join
         freezes_s: course.freezes_s,
     };
     let mut board = HostJoint::new(Protection::STANDARD);
-    let mut joint = Loop::new(&control, &mut board, &mut plant, Stop::default()).expect("configured");
+    let mut joint = Loop::new((&control, None), &mut board, &mut plant, Stop::default()).expect("configured");
     joint.start(&wanted(0.0)).expect("the joint of the model");
     joint.approach(&wanted(0.0)).expect("it follows");
     let ticks = (course.duration_s / PERIOD_S) as usize;

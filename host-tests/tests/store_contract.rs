@@ -8,7 +8,7 @@ use wire::State;
 
 const SECTOR: usize = 4096;
 
-type Store = ParameterStore<MockFlash<SECTOR>>;
+type Store = ParameterStore<MockFlash<SECTOR>, Parameters>;
 
 fn store() -> Store {
     ParameterStore::new(MockFlash::blank())
@@ -39,7 +39,7 @@ fn a_state_that_drives_the_valve_refuses_a_save_and_the_flash_is_not_touched() {
         let mut store = store();
         let saved = store.save(state, &paper_set());
         if state.is_driven() {
-            assert_eq!(saved, Err(SaveError::WrongState(state)));
+            assert_eq!(saved, Err(SaveError::Driven));
             assert_eq!(store.into_flash().work(), 0);
         } else {
             assert_eq!(saved, Ok(()), "{state:?}");

@@ -7,10 +7,11 @@
 
 use std::path::{Path, PathBuf};
 
-use firmware::store::{LAYOUT, LoadError, ParameterStore, Parameters, Sealed};
+use firmware::store::{
+    JOINT_LAYOUT, JointParameters, LAYOUT, LoadError, ParameterStore, Parameters, Sealed, Set,
+};
 use host_tests::flash::MockFlash;
-use host_tests::store::calibration;
-use host_tests::store::paper_set;
+use host_tests::store::{calibration, joint_set, paper_set};
 use wire::{BusParameters, OnModelFault, Parity, Protection, State};
 
 const SECTOR: usize = 4096;
@@ -18,8 +19,13 @@ const SECTOR: usize = 4096;
 const LATER: u16 = u16::MAX;
 
 /// A store over the contents of a file; the rest of the flash is blank.
-fn store(contents: &[u8]) -> ParameterStore<MockFlash<SECTOR>> {
+fn store_of<P: Set>(contents: &[u8]) -> ParameterStore<MockFlash<SECTOR>, P> {
     ParameterStore::new(MockFlash::with(contents))
+}
+
+/// That of a board with one muscle.
+fn store(contents: &[u8]) -> ParameterStore<MockFlash<SECTOR>, Parameters> {
+    store_of(contents)
 }
 
 fn file(layout: u16) -> PathBuf {
@@ -39,22 +45,47 @@ fn stored() -> Parameters {
 }
 
 /// What is written of a flash.
-fn written(store: ParameterStore<MockFlash<SECTOR>>) -> Vec<u8> {
+fn written<P: Set>(store: ParameterStore<MockFlash<SECTOR>, P>) -> Vec<u8> {
     let flash = store.into_flash();
     let end = flash.bytes().iter().rposition(|&byte| byte != 0xFF).map_or(0, |last| last + 1);
     flash.bytes()[..end].to_vec()
 }
 
-#[test]
-fn the_present_layout_is_written_and_read_as_ever() {
-    let mut writing = store(&[]);
-    assert_eq!(writing.save(State::Ready, &stored()), Ok(()));
+/// A set is written as it stands in the file of its layout, and read from there.
+fn assert_as_ever<P: Set>(set: P) {
+    let mut writing = store_of(&[]);
+    assert_eq!(writing.save(State::Ready, &set), Ok(()));
     let written = written(writing);
     if std::env::var_os("BLESS").is_some() {
-        std::fs::write(file(LAYOUT), &written).expect("the sources can be written");
+        std::fs::write(file(P::LAYOUT), &written).expect("the sources can be written");
     }
-    assert!(written == golden(LAYOUT), "layout {LAYOUT} has changed");
-    assert_eq!(store(&golden(LAYOUT)).load(), Ok(stored()));
+    assert!(written == golden(P::LAYOUT), "layout {} has changed", P::LAYOUT);
+    assert_eq!(store_of(&golden(P::LAYOUT)).load(), Ok(set));
+}
+
+#[test]
+fn the_present_layout_is_written_and_read_as_ever() {
+    assert_as_ever(stored());
+}
+
+#[test]
+fn the_present_layout_of_a_joint_is_written_and_read_as_ever() {
+    assert_as_ever(joint_set());
+}
+
+/// No set of one kind is taken for one of the other, whichever layout it has.
+#[test]
+fn what_another_kind_of_board_has_stored_is_told_by_its_layout_and_replaced_by_the_next_save() {
+    let mut of_muscle = store(&golden(JOINT_LAYOUT));
+    assert_eq!(of_muscle.load(), Err(LoadError::Layout(JOINT_LAYOUT)));
+    assert_eq!(of_muscle.save(State::Fault, &stored()), Ok(()));
+    assert_eq!(of_muscle.load(), Ok(stored()));
+    for layout in (2..=LAYOUT).chain([LATER]) {
+        let mut of_joint = store_of::<JointParameters>(&golden(layout));
+        assert_eq!(of_joint.load(), Err(LoadError::Layout(layout)));
+        assert_eq!(of_joint.save(State::Fault, &joint_set()), Ok(()));
+        assert_eq!(of_joint.load(), Ok(joint_set()));
+    }
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! The parameter store loses power at every byte of a save, in every way that a word or a sector
 //! can be left.
 
-use firmware::store::{ParameterStore, Parameters, RECORD_BYTES};
+use firmware::store::{JointParameters, ParameterStore, Parameters, RECORD_BYTES, Set};
 use host_tests::flash::{MockFlash, Tear};
-use host_tests::store::{full_set, numbered, paper_set};
+use host_tests::store::{Limited, full_set, joint_set, numbered, paper_set};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wire::State;
@@ -13,34 +13,46 @@ const SMALL: usize = 4096;
 /// That of the board. Unit: byte.
 const REAL: usize = 16 * 1024;
 
-/// The `number`th of a row of sets, each unlike the others.
-fn set(number: usize) -> Parameters {
-    let set = match number % 4 {
-        0 => full_set(),
-        1 => Parameters::FACTORY,
-        _ => paper_set(),
-    };
-    numbered(number as u32, set)
+/// Sets of a kind of board that a row is made of, again and again.
+trait Row: Limited {
+    const OF_ROW: [fn() -> Self; 4];
+
+    /// The `number`th of a row of sets, each unlike the others.
+    fn at(number: usize) -> Self {
+        numbered(number as u32, Self::OF_ROW[number % 4]())
+    }
+}
+
+impl Row for Parameters {
+    const OF_ROW: [fn() -> Self; 4] = [full_set, || Self::FACTORY, paper_set, paper_set];
+}
+
+impl Row for JointParameters {
+    const OF_ROW: [fn() -> Self; 4] = [joint_set, || Self::NEW, joint_set, uncalibrated];
+}
+
+fn uncalibrated() -> JointParameters {
+    JointParameters { calibration: None, ..joint_set() }
 }
 
 /// A flash in which the sets from 0 on were saved, one after the other.
-fn history<const SECTOR: usize>(saves: usize) -> MockFlash<SECTOR> {
+fn history<P: Row, const SECTOR: usize>(saves: usize) -> MockFlash<SECTOR> {
     let mut store = ParameterStore::new(MockFlash::blank());
-    (0..saves).for_each(|number| assert_eq!(store.save(State::Ready, &set(number)), Ok(())));
+    (0..saves).for_each(|number| assert_eq!(store.save(State::Ready, &P::at(number)), Ok(())));
     store.into_flash()
 }
 
-/// What a board that starts finds; after a first save that was broken off that is the factory's
+/// What a board that starts finds; after a first save that was broken off that is a new board's
 /// set.
-fn found<const SECTOR: usize>(store: &mut ParameterStore<MockFlash<SECTOR>>) -> Parameters {
-    store.load().unwrap_or(Parameters::FACTORY)
+fn found<P: Set, const SECTOR: usize>(store: &mut ParameterStore<MockFlash<SECTOR>, P>) -> P {
+    store.load().unwrap_or(P::NEW)
 }
 
 /// Cuts the save of `new` after `units` of work, starts again, and saves once more.
-fn cut<const SECTOR: usize>(
+fn cut<P: Row, const SECTOR: usize>(
     flash: &MockFlash<SECTOR>,
-    old: &Parameters,
-    new: &Parameters,
+    old: &P,
+    new: &P,
     (units, tear): (usize, Tear),
 ) {
     let at = || format!("{tear:?} cut after {units} bytes");
@@ -55,17 +67,17 @@ fn cut<const SECTOR: usize>(
     let kept = found(&mut store);
     assert!(kept == *old || kept == *new, "{}: neither set but {kept:?}", at());
 
-    let further = numbered(9999, paper_set());
+    let further = P::at(9999);
     assert_eq!(store.save(State::Ready, &further), Ok(()), "{}", at());
     assert_eq!(store.load(), Ok(further), "{}", at());
 }
 
 /// Cuts save number `number` at every byte of its work, or every some bytes, in every way; the
 /// number of cuts.
-fn cut_everywhere<const SECTOR: usize>(number: usize, every: usize) -> usize {
-    let flash = history::<SECTOR>(number);
-    let old = number.checked_sub(1).map_or(Parameters::FACTORY, set);
-    let new = set(number);
+fn cut_everywhere<P: Row, const SECTOR: usize>(number: usize, every: usize) -> usize {
+    let flash = history::<P, SECTOR>(number);
+    let old = number.checked_sub(1).map_or(P::NEW, P::at);
+    let new = P::at(number);
     let mut whole = ParameterStore::new(flash.clone());
     assert_eq!(whole.save(State::Ready, &new), Ok(()));
     let work = whole.into_flash().work() - flash.work();
@@ -73,12 +85,21 @@ fn cut_everywhere<const SECTOR: usize>(number: usize, every: usize) -> usize {
     cuts.map(|at| cut(&flash, &old, &new, at)).count()
 }
 
-#[test]
-fn every_cut_of_a_save_leaves_the_old_set_or_the_new_and_a_further_save_succeeds() {
-    // From the blank flash until both sectors have been erased for a second time.
-    let cuts: usize = (0..16).map(|number| cut_everywhere::<SMALL>(number, 1)).sum();
+/// From the blank flash until both sectors have been erased for a second time.
+fn cut_every_save<P: Row>() {
+    let cuts: usize = (0..16).map(|number| cut_everywhere::<P, SMALL>(number, 1)).sum();
     println!("{cuts} cuts, none lost");
     assert!(cuts >= 10_000);
+}
+
+#[test]
+fn every_cut_of_a_save_leaves_the_old_set_or_the_new_and_a_further_save_succeeds() {
+    cut_every_save::<Parameters>();
+}
+
+#[test]
+fn every_cut_of_a_save_of_a_joint_leaves_the_old_set_or_the_new_and_a_further_save_succeeds() {
+    cut_every_save::<JointParameters>();
 }
 
 #[test]
@@ -86,12 +107,12 @@ fn cuts_of_an_erasure_of_the_boards_sectors_leave_the_old_set_or_the_new() {
     let mut store = ParameterStore::new(MockFlash::<REAL>::blank());
     let mut erases = |number: &usize| {
         let before = store.flash().work();
-        assert_eq!(store.save(State::Ready, &set(*number)), Ok(()));
+        assert_eq!(store.save(State::Ready, &Parameters::at(*number)), Ok(()));
         store.flash().work() - before > REAL
     };
     // The first save erases too: nobody knows what a new flash holds. Then each sector once.
     let erasing: Vec<usize> = (0..).filter(|number| erases(number)).skip(1).take(2).collect();
-    let cuts: usize = erasing.iter().map(|&number| cut_everywhere::<REAL>(number, 13)).sum();
+    let cuts: usize = erasing.iter().map(|&number| cut_everywhere::<Parameters, REAL>(number, 13)).sum();
     println!("{cuts} cuts, none lost");
 }
 
@@ -103,7 +124,7 @@ fn power_that_is_lost_again_and_again_loses_no_set() {
         let mut flash = MockFlash::<SMALL>::blank();
         let mut old = Parameters::FACTORY;
         for number in 0..40 {
-            let new = set(random.random_range(1..1000));
+            let new = Parameters::at(random.random_range(1..1000));
             let is_cut = random.random_bool(0.7);
             if is_cut {
                 let units = random.random_range(0..SMALL + RECORD_BYTES);

@@ -27,7 +27,7 @@ fn accepted_configurations_and_limits_are_taken_again() {
     assert_eq!(store.save(State::Ready, &kept), Ok(()));
 
     let mut board = HostBoard::default();
-    let loaded = ParameterStore::new(store.into_flash()).load().expect("stored");
+    let loaded = ParameterStore::<_, Parameters>::new(store.into_flash()).load().expect("stored");
     for request in loaded.requests() {
         assert_eq!(answers(&mut board, &request), Response::Accepted);
     }

@@ -9,6 +9,10 @@ fn the_changelog_has_every_version_apart() {
         ("messages of a joint (`wire::joint::JOINT_VERSION`)", wire::joint::JOINT_VERSION.to_string()),
         ("registers (`wire::registers::VERSION`)", wire::registers::VERSION.to_string()),
         ("storage on the board (`firmware::store::LAYOUT`)", firmware::store::LAYOUT.to_string()),
+        (
+            "storage on a joint's board (`firmware::store::JOINT_LAYOUT`)",
+            firmware::store::JOINT_LAYOUT.to_string(),
+        ),
         ("model files (`format`)", recording::model_file::FORMAT.to_string()),
         ("model files of joints (`format`)", recording::joint::file::FORMAT.to_string()),
     ] {

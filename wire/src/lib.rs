@@ -28,6 +28,7 @@ pub mod bring_up;
 mod bus_parameters;
 mod calibration;
 pub mod fault;
+mod fingerprint;
 mod frame;
 pub mod image;
 mod input;
@@ -41,6 +42,7 @@ mod status;
 pub use bus_parameters::{BusParameters, Parity};
 pub use calibration::{Calibration, Line};
 pub use fault::{FAULTS, Fault};
+pub use fingerprint::fingerprint;
 pub use frame::{FRAME_BYTES, FrameError, Receiver, encode};
 pub use input::{Input, Inputs, Signal};
 pub use message::{

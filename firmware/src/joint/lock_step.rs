@@ -3,9 +3,10 @@
 use wire::Protection;
 use wire::joint::{JointAim, JointRequest, JointResponse, JointTickReply, JointTickRequest};
 
-use super::{JointBoard, JointSamples, JointTask, carry_out};
+use super::{JointBoard, JointNode, JointSamples, JointTask, carry_out};
 use crate::board::{AcquisitionError, AdcCode, DacCode};
 use crate::lock_step::AROUND;
+use crate::store::SaveError;
 
 /// Samples in.
 #[derive(Debug)]
@@ -54,7 +55,7 @@ impl LockStepJoint {
                 self.feed(request);
                 JointResponse::Tick(self.tick())
             }
-            other => carry_out(&mut self.task, other),
+            other => carry_out(self, other),
         }
     }
 
@@ -72,5 +73,16 @@ impl LockStepJoint {
     pub fn tick(&mut self) -> JointTickReply {
         self.task.tick(&mut self.samples);
         self.task.reply()
+    }
+}
+
+impl JointNode for LockStepJoint {
+    fn task<R>(&mut self, work: impl FnOnce(&mut JointTask) -> R) -> R {
+        work(&mut self.task)
+    }
+
+    /// There is no store.
+    fn keep(&mut self, _: &JointRequest) -> Result<(), SaveError> {
+        Ok(())
     }
 }

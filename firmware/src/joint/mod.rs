@@ -9,7 +9,7 @@
 //! |---|---|
 //! | this one | the tick, the states, and what a board tells of itself |
 //! | `aim` | straight lines between the targets of the host |
-//! | `orders` | the requests of the host, between ticks ([`carry_out`]) |
+//! | `orders` | the requests of the host, between ticks ([`carry_out`]), and what the board has kept ([`recall`]) |
 //! | [`settings`] | limits, and the scalings of the sensors |
 //! | [`start`] | fills the muscles, and tries the joint before it is controlled |
 //! | [`watch`] | what tells a fault of a sensor, a valve or a muscle |
@@ -23,6 +23,8 @@
 //! Off, Ready ─Arm, Service─▶ Service ─Stop─▶ Ready, or Off without a joint
 //! every state ─fault─▶ Fault ─Acknowledge─▶ Ready, or Off without a joint
 //! ```
+//! A board that starts with a joint that it has kept is `Off`, too, until it has looked at its dump
+//! valve's coil; then `Ready`. It is driven by orders of the host only.
 //!
 //! # Contract
 //! One [`JointTask::tick`] each period of the installed joint. It reads the board once and writes
@@ -37,7 +39,7 @@
 //! watched that is while tracking but for what the start tries: how the joint turns.
 //!
 //! # Limits
-//! Nothing of a joint is stored, and the bus has no registers for it. The black box keeps what has
+//! The bus has no registers for a joint. The black box keeps what has
 //! ended the program, not a fault of the joint, and no trace.
 
 mod aim;
@@ -63,7 +65,7 @@ use crate::output::{self, Output};
 use crate::scaling::{COMMAND, VENT};
 use crate::timing::{TickEnd, Timing};
 use aim::Aimed;
-pub use orders::{JointNode, carry_out};
+pub use orders::{JointNode, carry_out, recall};
 use pair::{Moved, Pair};
 pub use settings::JointScalings;
 use start::Start;
@@ -73,6 +75,10 @@ use watch::Watch;
 /// the supply. Plausible: -97 to 97 degrees.
 pub const ANGLE: Scaling =
     Scaling { zero_code: 2047.5, codes_per_unit: 1173.0, code_min: 62, code_max: 4033 };
+
+/// How long a board that has kept a joint looks at its dump valve's coil behind its start: twice
+/// what [`Fault::DumpHeld`] takes to be seen and the pump takes to let go. Unit: tick.
+const LOOK_TICKS: u32 = 2 * (DUMP_TICKS as u32 + 10);
 
 /// The samples of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -150,6 +156,8 @@ struct Installed {
     open: BoardJointControl,
     moved: Moved,
     period_s: f32,
+    /// Of the parameters, as a host has them.
+    fingerprint: u32,
 }
 
 #[derive(Debug)]
@@ -238,6 +246,10 @@ impl JointTask {
     pub fn tick<B: JointBoard>(&mut self, board: &mut B) -> JointOutcome {
         self.ticks = self.ticks.wrapping_add(1);
         self.armed_ticks = self.armed_ticks.saturating_sub(1);
+        // One that was kept: what a host installs is ready at once.
+        if self.state == JointBoardState::Off && self.installed.is_some() && self.ticks > LOOK_TICKS {
+            self.leave(JointBoardState::Ready);
+        }
         let asked = match self.work(board.read()) {
             Ok(asked) => asked.filter(|_| self.state.is_driven()),
             Err(fault) => {

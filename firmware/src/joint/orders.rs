@@ -1,19 +1,20 @@
 //! The requests of the host, carried out between ticks: by link on a real board, in lock-step in
-//! the emulator and on a host.
+//! the emulator and on a host; and what the board has kept, behind its start.
 
 use model_core::joint::JointTarget;
 use model_core::pid::PidParameters;
 use wire::fault::times::LOOP_RESETS;
 use wire::joint::{
-    BoardJointControl, BoardJointParameters, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration,
-    JointFault, JointHello, JointReport, JointRequest, JointResponse, JointSettings, JointTickReply,
+    BoardJointControl, BoardJointParameters, JOINT_VERSION, JointAim, JointBoardState, JointCalibration,
+    JointConfiguration, JointFault, JointHello, JointReport, JointRequest, JointResponse, JointSettings,
+    JointTickReply,
 };
 use wire::registers::{ARMED_TICKS, HIGHEST_BAR};
-use wire::{Fault, Refusal};
+use wire::{Fault, Protection, Refusal, fingerprint};
 
 use super::aim::Aimed;
 use super::pair::{Moved, Pair};
-use super::settings::checked;
+use super::settings::{JointScalings, checked, checked_limits};
 use super::start::Start;
 use super::watch::Watch;
 use super::{Installed, JointTask, Running};
@@ -21,30 +22,78 @@ use crate::control::UNCLOCKED_PERIOD_S;
 use crate::output;
 use crate::report::FIRMWARE_VERSION;
 use crate::scaling::COMMAND;
+use crate::store::{JointParameters, SaveError, Sealed};
 
 /// What has a joint's task.
 pub trait JointNode {
     /// Works on the task, between two ticks; a tick that is due waits meanwhile.
     fn task<R>(&mut self, work: impl FnOnce(&mut JointTask) -> R) -> R;
+
+    /// Keeps what an accepted request has changed ([`JointParameters::changed_by`]), without power
+    /// too where there is a store.
+    ///
+    /// # Errors
+    /// It is kept until power is lost only.
+    fn keep(&mut self, request: &JointRequest) -> Result<(), SaveError>;
 }
 
 impl JointNode for JointTask {
     fn task<R>(&mut self, work: impl FnOnce(&mut JointTask) -> R) -> R {
         work(self)
     }
+
+    /// There is no store.
+    fn keep(&mut self, _: &JointRequest) -> Result<(), SaveError> {
+        Ok(())
+    }
+}
+
+/// Carries a request out, and keeps what it changes. What is carried out and not kept is refused as
+/// [`Refusal::NotStored`]. A tick does not come this way: [`JointTask::tick`].
+// Not inlined, like what follows: what they need of the stack is then not needed at once, nor by
+// their callers' other work.
+#[inline(never)]
+pub fn carry_out(node: &mut impl JointNode, request: &JointRequest) -> JointResponse {
+    let response = apply(node, request);
+    let is_done = matches!(response, JointResponse::Accepted | JointResponse::Settings(_));
+    if is_done && node.keep(request).is_err() {
+        return JointResponse::Refused(Refusal::NotStored);
+    }
+    response
+}
+
+/// Takes what a board has kept, behind its start and before any request, each part validated as one
+/// that a host sends. What is not valid is a fault; the standard one stands for it, or no joint. A
+/// board that has started at fault takes it, too: it stays at fault.
+#[inline(never)]
+pub fn recall(node: &mut impl JointNode, kept: &JointParameters) {
+    let JointParameters { protection, calibration, control } = kept;
+    node.task(|task| {
+        task.recall_limits(protection);
+        calibration.iter().for_each(|calibration| task.recall_calibration(calibration));
+        task.set_up();
+    });
+    let Some(control) = control else { return };
+    let prepared = Installed::prepare(control);
+    node.task(|task| {
+        if prepared.and_then(|installed| task.take(installed)).is_err() {
+            task.report_of_board(Fault::ConfigurationCorrupt);
+        }
+    });
 }
 
 /// Carries a request out. The long work, a joint's validation, is done outside of the task's lock.
-/// A tick does not come this way: [`JointTask::tick`].
-// Not inlined: what it needs of the stack is then not needed by its callers' other work.
 #[inline(never)]
-pub fn carry_out(node: &mut impl JointNode, request: &JointRequest) -> JointResponse {
+fn apply(node: &mut impl JointNode, request: &JointRequest) -> JointResponse {
     match request {
         JointRequest::Identify => JointResponse::Hello(node.task(|task| task.hello())),
-        JointRequest::Configure(configuration) => match Installed::prepare(configuration) {
-            Ok(installed) => node.task(|task| task.install(installed)),
-            Err(refusal) => JointResponse::Refused(refusal),
-        },
+        JointRequest::Configure(JointConfiguration { version: JOINT_VERSION, control }) => {
+            match Installed::prepare(control) {
+                Ok(installed) => node.task(|task| task.install(installed)),
+                Err(refusal) => JointResponse::Refused(refusal),
+            }
+        }
+        JointRequest::Configure(_) => JointResponse::Refused(Refusal::Version(JOINT_VERSION)),
         JointRequest::Arm => node.task(JointTask::arm),
         JointRequest::Start(stiffness) => node.task(|task| task.start(*stiffness)),
         JointRequest::Stop => node.task(JointTask::stop),
@@ -59,6 +108,9 @@ pub fn carry_out(node: &mut impl JointNode, request: &JointRequest) -> JointResp
         JointRequest::Service => node.task(JointTask::serve),
         JointRequest::Press(pressures) => node.task(|task| task.press(*pressures)),
         JointRequest::Settings(settings) => node.task(|task| task.set(settings.as_ref())),
+        JointRequest::Installed => JointResponse::Installed(
+            node.task(|task| task.installed.as_ref().map(|installed| installed.fingerprint)),
+        ),
         JointRequest::Tick(_) => JointResponse::Refused(Refusal::NotHere),
     }
 }
@@ -149,13 +201,39 @@ impl JointTask {
         if !matches!(self.state, JointBoardState::Off | JointBoardState::Ready) {
             return JointResponse::WrongState(self.state);
         }
-        if let Err(refusal) = self.clock.map_or(Ok(()), |clock| clock.demand(installed.period_s)) {
+        if let Err(refusal) = self.take(installed) {
             return JointResponse::Refused(refusal);
         }
-        self.installed = Some(installed);
-        self.set_up();
         self.leave(JointBoardState::Ready);
         JointResponse::Accepted
+    }
+
+    /// Takes a joint; what state follows is left to others.
+    fn take(&mut self, installed: Installed) -> Result<(), Refusal> {
+        self.clock.map_or(Ok(()), |clock| clock.demand(installed.period_s))?;
+        self.installed = Some(installed);
+        self.set_up();
+        Ok(())
+    }
+
+    /// Takes limits that were kept.
+    fn recall_limits(&mut self, kept: &Protection) {
+        match checked_limits(kept, self.clock.is_some()) {
+            Ok(protection) => self.protection = protection,
+            Err(_) => self.report_of_board(Fault::ConfigurationCorrupt),
+        }
+    }
+
+    /// Takes a calibration that was kept. One that is damaged, or that no working sensor has, is a
+    /// fault: the scalings stay those of the standard sensors.
+    fn recall_calibration(&mut self, kept: &Sealed<JointCalibration>) {
+        let opened = kept.open().and_then(|calibration| {
+            JointScalings::calibrated(calibration).ok().map(|scalings| (*calibration, scalings))
+        });
+        match opened {
+            Some((calibration, scalings)) => (self.calibration, self.scalings) = (calibration, scalings),
+            None => self.report_of_board(Fault::CalibrationCorrupt),
+        }
     }
 
     /// Takes settings, or tells those that there are.
@@ -265,11 +343,7 @@ impl Installed {
     /// A joint that is valid.
     // Not inlined: it needs much stack, and only while it runs.
     #[inline(never)]
-    fn prepare(configuration: &JointConfiguration) -> Result<Self, Refusal> {
-        if configuration.version != JOINT_VERSION {
-            return Err(Refusal::Version(JOINT_VERSION));
-        }
-        let parameters = &configuration.control;
+    fn prepare(parameters: &BoardJointParameters) -> Result<Self, Refusal> {
         let none = PidParameters { kp: 0.0, ki: 0.0, kd: 0.0, ..parameters.pid };
         let open = BoardJointParameters { pid: none, ..parameters.clone() };
         let control = BoardJointControl::try_new(parameters)?;
@@ -278,6 +352,7 @@ impl Installed {
             control,
             open: BoardJointControl::try_new(&open)?,
             period_s: parameters.period_s,
+            fingerprint: fingerprint(parameters),
         })
     }
 }

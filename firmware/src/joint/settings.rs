@@ -53,9 +53,18 @@ impl JointScalings {
 /// # Errors
 /// The first limit or line that cannot be, by name, value and limits.
 pub fn checked(settings: &JointSettings, has_muscles: bool) -> Result<(Protection, JointScalings), Refusal> {
-    let protection = settings.protection.checked()?;
+    let protection = checked_limits(&settings.protection, has_muscles)?;
+    Ok((protection, JointScalings::calibrated(&settings.calibration)?))
+}
+
+/// The same of the limits alone.
+///
+/// # Errors
+/// The first limit that cannot be, by name, value and limits.
+pub fn checked_limits(protection: &Protection, has_muscles: bool) -> Result<Protection, Refusal> {
+    let protection = protection.checked()?;
     if has_muscles {
         ceilings::refused(excess_of_protection(&protection))?;
     }
-    Ok((protection, JointScalings::calibrated(&settings.calibration)?))
+    Ok(protection)
 }

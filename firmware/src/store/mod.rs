@@ -1,10 +1,11 @@
-//! The parameters that a board keeps without power: a set ([`Parameters`]) in two sectors of NOR
-//! flash.
+//! The parameters that a board keeps without power: a set ([`Parameters`] of one muscle,
+//! [`JointParameters`] of a joint) in two sectors of NOR flash.
 //!
 //! # Design
 //! Each sector is a log of records (`sequential-storage`, CRC-32 over each); a record is a whole
-//! set with a sequence number and the version of its layout. The newest readable record is the
-//! board's set.
+//! set with a sequence number and the version of its layout, which tells the kind of board, too
+//! ([`Set`]). The newest readable record is the board's set; where it is of another kind of board,
+//! there is none.
 //!
 //! | save | what is done |
 //! |---|---|
@@ -34,27 +35,36 @@
 //! 10,000 erasures: 400,000 changes.
 
 mod blocking;
+mod joint_parameters;
+mod layouts;
 mod parameters;
 mod previous;
 mod record;
 mod sealed;
 mod sectors;
+mod set;
+
+use core::marker::PhantomData;
 
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
-use wire::{Fault, State};
+use wire::Fault;
 
+pub use joint_parameters::{JOINT_LAYOUT, JointParameters};
+pub use layouts::LAYOUT;
 pub use parameters::Parameters;
-pub use record::{LAYOUT, RECORD_BYTES};
-pub use sealed::Sealed;
+pub use record::RECORD_BYTES;
+pub use sealed::{Lines, Sealed};
+pub use set::{BoardState, Set};
 
 use record::Record;
 use sectors::{Failure, Sector, Sectors};
 
-/// Why there is no set to be read; the board then has [`Parameters::FACTORY`] and a fault to
-/// report.
+/// Why there is no set to be read; the board then has that of a new one ([`Set::NEW`]) and a fault
+/// to report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadError {
-    /// The newest set has a layout that this firmware does not know.
+    /// The newest set has a layout that this firmware does not know: a later one, or that of
+    /// another kind of board ([`Set`]).
     Layout(u16),
     /// Something was stored, and nothing of it is readable.
     Corrupt,
@@ -65,8 +75,8 @@ pub enum LoadError {
 /// Why a set was not saved; the old one is still there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveError {
-    /// The valve is not vented in this state.
-    WrongState(State),
+    /// A valve is not vented.
+    Driven,
     /// A parameter is not a number: no controller takes such a set.
     NotANumber,
     /// The set is longer than a record may be.
@@ -79,23 +89,24 @@ pub enum SaveError {
     OnTrial,
 }
 
-/// The store in a flash whose first two sectors are its own.
+/// The store of sets of a kind, in a flash whose first two sectors are its own.
 #[derive(Debug)]
-pub struct ParameterStore<F> {
+pub struct ParameterStore<F, P> {
     sectors: Sectors<F>,
     buffer: [u8; RECORD_BYTES],
+    of: PhantomData<P>,
 }
 
 /// A record and the sector that it stands in.
-struct Found {
-    record: Record,
+struct Found<P> {
+    record: Record<P>,
     sector: Sector,
 }
 
-impl<F: NorFlash> ParameterStore<F> {
+impl<F: NorFlash, P: Set> ParameterStore<F, P> {
     /// The store in this flash, which is neither read nor written yet.
     pub const fn new(flash: F) -> Self {
-        Self { sectors: Sectors::new(flash), buffer: [0; RECORD_BYTES] }
+        Self { sectors: Sectors::new(flash), buffer: [0; RECORD_BYTES], of: PhantomData }
     }
 
     /// The flash.
@@ -113,12 +124,12 @@ impl<F: NorFlash> ParameterStore<F> {
         self.sectors.into_flash()
     }
 
-    /// The newest set, [`Parameters::FACTORY`] if none was ever stored.
+    /// The newest set, [`Set::NEW`] if none was ever stored.
     ///
     /// # Errors
     /// Something was stored, but there is no set of it to be had.
-    pub fn load(&mut self) -> Result<Parameters, LoadError> {
-        self.newest()?.map_or(Ok(Parameters::FACTORY), |found| found.record.parameters)
+    pub fn load(&mut self) -> Result<P, LoadError> {
+        self.newest()?.map_or(Ok(P::NEW), |found| found.record.parameters)
     }
 
     /// Keeps a set. `state`: the board's, in which it stays meanwhile.
@@ -126,9 +137,9 @@ impl<F: NorFlash> ParameterStore<F> {
     /// # Errors
     /// The state is not vented; the set is not valid; the flash fails. The old set is then still
     /// the newest; after a failure of the flash the new one may be.
-    pub fn save(&mut self, state: State, parameters: &Parameters) -> Result<(), SaveError> {
+    pub fn save(&mut self, state: impl BoardState, parameters: &P) -> Result<(), SaveError> {
         if state.is_driven() {
-            return Err(SaveError::WrongState(state));
+            return Err(SaveError::Driven);
         }
         // What was written is compared with what it should be.
         if !parameters.eq(parameters) {
@@ -148,7 +159,7 @@ impl<F: NorFlash> ParameterStore<F> {
 
     /// Erases the sector without the newest record (`sector`, where no record is stored) and makes
     /// the set its first record.
-    fn begin(&mut self, sector: Sector, parameters: &Parameters) -> Result<(), SaveError> {
+    fn begin(&mut self, sector: Sector, parameters: &P) -> Result<(), SaveError> {
         let (sector, sequence) = match self.newest() {
             Ok(Some(Found { record, sector })) => (sector.other(), record.next_sequence()),
             Ok(None) | Err(_) => (sector, 0),
@@ -158,7 +169,7 @@ impl<F: NorFlash> ParameterStore<F> {
     }
 
     /// Appends the set, and makes sure that it is the newest.
-    fn append(&mut self, sector: Sector, sequence: u32, parameters: &Parameters) -> Result<(), SaveError> {
+    fn append(&mut self, sector: Sector, sequence: u32, parameters: &P) -> Result<(), SaveError> {
         let bytes = record::encode(sequence, parameters, &mut self.buffer).ok_or(SaveError::TooLong)?;
         self.sectors.append(sector, bytes)?;
         // Its number is above all that were found in the other sector.
@@ -167,7 +178,7 @@ impl<F: NorFlash> ParameterStore<F> {
     }
 
     /// The newest record, `None` in a blank flash.
-    fn newest(&mut self) -> Result<Option<Found>, LoadError> {
+    fn newest(&mut self) -> Result<Option<Found<P>>, LoadError> {
         match self.newest_in(&Sector::BOTH) {
             (Some(found), _) => Ok(Some(found)),
             (None, Some(Failure::Flash(kind))) => Err(LoadError::Flash(kind)),
@@ -178,7 +189,7 @@ impl<F: NorFlash> ParameterStore<F> {
 
     /// The newest record of these sectors, if there is one, and what has kept others from being
     /// read.
-    fn newest_in(&mut self, sectors: &[Sector]) -> (Option<Found>, Option<Failure>) {
+    fn newest_in(&mut self, sectors: &[Sector]) -> (Option<Found<P>>, Option<Failure>) {
         let mut newest: Option<(u32, Sector)> = None;
         let mut failure = None;
         for &sector in sectors {
@@ -197,7 +208,7 @@ impl<F: NorFlash> ParameterStore<F> {
 
     /// The record with a number. Only it is decoded: with all that are in the way, a full store
     /// would take the board half a second.
-    fn found(&mut self, sequence: u32, sector: Sector) -> Option<Found> {
+    fn found(&mut self, sequence: u32, sector: Sector) -> Option<Found<P>> {
         let mut found = None;
         // What cannot be read is behind it.
         let _ = self.sectors.for_each(sector, &mut self.buffer, |bytes| {

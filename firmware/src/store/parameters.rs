@@ -1,4 +1,4 @@
-//! What a board keeps.
+//! What a board with one muscle keeps.
 
 use serde::{Deserialize, Serialize};
 use wire::{BoardParameters, BusParameters, Configuration, Protection, Request, VERSION};

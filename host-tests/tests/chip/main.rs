@@ -17,15 +17,18 @@ use board_models::extended_parameters;
 use board_models::joint::joint_parameters;
 use firmware::store::ParameterStore;
 use host_tests::flash::MockFlash;
-use host_tests::store::{numbered, paper_set};
+use host_tests::store::{Limited, joint_set, numbered, paper_set};
 use libtest_mimic::{Arguments, Conclusion, Failed, Trial};
 use model_core::Mode;
 use model_core::joint::JointTarget;
 use wire::image::{BoardKind, Linked, Place};
 use wire::joint::{
-    JOINT_VERSION, JointAim, JointBoardState, JointConfiguration, JointRequest, JointResponse,
+    JOINT_VERSION, JointAim, JointBoardState, JointCalibration, JointConfiguration, JointRequest,
+    JointResponse, JointSettings,
 };
-use wire::{Configuration, FRAME_BYTES, Protection, Refusal, Request, Response, State, VERSION};
+use wire::{
+    Configuration, FRAME_BYTES, Line, Protection, Refusal, Request, Response, State, VERSION, fingerprint,
+};
 
 /// The environment variable that names a Python which has Unicorn.
 const PYTHON: &str = "MGPI_CHIP_PYTHON";
@@ -33,6 +36,8 @@ const PYTHON: &str = "MGPI_CHIP_PYTHON";
 const IMAGE: &str = "MGPI_CHIP_IMAGE";
 /// The one by which it finds the contents of a flash whose next save erases.
 const STORE: &str = "MGPI_CHIP_STORE";
+/// The same of a board with a joint.
+const JOINT_STORE: &str = "MGPI_CHIP_JOINT_STORE";
 /// The one by which it finds requests and responses of the link, as frames.
 const FRAMES: &str = "MGPI_CHIP_FRAMES";
 /// The one by which it finds images as they come by an update, a file each.
@@ -58,9 +63,11 @@ fn main() -> Result<(), Failed> {
 /// The tests, or the program in their place.
 fn run() -> Result<Option<Conclusion>, Failed> {
     let inputs = tempfile::tempdir()?;
-    let [store, frames_file, images] = ["store", "frames", "images"].map(|name| inputs.path().join(name));
-    let files = Files { store, frames: frames_file, images };
-    std::fs::write(&files.store, full_store()?)?;
+    let [store, joint_store, frames_file, images] =
+        ["store", "joint_store", "frames", "images"].map(|name| inputs.path().join(name));
+    let files = Files { store, joint_store, frames: frames_file, images };
+    std::fs::write(&files.store, full_store(paper_set())?)?;
+    std::fs::write(&files.joint_store, full_store(joint_set())?)?;
     std::fs::write(&files.frames, frames()?)?;
     std::fs::create_dir(&files.images)?;
     if image_file().is_file() {
@@ -91,6 +98,7 @@ fn run() -> Result<Option<Conclusion>, Failed> {
 #[derive(Clone)]
 struct Files {
     store: PathBuf,
+    joint_store: PathBuf,
     frames: PathBuf,
     images: PathBuf,
 }
@@ -143,6 +151,9 @@ fn frames() -> Result<String, Failed> {
         ("joint_aim_by", aim(70_000)),
         ("joint_press", JointRequest::Press([2.5, 1.5])),
         ("joint_press_too_much", JointRequest::Press([7.0, 1.5])),
+        ("joint_installed", JointRequest::Installed),
+        ("joint_settings", JointRequest::Settings(Some(joint_settings()))),
+        ("joint_settings_asked", JointRequest::Settings(None)),
     ] {
         text += &framed(name, wire::encode(&request, &mut buffer)?);
     }
@@ -152,10 +163,28 @@ fn frames() -> Result<String, Failed> {
         ("joint_at_fault", JointResponse::WrongState(JointBoardState::Fault)),
         ("joint_is_off", JointResponse::WrongState(JointBoardState::Off)),
         ("joint_in_service", JointResponse::WrongState(JointBoardState::Service)),
+        ("joint_not_stored", JointResponse::Refused(Refusal::NotStored)),
+        ("joint_has_none", JointResponse::Installed(None)),
+        ("joint_has_it", JointResponse::Installed(Some(fingerprint(&joint_parameters())))),
+        ("joint_has_the_stored", JointResponse::Installed(joint_set().control.as_ref().map(fingerprint))),
+        ("joint_is_set", JointResponse::Settings(joint_settings())),
     ] {
         text += &framed(name, wire::encode(&response, &mut buffer)?);
     }
     Ok(text + &framed("joint_numbers", &joint_numbers()))
+}
+
+/// Settings of which none is the standard one, of sensors that are nearly so: the model's plant is
+/// seen by the standard ones.
+fn joint_settings() -> JointSettings {
+    let line = |zero_code, codes_per_unit| Some(Line { zero_code, codes_per_unit });
+    JointSettings {
+        protection: Protection { supply_min_bar: 3.5, ..Protection::STANDARD },
+        calibration: JointCalibration {
+            pressures: [line(411.0, 325.9), line(407.5, 329.0)],
+            angle: line(2050.0, 1170.0),
+        },
+    }
 }
 
 /// What the model's plant has to know of the joint: torques of a bar and passive torque over the
@@ -168,13 +197,13 @@ fn joint_numbers() -> Vec<u8> {
     all.flat_map(|number| number.to_le_bytes()).collect()
 }
 
-/// Sectors that are both full, and so erased by the next save.
-fn full_store() -> Result<Vec<u8>, Failed> {
+/// Sectors that are both full of a set, and so erased by the next save.
+fn full_store<P: Limited>(set: P) -> Result<Vec<u8>, Failed> {
     let mut store = ParameterStore::new(MockFlash::<SECTOR>::blank());
     let mut full = None;
     for number in 1001..1001 + SETS {
         let before = store.flash().bytes().to_vec();
-        store.save(State::Ready, &numbered(number, paper_set())).map_err(|error| format!("{error:?}"))?;
+        store.save(State::Ready, &numbered(number, set.clone())).map_err(|error| format!("{error:?}"))?;
         let cleared =
             before.iter().zip(store.flash().bytes()).any(|(before, after)| *before == 0 && *after != 0);
         full = if cleared { Some(before) } else { full };
@@ -293,7 +322,11 @@ impl Drop for Server {
 fn python(files: &Files) -> Command {
     let mut command = Command::new(std::env::var_os(PYTHON).unwrap_or_default());
     command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("chip"));
-    command.env(STORE, &files.store).env(FRAMES, &files.frames).env(IMAGES, &files.images);
+    command
+        .env(STORE, &files.store)
+        .env(JOINT_STORE, &files.joint_store)
+        .env(FRAMES, &files.frames)
+        .env(IMAGES, &files.images);
     command.env(IMAGE, image_file()).env("PYTHONDONTWRITEBYTECODE", "1");
     command
 }

@@ -71,6 +71,8 @@ fn what_does_not_fit_a_joint_is_refused_and_leaves_nothing() {
         ("pil --joint --model joint.csv --reference reference.csv", "not a TOML file"),
         ("pil --joint --model joint.toml --reference reference.csv --kp 3", "cannot be used with"),
         ("pil --model joint.toml --reference reference.csv", "kind"),
+        ("pil --model joint.toml --reference reference.csv --settings board.toml", "--joint"),
+        ("pil --joint --model joint.toml --reference reference.csv --settings board.toml", "board.toml"),
     ] {
         let refused = bench.refuses(arguments);
         assert!(refused.contains(message), "{arguments}: {refused}");

@@ -20,8 +20,9 @@ fn main() {
     if let Some(reason) = &missing {
         println!("the tests of the firmware of a joint are skipped: {reason}");
     }
-    let tests: [(&str, fn()); 3] = [
+    let tests: [(&str, fn()); 4] = [
         ("a_joint_is_controlled_by_the_firmware_of_two_channels", controlled),
+        ("limits_and_calibration_of_a_file_are_those_of_the_firmware", settings),
         ("a_joint_that_is_not_the_models_is_recognised_before_it_is_controlled", backwards),
         ("a_plant_that_answers_garbage_is_quoted_and_leaves_nothing", garbage),
     ];
@@ -55,6 +56,26 @@ fn controlled() {
     assert!(run["ticks"] == 2001 && share < 0.005, "{run}");
     assert_eq!(bench.read("log.csv").lines().count(), 2002);
     assert!(bench.read("run.html").contains("Torque of the feedback"), "a report");
+    assert_none_is_left(&bench);
+}
+
+fn settings() {
+    let bench = with_model();
+    bench.write("low.toml", "[limits]\noverpressure_soft_bar = 2\n");
+    let refused = bench.refuses(&format!("{RUN} --settings low.toml"));
+    assert!(refused.contains("fault 112") || refused.contains("fault 212"), "{refused}");
+    let wrong = "[calibration]\npressure_b_zero_code = 410\npressure_b_codes_per_bar = 500\n";
+    bench.write("wrong.toml", wrong);
+    let refused = bench.refuses(&format!("{RUN} --settings wrong.toml"));
+    assert!(refused.contains("pressure b: 1.526251"), "{refused}");
+    let off = "[calibration]\npressure_a_zero_code = 430\npressure_a_codes_per_bar = 300\n\
+               angle_zero_code = 2200\nangle_codes_per_degree = 21\n";
+    bench.write("off.toml", off);
+    // Sensors that are off, and a board that knows by how much.
+    bench.succeeds(&format!("{RUN} --settings off.toml --json run.json"));
+    let run: serde_json::Value = serde_json::from_str(&bench.read("run.json")).expect("JSON");
+    let share = run["rmse_deg"].as_f64().expect("a number") / run["range_deg"].as_f64().expect("a number");
+    assert!(share < 0.005, "{run}");
     assert_none_is_left(&bench);
 }
 

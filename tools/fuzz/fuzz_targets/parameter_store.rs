@@ -14,7 +14,7 @@ const SECTOR: usize = 1024;
 fuzz_target!(|input: (u16, u8, &[u8])| {
     let (units, tear, contents) = input;
     let flash = MockFlash::<SECTOR>::with(&contents[..contents.len().min(2 * SECTOR)]);
-    let mut store = ParameterStore::new(flash.clone());
+    let mut store = ParameterStore::<_, Parameters>::new(flash.clone());
     let found = store.load();
     assert_eq!(store.load(), found);
     let after = store.into_flash();
@@ -32,6 +32,6 @@ fuzz_target!(|input: (u16, u8, &[u8])| {
     let saved = store.save(State::Ready, &new);
     let mut flash = store.into_flash();
     flash.power_up();
-    let kept = ParameterStore::new(flash).load().expect("the old set was there");
+    let kept = ParameterStore::<_, Parameters>::new(flash).load().expect("the old set was there");
     assert!(kept == new || saved.is_err() && kept == old);
 });

@@ -245,7 +245,7 @@ pub const TABLE: [Row; Fault::ALL.len()] = [
         "stored configuration of another version",
         "its version is not the firmware's, and none that can be migrated",
         0,
-        "the firmware was exchanged for a much older or newer one",
+        "the firmware was exchanged for a much older or newer one, or one for two channels at a joint",
         "acknowledge, configure and save again",
     ),
     vent(

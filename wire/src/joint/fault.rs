@@ -113,7 +113,7 @@ pub struct Advice {
 }
 
 /// Faults of a board whose cause or cure is another one at a joint.
-const OF_JOINTS: [(Fault, Advice); 8] = [
+const OF_JOINTS: [(Fault, Advice); 11] = [
     (Fault::SupplySensor, SUPPLY),
     (Fault::SupplyLow, SUPPLY),
     (
@@ -121,6 +121,25 @@ const OF_JOINTS: [(Fault, Advice); 8] = [
         Advice {
             cause: "the host's program has ended or hangs, or the cable is out",
             cure: "start it again",
+        },
+    ),
+    (
+        Fault::ConfigurationCorrupt,
+        Advice { cause: "flash worn out, or written by something else", cure: DEPLOY },
+    ),
+    (
+        Fault::ConfigurationVersion,
+        Advice {
+            cause: "the firmware was exchanged for a much older or newer one, or was one for a single muscle",
+            cure: DEPLOY,
+        },
+    ),
+    (
+        Fault::CalibrationCorrupt,
+        Advice {
+            cause: "flash or RAM that loses bits, or something else has written there",
+            cure: "acknowledge, and give the settings again (`--settings`): what is measured may be a quarter off until \
+                   then",
         },
     ),
     (
@@ -148,6 +167,9 @@ const OF_JOINTS: [(Fault, Advice); 8] = [
         },
     ),
 ];
+
+/// What helps where nothing, or not all, of what was stored is left.
+const DEPLOY: &str = "acknowledge, then `mgpi deploy --joint` with the settings";
 
 const SUPPLY: Advice = Advice {
     cause: "the transducer's wire; a supply that is off or too small for two muscles at once",

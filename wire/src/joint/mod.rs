@@ -23,7 +23,7 @@ pub use fault::{JointFault, Motion};
 pub use settings::{JointCalibration, JointSettings};
 
 /// Version of these messages. Raised with every change that the other side would misread.
-pub const JOINT_VERSION: u16 = 5;
+pub const JOINT_VERSION: u16 = 6;
 /// The largest number of stops that a board takes.
 pub const STOPS: usize = 12;
 
@@ -39,7 +39,8 @@ pub type BoardJointControl = JointControl<f32, STOPS>;
 pub enum JointRequest {
     /// Who are you? Answer: [`JointResponse::Hello`].
     Identify,
-    /// Take this joint. Refused while a valve is driven, and at fault.
+    /// Take this joint, and keep it without power. Refused while a valve is driven, and at fault;
+    /// [`Refusal::NotStored`]: it is in use until power-off.
     Configure(JointConfiguration),
     /// Be ready to start: a start, or [`JointRequest::Service`], is taken within the next
     /// [`crate::registers::ARMED_TICKS`], and not without.
@@ -65,9 +66,11 @@ pub enum JointRequest {
     /// unless it is refused: in other states than service, and above what the board allows.
     /// Answer: [`JointResponse::Report`].
     Press([f32; 2]),
-    /// Take these limits and lines of the sensors, as a whole; refused while a valve is driven, and
-    /// at fault. `None` only asks. Answer: [`JointResponse::Settings`].
+    /// Take these limits and lines of the sensors, as a whole, and keep them without power; refused
+    /// as a configuration is. `None` only asks. Answer: [`JointResponse::Settings`].
     Settings(Option<JointSettings>),
+    /// Which joint do you have? Answer: [`JointResponse::Installed`].
+    Installed,
 }
 
 /// Where a joint is to go.
@@ -98,6 +101,9 @@ pub enum JointResponse {
     Report(JointReport),
     /// What the board is set to.
     Settings(JointSettings),
+    /// The [`fingerprint`](crate::fingerprint) of the joint that the board has, of
+    /// [`JointConfiguration::control`]; none without one.
+    Installed(Option<u32>),
 }
 
 /// Who a board is.

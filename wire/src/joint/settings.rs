@@ -1,7 +1,7 @@
 //! What the board of a joint is set to beside its model: the limits of the plant, and the lines of
 //! its sensors.
 //!
-//! The board keeps them until it is next started, and has the standard ones then.
+//! The board keeps them without power; a new one has the standard ones.
 
 use serde::{Deserialize, Serialize};
 

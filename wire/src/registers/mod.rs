@@ -31,6 +31,7 @@ pub use names::{
 };
 pub use table::{GROUPS, Group, HIGHEST_BAR, Id, TABLE};
 pub use value::{Kind, Value};
+pub(crate) use windows::CRC;
 pub use windows::{
     CAPTURE_HEAD, CAPTURE_SAMPLES, MESSAGE_REGISTERS, QUEUE_POINTS, SAMPLE_REGISTERS, STREAM_POINTS,
     TRACE_ENTRY_REGISTERS, UPLOAD_BYTES, UPLOAD_REGISTERS, bytes_of, checksum, pack_bytes, pack_sample,

@@ -25,7 +25,7 @@ pub const TRACE_ENTRY_REGISTERS: u16 = 7;
 const REFERENCE_PER_MM: f32 = 128.0;
 
 /// The everyday CRC-32, that of an upload.
-const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+pub(crate) static CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// The CRC-32 of an upload (ISO-HDLC, as in zip).
 pub fn checksum(bytes: &[u8]) -> u32 {

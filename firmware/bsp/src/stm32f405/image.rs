@@ -7,7 +7,7 @@
 
 use firmware::FIRMWARE_VERSION;
 use firmware::identity::SOURCE;
-use firmware::store::LAYOUT;
+use firmware::store::{JOINT_LAYOUT, LAYOUT};
 use firmware::update::{Images, is_whole};
 use wire::image::{BoardKind, HEAD_WORDS, Head, LINKED_WORDS, Linked};
 
@@ -26,7 +26,7 @@ const fn linked(kind: BoardKind) -> Linked {
         revisions: [0, u16::MAX],
         release: FIRMWARE_VERSION,
         wire: wire::VERSION,
-        layout: LAYOUT,
+        layout: if matches!(kind, BoardKind::Joint) { JOINT_LAYOUT } else { LAYOUT },
         is_modified: SOURCE.is_modified,
         commit: SOURCE.commit,
     }

@@ -16,6 +16,7 @@
 //! | [`watchdog`] | the hardware watchdog |
 //! | [`memory`] | the black box, and why the processor has started |
 //! | [`flash`] | erasing and programming; `parameter_flash.rs` and [`image_flash`] make use of it |
+//! | [`stored`] | what a board keeps in its flash, and has at hand |
 //! | [`image_flash`] | the places of the images |
 //! | [`pins`] | routing, status light, voltage detector |
 //! | [`bring_up`] | what the bring-up image needs beyond these |
@@ -37,6 +38,7 @@ pub mod pins;
 pub mod restart;
 pub mod scan;
 pub mod start;
+pub mod stored;
 pub mod tick;
 pub mod valve;
 pub mod watchdog;

@@ -58,6 +58,15 @@ pub enum JointBoardError {
         "the board has other limits and lines of its sensors than it was given: is another program at its link?"
     )]
     OtherSettings,
+    #[error(
+        "the board has another joint than the one that was sent: is another program at its link? Deploy it again"
+    )]
+    NotInstalled,
+    #[error(
+        "what the board was given is in use, but its flash has not kept it: it is lost when power is. The board may start \
+         with what it had before; after a second failure replace the board"
+    )]
+    NotStored,
     #[error("the board has not tried the joint within {0} s")]
     NotStarted(f64),
     #[error(transparent)]

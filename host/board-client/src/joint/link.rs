@@ -31,8 +31,11 @@ pub const ANSWER: Duration = Duration::from_millis(120);
 const SILENT_TRIES: usize = 3;
 /// How often a request is sent in all: damage is told at once.
 const TRIES: usize = 12;
-/// Checking the parameters of a joint takes a board this many times as long as any other answer.
+/// Checking a joint and storing it, for which a sector may have to be erased, takes a board this
+/// many times as long as any other answer.
 const LONG: u32 = 8;
+/// It was done, and the flash has not kept it.
+const NOT_STORED: JointResponse = JointResponse::Refused(Refusal::NotStored);
 /// What comes after so long a silence is no answer to a request before.
 const LATE: Duration = Duration::from_millis(20);
 /// So long what comes late is waited for.
@@ -57,6 +60,7 @@ pub struct JointLink {
     port: Port,
     address: Address,
     hello: JointHello,
+    has_kept: bool,
 }
 
 impl JointLink {
@@ -79,7 +83,7 @@ impl JointLink {
         if hello.version != JOINT_VERSION {
             return Err(JointBoardError::Version { board: hello.version });
         }
-        let mut link = Self { port, address, hello };
+        let mut link = Self { port, address, hello, has_kept: true };
         match (link.hello.state, link.hello.fault) {
             (_, Some(fault)) if !acknowledges => return Err(JointBoardError::AtFault(fault)),
             (_, Some(fault)) => {
@@ -99,14 +103,20 @@ impl JointLink {
         &self.hello
     }
 
+    /// Whether the board has kept what it was given last, and will have it when it starts again.
+    pub fn has_kept(&self) -> bool {
+        self.has_kept
+    }
+
     /// Gives an order, which leads to one of the states `done`, if to another one at all.
     ///
     /// # Errors
-    /// The board does not answer, or refuses.
+    /// The board does not answer, or refuses; that its flash has not kept something is none
+    /// ([`Self::has_kept`]).
     pub fn order(&mut self, request: &JointRequest, done: &[JointBoardState]) -> Result<(), JointBoardError> {
         let Answered { response, tries } = self.ask(request)?;
         match response {
-            JointResponse::Accepted => Ok(()),
+            JointResponse::Accepted | NOT_STORED => Ok(()),
             // It was heard before, and its answer was lost.
             JointResponse::WrongState(state) if tries > 1 && done.contains(&state) => Ok(()),
             other => Err(self.refused(other)),
@@ -128,9 +138,13 @@ impl JointLink {
     /// read.
     ///
     /// # Errors
-    /// The board does not answer, or refuses.
+    /// The board does not answer, or refuses; that its flash has not kept them is none.
     pub fn settings(&mut self, request: &JointRequest) -> Result<JointSettings, JointBoardError> {
-        let settings = match self.ask(request)?.response {
+        let mut response = self.ask(request)?.response;
+        if response == NOT_STORED {
+            response = self.ask(&JointRequest::Settings(None))?.response;
+        }
+        let settings = match response {
             JointResponse::Settings(settings) => settings,
             other => return Err(self.refused(other)),
         };
@@ -139,6 +153,17 @@ impl JointLink {
             other => return Err(self.refused(other)),
         }
         Ok(settings)
+    }
+
+    /// Which joint the board has, by its [`wire::fingerprint`]; none without one.
+    ///
+    /// # Errors
+    /// The board does not answer, or not this.
+    pub fn installed(&mut self) -> Result<Option<u32>, JointBoardError> {
+        match self.ask(&JointRequest::Installed)?.response {
+            JointResponse::Installed(joint) => Ok(joint),
+            other => Err(self.refused(other)),
+        }
     }
 
     /// Why a request was not done; where the board is at fault, by which.
@@ -156,11 +181,13 @@ impl JointLink {
     }
 
     fn ask(&mut self, request: &JointRequest) -> Result<Answered, JointBoardError> {
-        let limit = match request {
-            JointRequest::Configure(_) => LONG * self.address.limit,
-            _ => self.address.limit,
-        };
-        exchange(&mut self.port, &self.address, request, limit)
+        let is_kept = matches!(request, JointRequest::Configure(_) | JointRequest::Settings(Some(_)));
+        let limit = if is_kept { LONG * self.address.limit } else { self.address.limit };
+        let answered = exchange(&mut self.port, &self.address, request, limit)?;
+        if is_kept {
+            self.has_kept = answered.response != NOT_STORED;
+        }
+        Ok(answered)
     }
 }
 

@@ -8,6 +8,8 @@
 //! | [`start`] | starts a joint, which its board tries before it controls it, and goes to where it shall begin |
 //! | [`link`] | a board at a serial port: requests and answers, lost ones and damaged ones |
 //! | `run` | what a run over that link begins and ends with |
+//! | [`settings`] | the file of limits and lines of the sensors that a board is given |
+//! | [`deploy`](mod@deploy) | gives such a board what it keeps |
 //! | [`track`](mod@track) | such a board follows a reference |
 //! | [`record`](mod@record) | such a board records a joint, without a model |
 //! | [`excitation`] | what is played for that |
@@ -19,6 +21,7 @@
 //! measured; the measurement goes to the board as ADC codes, with what is wanted in this tick, and
 //! its DAC codes are the next commands.
 
+pub mod deploy;
 pub mod error;
 pub mod excitation;
 pub mod link;
@@ -39,7 +42,7 @@ use recording::joint::HostJointParameters;
 use wire::Scaling;
 use wire::joint::{
     BoardJointParameters, JOINT_VERSION, JointConfiguration, JointHello, JointRequest, JointResponse,
-    JointTickReply, JointTickRequest,
+    JointSettings, JointTickReply, JointTickRequest,
 };
 
 use crate::pil::{PilError, SLEW_BAR_PER_S};
@@ -75,7 +78,7 @@ impl JointBoard for crate::emulator::Emulator {
 }
 
 /// Degrees in a radian.
-pub(crate) const DEGREES: f64 = 180.0 / PI;
+pub const DEGREES: f64 = 180.0 / PI;
 
 /// What the sensors of a joint say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -165,16 +168,25 @@ pub fn parameters(
 }
 
 impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
-    /// A vented joint, its board configured.
+    /// A vented joint, its board configured, with other limits and lines of its sensors than it
+    /// has, if there are `settings`.
     ///
     /// # Errors
-    /// The board does not take the parameters, or the plant does not answer.
+    /// The board does not take the parameters or the settings, or the plant does not answer.
     pub fn new(
-        parameters: &BoardJointParameters,
+        (parameters, settings): (&BoardJointParameters, Option<&JointSettings>),
         board: &'a mut B,
         plant: &'a mut P,
         stop: Stop,
     ) -> Result<Self, PilError> {
+        if let Some(settings) = settings {
+            match board.request(&JointRequest::Settings(Some(*settings)))? {
+                JointResponse::Settings(_) => {}
+                JointResponse::Refused(refusal) => return Err(PilError::Refused(refusal)),
+                _ => return Err(PilError::OutOfTurn),
+            }
+        }
+        // Behind the settings: it tells how codes are to be read.
         let hello = match board.request(&JointRequest::Identify)? {
             JointResponse::Hello(hello) if hello.version == JOINT_VERSION => hello,
             JointResponse::Hello(hello) => {

@@ -101,3 +101,29 @@ pub fn give(link: &mut JointLink, settings: &JointSettings) -> Result<(), JointB
     let told = link.settings(&JointRequest::Settings(Some(*settings)))?;
     if told == *settings { Ok(()) } else { Err(JointBoardError::OtherSettings) }
 }
+
+/// What is another one with other settings, a line each: name, before and after.
+pub fn changes(before: &JointSettings, after: &JointSettings) -> Vec<String> {
+    let limit = |settings: &JointSettings, id| {
+        let mut protection = settings.protection;
+        of_protection(&mut protection, id).map(|field| (field.get().number() as f32).to_string())
+    };
+    let limits = LIMITS.into_iter().map(|id| (id.register().name, limit(before, id), limit(after, id)));
+    let lines = |settings: &JointSettings| {
+        let JointCalibration { pressures: [a, b], angle } = settings.calibration;
+        [("bar", a), ("bar", b), ("rad", angle)].map(|(unit, line)| {
+            Some(line.map_or("standard".to_owned(), |Line { zero_code, codes_per_unit }| {
+                format!("{zero_code} + {codes_per_unit} a {unit}")
+            }))
+        })
+    };
+    let sensors = ["pressure a", "pressure b", "angle"].into_iter().zip(lines(before)).zip(lines(after));
+    let sensors = sensors.map(|((name, before), after)| (name, before, after));
+    limits
+        .chain(sensors)
+        .filter(|(_, before, after)| before != after)
+        .map(|(name, before, after)| {
+            format!("{name:<24}{} -> {}", before.unwrap_or_default(), after.unwrap_or_default())
+        })
+        .collect()
+}

@@ -9,11 +9,9 @@
 use std::f64::consts::PI;
 
 use model_core::joint::JointTarget;
-use wire::joint::{
-    BoardJointParameters, JOINT_VERSION, JointAim, JointBoardState, JointConfiguration, JointReport,
-    JointRequest,
-};
+use wire::joint::{BoardJointParameters, JointAim, JointBoardState, JointReport, JointRequest};
 
+use super::deploy::configure;
 use super::error::JointBoardError;
 use super::link::JointLink;
 use super::run::{PERIOD_S, Recorded, Rows, Run};
@@ -51,8 +49,7 @@ pub fn track(
     heard: &mut Heard<'_>,
 ) -> Result<Recorded, JointBoardError> {
     let Some(first) = course.wanted.first() else { return Ok(Recorded::default()) };
-    let configuration = JointConfiguration { version: JOINT_VERSION, control: control.clone() };
-    link.order(&JointRequest::Configure(configuration), &[])?;
+    configure(link, control)?;
     let start = JointRequest::Start(first.stiffness as f32);
     let done = [JointBoardState::Starting, JointBoardState::Tracking];
     let run = Run::start(link, stop, &start, &done)?;

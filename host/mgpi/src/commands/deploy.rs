@@ -9,6 +9,7 @@ use wire::{Configuration, State};
 
 use super::board_model;
 use super::gains::Gains;
+use super::joint_deploy::{self, JointArguments};
 use super::port::PortArguments;
 use super::tuned;
 use crate::Error;
@@ -21,10 +22,10 @@ use board_client::pil::configuration;
 ///
 /// Gains, filter and limits that the board has stay, unless an option says otherwise, or the
 /// model's file has gains that were tuned for it; what changes is listed first. The limits of the
-/// plant (protection) always stay.
+/// plant (protection) always stay; those of a joint's board are given by `--settings`.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// The model, from `mgpi identify` or `diagnose`
+    /// The model, from `mgpi identify` or `diagnose`; of a joint from `mgpi identify --joint`
     #[arg(value_name = "MODEL.toml")]
     model: PathBuf,
     /// List what would change, and change nothing
@@ -33,13 +34,15 @@ pub struct Arguments {
     /// Gains that the board has stay, though the model's file has tuned ones
     #[arg(long)]
     keep_gains: bool,
-    /// Also deploy a model that is off by more than 10 % of stroke
+    /// Also deploy a model that is off by more than 10 % of stroke, or of a joint's range of angles
     #[arg(long)]
     force: bool,
     #[command(flatten)]
     port: PortArguments,
     #[command(flatten)]
     gains: Gains,
+    #[command(flatten)]
+    joint: JointArguments,
 }
 
 /// Deploys.
@@ -48,7 +51,11 @@ pub struct Arguments {
 /// The model is not for the board, or is off too far; an option is outside its limits; the board
 /// does not take it.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { model: file, port, gains, dry_run, keep_gains, force } = arguments;
+    let Arguments { model: file, port, gains, dry_run, keep_gains, force, joint } = arguments;
+    if joint.is_meant() {
+        let (address, dry_run, force) = (port.link(), *dry_run, *force);
+        return joint_deploy::run(joint_deploy::Arguments { joint, model: file, address, dry_run, force });
+    }
     let model = board_model::read(file)?;
     board_model::demand_worth(file, &model, *force)?;
     let mut board = port.open()?;

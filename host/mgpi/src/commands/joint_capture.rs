@@ -17,6 +17,7 @@ use recording::{Choice, TOOL};
 use rig::joint::protocol::{JointProtocol, JointRange};
 
 use super::duration_bar::bar;
+use super::joint_deploy::note_unkept;
 use super::kept::keep;
 use super::number::{positive, share};
 use crate::Error;
@@ -82,6 +83,7 @@ pub fn run(arguments: Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> 
     let mut link = JointLink::open(address.clone(), joint.acknowledge)?;
     if let Some(settings) = &settings {
         settings::give(&mut link, settings)?;
+        note_unkept(&link);
     }
     let [major, minor, patch] = link.hello().firmware;
     let comments = [

@@ -10,7 +10,7 @@ use crate::output::Outputs;
 use board_client::emulator::Emulator;
 use board_client::emulator::image::{self, Which};
 use board_client::joint::log::log;
-use board_client::joint::{Loop, parameters};
+use board_client::joint::{Loop, parameters, settings};
 use board_client::pil::PilError;
 use board_client::pil::plant::{PlantProcess, Program};
 use board_client::stop::Stop;
@@ -21,6 +21,8 @@ pub struct Arguments<'a> {
     pub reference: &'a Path,
     pub choice: Choice,
     pub rate_hz: f64,
+    /// Limits and calibration of the board.
+    pub settings: Option<&'a Path>,
     pub plant: Program,
     pub firmware: Option<&'a Path>,
     pub verbose: bool,
@@ -38,11 +40,12 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
     let Arguments { model, reference, choice, rate_hz, plant, firmware, verbose, .. } = arguments;
     let asked = Asked::read(model, reference, choice, *rate_hz)?;
     let parameters = parameters(&asked.file.parameters, rate_hz.recip())?;
+    let settings = arguments.settings.map(settings::read).transpose()?;
     let stop = Stop::on_signals();
     let mut process = PlantProcess::start(plant, &stop).map_err(PilError::from)?;
     let image = image::find_which(Which::Joint, *firmware)?;
     let mut board = Emulator::start_joint(&image, &stop).map_err(PilError::from)?;
-    let mut joint = Loop::new(&parameters, &mut board, &mut process, stop)?;
+    let mut joint = Loop::new((&parameters, settings.as_ref()), &mut board, &mut process, stop)?;
     let first = asked.wanted[0];
     joint.start(&first)?;
     joint.approach(&first)?;

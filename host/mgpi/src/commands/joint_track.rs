@@ -12,6 +12,7 @@ use board_client::stop::Stop;
 use recording::Choice;
 
 use super::duration_bar::bar;
+use super::joint_deploy::note_unkept;
 use super::joint_run::Asked;
 use crate::Error;
 use crate::output::Outputs;
@@ -63,6 +64,7 @@ pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error>
         Ok(())
     });
     bar.finish_and_clear();
+    note_unkept(&link);
     let tracked = match tracked {
         Ok(tracked) => tracked,
         Err(error) => {

@@ -27,6 +27,7 @@ pub mod identify;
 pub mod import;
 mod instructions;
 mod joint_capture;
+mod joint_deploy;
 mod joint_identify;
 #[cfg(unix)]
 mod joint_pil;

@@ -85,6 +85,9 @@ pub struct Arguments {
         conflicts_with_all = ["feedforward_log", "feedback_log", "no_monitors", "plant", "Learning", "Gains"]
     )]
     joint: bool,
+    /// Limits and calibration that the board of a joint is given
+    #[arg(long, value_name = "SETTINGS.toml", requires = "joint")]
+    settings: Option<PathBuf>,
     /// Also show what firmware and plants have to say
     #[arg(long, short)]
     verbose: bool,
@@ -110,6 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let inputs: Vec<&Path> = [&arguments.model, &arguments.reference]
         .into_iter()
         .chain(&learning.correction)
+        .chain(&arguments.settings)
         .map(PathBuf::as_path)
         .collect();
     let mut outputs = Outputs::claim(files, &inputs, arguments.force)?;
@@ -120,6 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
                 reference: &arguments.reference,
                 choice: arguments.reading.choice(),
                 rate_hz: *rate_hz,
+                settings: arguments.settings.as_deref(),
                 plant: arguments.plant.joint(),
                 firmware: arguments.firmware.as_deref(),
                 verbose: arguments.verbose,

@@ -57,6 +57,7 @@ mod app {
     use bsp::stm32f405::pins::{self, BusDriver, DumpValve, Light, VoltageDetector};
     use bsp::stm32f405::scan::Scan;
     use bsp::stm32f405::start::{self, Started};
+    use bsp::stm32f405::stored::Stored;
     use bsp::stm32f405::tick::{TICKS_PER_SECOND, Tick, moment_us};
     use bsp::stm32f405::watchdog::HardwareWatchdog;
     use bsp::stm32f405::{SensorsAndValve, memory, output};
@@ -64,8 +65,7 @@ mod app {
     use firmware::identity::Identity;
     use firmware::node::{Node, apply};
     use firmware::noise::Noise;
-    use firmware::store::{ParameterStore, Parameters, SaveError};
-    use firmware::update::Images;
+    use firmware::store::{Parameters, SaveError};
     use firmware::watchdog::{Task, Watchdog};
     use firmware::{Capture, Control, TickClock, led};
     use rtic::Mutex;
@@ -73,10 +73,6 @@ mod app {
     use wire::{FRAME_BYTES, Fault, Protection, Receiver, Response, State, registers};
 
     use super::{CHECK_INS, IS_SLOT_NEAR};
-
-    /// More than the longest frame of either port takes: on the bus 256 bytes of 11 bits, at the
-    /// lowest rate of 9,600 bit/s 294 ms; 44 ms on the link. Unit: µs.
-    const LONGEST_FRAME_US: u32 = 300_000;
 
     /// The bus, its transceiver's driver switched by this.
     pub struct BusLine(BusDriver);
@@ -104,15 +100,10 @@ mod app {
         kept: Kept,
     }
 
-    /// What is kept without power, and where.
+    /// What is kept without power, and which board it is.
     pub struct Kept {
-        store: ParameterStore<Flash>,
-        parameters: Parameters,
+        stored: Stored<Parameters, 2>,
         identity: Identity,
-        /// Whether the control has them.
-        is_taken: bool,
-        /// Whether link and bus are sending.
-        sending: [&'static AtomicBool; 2],
     }
 
     impl Kept {
@@ -125,43 +116,17 @@ mod app {
             sending: [&'static AtomicBool; 2],
             control: &mut Control,
         ) -> Self {
-            let mut store = ParameterStore::new(flash);
-            let parameters = store.load().unwrap_or_else(|error| {
-                defmt::error!("stored parameters: {}", defmt::Debug2Format(&error));
+            let (mut stored, failure) = Stored::<Parameters, 2>::load(flash, sending, &CHECK_INS);
+            if let Some(error) = failure {
                 control.report(error.fault());
-                Parameters::FACTORY
-            });
-            if let Some(calibration) = &parameters.calibration {
+            }
+            if let Some(calibration) = &stored.parameters().calibration {
                 control.recall(calibration);
             }
-            let mut kept = Self { store, parameters, identity, is_taken: false, sending };
             // What is not brought up to date is brought up to date by the next save, whose host is
             // told.
-            let _ = kept.save(control.state());
-            kept
-        }
-
-        /// Stores the set. That it cannot be stored does not keep it from being used. What is being
-        /// sent leaves before: a flash that is erased stops the processor, with the bus's driver
-        /// on.
-        #[inline(never)]
-        fn save(&mut self, state: State) -> Result<(), SaveError> {
-            if self.store.flash().is_on_trial() {
-                return Err(SaveError::OnTrial);
-            }
-            let begin = moment_us();
-            while self.sending.iter().any(|is_sending| is_sending.load(Ordering::Acquire))
-                && moment_us().wrapping_sub(begin) < LONGEST_FRAME_US
-            {
-                // The next byte wakes, or the tick.
-                cortex_m::asm::wfi();
-                // A wait that ends is no task that stands still, nor is the supervisor below it.
-                CHECK_INS.check_in(Task::Link);
-                CHECK_INS.check_in(Task::Supervisor);
-            }
-            self.store.save(state, &self.parameters).inspect_err(|error| {
-                defmt::error!("parameters are not stored: {}", defmt::Debug2Format(error));
-            })
+            let _ = stored.save(control.state());
+            Self { stored, identity }
         }
     }
 
@@ -176,8 +141,7 @@ mod app {
         /// stored.
         fn new(control: C, kept: &'a mut Kept) -> Self {
             let mut node = Self { control, kept };
-            if !node.kept.is_taken {
-                node.kept.is_taken = true;
+            if node.kept.stored.is_to_be_taken() {
                 node.take();
             }
             node
@@ -188,7 +152,7 @@ mod app {
         #[inline(never)]
         fn take(&mut self) {
             for index in 0.. {
-                let request = self.kept.parameters.requests().nth(index);
+                let request = self.kept.stored.parameters().requests().nth(index);
                 let Some(request) = request else { break };
                 if let Response::Refused(refusal) = apply(self, &request) {
                     defmt::error!("stored parameters: {}", defmt::Debug2Format(&refusal));
@@ -206,7 +170,7 @@ mod app {
         }
 
         fn parameters(&self) -> &Parameters {
-            &self.kept.parameters
+            self.kept.stored.parameters()
         }
 
         fn identity(&self) -> &Identity {
@@ -214,13 +178,12 @@ mod app {
         }
 
         fn keep(&mut self, parameters: Parameters) -> Result<(), SaveError> {
-            self.kept.parameters = parameters;
             let state = self.control.lock(|control| control.state());
-            self.kept.save(state)
+            self.kept.stored.keep(state, parameters)
         }
 
         fn images(&mut self) -> Option<&mut Flash> {
-            Some(self.kept.store.flash_mut())
+            Some(self.kept.stored.flash_mut())
         }
     }
 

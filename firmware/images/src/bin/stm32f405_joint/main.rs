@@ -17,9 +17,12 @@
 //! As of the image of one channel. Whatever vents one of both valves vents the other at the same
 //! time: by the tick, by the interrupt of low voltage, by what ends the program, and by a reset.
 //!
+//! # Parameters
+//! Settings and a joint that were accepted are stored, and taken again behind the next start, as
+//! those of the image of one channel are; nothing is driven by that.
+//!
 //! # Limits
-//! No bus: number, registers and updates over it are those of the image of one channel. Nothing is
-//! stored: the host sends settings and joint behind each start.
+//! No bus: number, registers and updates over it are those of the image of one channel.
 #![no_std]
 #![no_main]
 
@@ -36,22 +39,27 @@ bsp::put_starter!();
 
 #[rtic::app(device = stm32f4::stm32f405, peripherals = true)]
 mod app {
+    use core::sync::atomic::AtomicBool;
+
     use bsp::link::{LinkBuffers, LinkLine, answer_of_joint, log_change};
     use bsp::ports;
     use bsp::serial::{self, Line, Mover, Port};
+    use bsp::stm32f405::flash::Flash;
     use bsp::stm32f405::joint::SensorsAndValves;
     use bsp::stm32f405::pins::{self, DumpValve, Light, VoltageDetector};
     use bsp::stm32f405::scan::Scan;
     use bsp::stm32f405::scan::joint::JointScan;
+    use bsp::stm32f405::stored::Stored;
     use bsp::stm32f405::tick::{TICKS_PER_SECOND, Tick};
     use bsp::stm32f405::watchdog::HardwareWatchdog;
     use bsp::stm32f405::{memory, start};
-    use firmware::joint::{JointNode, JointTask};
+    use firmware::joint::{JointNode, JointTask, recall};
     use firmware::led;
+    use firmware::store::{JointParameters, SaveError};
     use firmware::watchdog::{Task, Watchdog};
     use rtic::Mutex;
     use stm32f4::stm32f405::USART2;
-    use wire::joint::{JOINT_VERSION, JointBoardState};
+    use wire::joint::{JOINT_VERSION, JointBoardState, JointRequest};
     use wire::{FRAME_BYTES, Fault, Protection, Receiver};
 
     use super::CHECK_INS;
@@ -61,13 +69,58 @@ mod app {
         joint: JointTask,
     }
 
-    /// What the link works on.
-    struct Node<J>(J);
+    /// What is kept without power.
+    type Kept = Stored<JointParameters, 1>;
 
-    impl<J: Mutex<T = JointTask>> JointNode for Node<J> {
-        fn task<R>(&mut self, work: impl FnOnce(&mut JointTask) -> R) -> R {
-            self.0.lock(work)
+    /// What the link works on.
+    struct Node<'a, J> {
+        joint: J,
+        kept: &'a mut Kept,
+    }
+
+    impl<'a, J: Mutex<T = JointTask>> Node<'a, J> {
+        /// The first one, which `init` has not the stack for, takes what was stored.
+        fn new(joint: J, kept: &'a mut Kept) -> Self {
+            let is_to_be_taken = kept.is_to_be_taken();
+            let mut node = Self { joint, kept };
+            if is_to_be_taken {
+                node.take();
+            }
+            node
         }
+
+        // Not inlined: its callers would need the stack all the time.
+        #[inline(never)]
+        fn take(&mut self) {
+            let kept = self.kept.parameters().clone();
+            recall(self, &kept);
+        }
+    }
+
+    impl<J: Mutex<T = JointTask>> JointNode for Node<'_, J> {
+        fn task<R>(&mut self, work: impl FnOnce(&mut JointTask) -> R) -> R {
+            self.joint.lock(work)
+        }
+
+        fn keep(&mut self, request: &JointRequest) -> Result<(), SaveError> {
+            let Some(changed) = self.kept.parameters().changed_by(request) else { return Ok(()) };
+            let state = self.joint.lock(|joint| joint.state());
+            self.kept.keep(state, changed)
+        }
+    }
+
+    /// Takes what is stored out of the flash; a fault where that cannot be read.
+    // Not inlined: `init` would need the stack all the time.
+    #[inline(never)]
+    fn load(flash: Flash, sending: &'static AtomicBool, joint: &mut JointTask) -> Kept {
+        let (mut kept, failure) = Kept::load(flash, [sending], &CHECK_INS);
+        if let Some(error) = failure {
+            joint.report_of_board(error.fault());
+        }
+        // As in the image of one channel: a new flash is erased, and what is not readable replaced.
+        // Where that fails, the host of the next save is told.
+        let _ = kept.save(joint.state());
+        kept
     }
 
     #[local]
@@ -80,6 +133,7 @@ mod app {
         dump: DumpValve,
         link_mover: Mover<USART2, LinkLine>,
         link_port: Port<LinkLine>,
+        kept: Kept,
         light: Light,
         logged: JointBoardState,
     }
@@ -107,9 +161,10 @@ mod app {
         for fault in known.into_iter().flatten() {
             joint.note(fault);
         }
-        let start::Started { hardware_watchdog, voltage, .. } = started;
+        let start::Started { hardware_watchdog, voltage, flash, .. } = started;
         let (link_mover, link_port) =
             serial::open(device.USART2, clocks.slow_bus_hz, LinkLine, cx.local.link_buffers);
+        let kept = load(flash, link_port.sending, &mut joint);
         let logged = joint.state();
         let local = Local {
             board,
@@ -120,6 +175,7 @@ mod app {
             dump: DumpValve::default(),
             link_mover,
             link_port,
+            kept,
             light: Light,
             logged,
         };
@@ -186,14 +242,15 @@ mod app {
         shared = [joint],
         local = [
             link_port,
+            kept,
             receiver: Receiver = Receiver::new(),
             frame: [u8; FRAME_BYTES] = [0; FRAME_BYTES],
         ]
     )]
     fn link(cx: link::Context) {
-        let link::LocalResources { link_port, receiver, frame, .. } = cx.local;
+        let link::LocalResources { link_port, kept, receiver, frame, .. } = cx.local;
         CHECK_INS.check_in(Task::Link);
-        let mut node = Node(cx.shared.joint);
+        let mut node = Node::new(cx.shared.joint, kept);
         if !link_port.is_sending()
             && let Some(received) = bsp::link::next(link_port, receiver)
         {

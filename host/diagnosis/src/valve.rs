@@ -103,15 +103,20 @@ impl Valve {
         if let Some((form, band)) = self.band {
             let jumps = if form == BandForm::HoldBetween { jumps(time_s, &values) } else { Vec::new() };
             let mut held = values.first().copied().unwrap_or(0.0);
+            let mut before = held;
             for (row, value) in values.iter_mut().enumerate() {
-                let off = *value - held;
-                held = match form {
-                    BandForm::Hold | BandForm::HoldBetween if off.abs() < band => held,
-                    BandForm::HoldBetween if !jumps[row] => held + band * (off / band).trunc(),
-                    BandForm::Hold | BandForm::HoldBetween => *value,
-                    BandForm::Backlash => held.clamp(*value - 0.5 * band, *value + 0.5 * band),
+                let command = *value;
+                let off = command - held;
+                (held, *value) = match form {
+                    BandForm::Hold | BandForm::HoldBetween if off.abs() < band => (held, held),
+                    BandForm::HoldBetween if !jumps[row] => passed(held, band, (before, command)),
+                    BandForm::Hold | BandForm::HoldBetween => (command, command),
+                    BandForm::Backlash => {
+                        let follows = held.clamp(command - 0.5 * band, command + 0.5 * band);
+                        (follows, follows)
+                    }
                 };
-                *value = held;
+                before = command;
             }
         }
         if let Some(supply_bar) = self.supply_bar {
@@ -185,6 +190,16 @@ impl Valve {
             ..*self
         }
     }
+}
+
+/// What a band holds behind a row in which the command goes straight from one value to the other, and its mean over the row.
+fn passed(held: f64, band: f64, (before, command): (f64, f64)) -> (f64, f64) {
+    let step = band.copysign(command - held);
+    let levels = ((command - held) / step) as usize;
+    // What is left of the row when the command comes to a level.
+    let left = |level: f64| ((command - level) / (command - before)).clamp(0.0, 1.0);
+    let mean = held + (1..=levels).map(|level| step * left(held + level as f64 * step)).sum::<f64>();
+    (held + levels as f64 * step, mean)
 }
 
 /// Whether a command comes to each row by a jump: it moves far faster than before and behind.

@@ -90,7 +90,7 @@ fn a_held_band_is_named_and_measured_where_commands_between_rows_were_accepted()
     let slow = |time_s: f64| 5.1 * (1.0 - (2.0 * (0.097 * time_s).fract() - 1.0).abs());
     let jump = |time_s: f64| if time_s % 20.0 > 17.0 { 0.6 } else { 0.0 };
     let commands: Vec<f64> = fine_s.iter().map(|&time_s| slow(time_s) + jump(time_s)).collect();
-    let seen = |row: &usize| row % 16 == 0 && row % 7 != 3;
+    let seen = |row: &usize| row.is_multiple_of(16) && row % 7 != 3;
     for (band, lag_s) in [(0.22, 0.05), (0.31, 0.15)] {
         let valve = Valve { band: Some((BandForm::Hold, band)), ..Valve::slow(lag_s) };
         let pressure = valve.simulate(commands[0], &fine_s, &commands);

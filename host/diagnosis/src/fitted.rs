@@ -23,7 +23,7 @@ pub fn value(parameters: &[(&'static str, f64)], wanted: &str) -> Option<f64> {
 /// What speaks against a cause in a set that it was fitted in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doubt {
-    /// The motion that it names does not show: it stands for something else that comes late.
+    /// The motion that it names does not show: it stands for something else that comes late, or slowly.
     Unseen,
     /// It is over long before the longest hold ends: the tail of a faster effect.
     Over,
@@ -72,6 +72,11 @@ impl Fitted<'_> {
     /// What it does.
     pub fn form(&self) -> Form {
         self.effect.form
+    }
+
+    /// What the set leaves, a value a scored row. Output unit.
+    pub fn residual(&self) -> &[f64] {
+        &self.set.fit.residual
     }
 
     /// A parameter of it; 0 where it has not so many.

@@ -5,7 +5,7 @@ use super::needs::{Judge, Judged};
 use crate::carrier::Carrier;
 use crate::effect::{Effect, Form, Parameter};
 use crate::extend::jump::Jump;
-use crate::fitted::{Fitted, Parameters};
+use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
 use crate::signals::Signals;
 use crate::simulated::Simulated;
@@ -19,6 +19,12 @@ const TIMES: usize = 40;
 /// a grid that is finer by one more than that.
 const BESIDE: i32 = 4;
 
+/// A jump is over at once. Rows of so long before it and behind it show that, or so many: of a slow change next to nothing. Unit: s; rows.
+const AT_ONCE_S: f64 = 1.0;
+const AT_ONCE_ROWS: usize = 10;
+/// They have to differ by at least this share of the height, half way between a jump and a slow change.
+const SUDDEN: f64 = 0.5;
+
 /// The cause.
 pub struct ZeroStep;
 
@@ -30,6 +36,21 @@ fn step(time_s: f64, apart_s: f64) -> Effect {
 /// `height`: output unit.
 fn named(Jump { time_s, height }: Jump) -> Parameters {
     vec![("height_mm", height), ("time_s", time_s)]
+}
+
+/// What the mean changes by from just before a time to just behind it; None where there are no rows on one side. `time_s`, `values`: of
+/// rows, in order.
+fn change_at(time_s: &[f64], values: &[f64], at_s: f64) -> Option<f64> {
+    let behind = time_s.partition_point(|&time_s| time_s < at_s);
+    let first =
+        time_s.partition_point(|&time_s| time_s < at_s - AT_ONCE_S).min(behind.saturating_sub(AT_ONCE_ROWS));
+    let end = time_s
+        .partition_point(|&time_s| time_s < at_s + AT_ONCE_S)
+        .max(behind + AT_ONCE_ROWS)
+        .min(values.len());
+    let mean =
+        |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+    Some(mean(&values[behind..end])? - mean(&values[first..behind])?)
 }
 
 fn jump(fitted: &Fitted<'_>) -> Jump {
@@ -77,11 +98,37 @@ impl Kind for ZeroStep {
         named(jump(fitted))
     }
 
+    /// What comes slowly is no jump.
+    fn doubt(&self, fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
+        let Jump { time_s: at_s, height } = jump(fitted);
+        let signals = fitted.signals;
+        let time_s: Vec<f64> = signals.rows.iter().map(|row| signals.time_s[row.at]).collect();
+        let change = height + change_at(&time_s, fitted.residual(), at_s)?;
+        (change * height.signum() < SUDDEN * height.abs()).then_some(Doubt::Unseen)
+    }
+
     fn jump(&self, carrier: &Carrier<'_>) -> Option<Jump> {
         Some(jump(&carrier.fitted))
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
         model.jump.map(named)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::change_at;
+
+    #[test]
+    fn a_jump_changes_the_mean_at_once_and_a_slow_change_next_to_nothing() {
+        let time_s: Vec<f64> = (0..2000).map(|row| 0.05 * f64::from(row)).collect();
+        let of = |change: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            time_s.iter().map(|&t| 0.2 * (3.0 * t).sin() + change(t)).collect()
+        };
+        let jump = change_at(&time_s, &of(&|t| if t < 50.0 { 0.0 } else { 1.0 }), 50.0).expect("rows");
+        let slow = change_at(&time_s, &of(&|t| ((t - 40.0) / 20.0).clamp(0.0, 1.0)), 50.0).expect("rows");
+        assert!((jump - 1.0).abs() < 0.25 && slow.abs() < 0.3, "{jump} {slow}");
+        assert_eq!(change_at(&time_s, &of(&|_| 0.0), 0.0), None);
     }
 }

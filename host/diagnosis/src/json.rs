@@ -8,6 +8,7 @@ use crate::extend::HeldOutGain;
 use crate::poor::Poor;
 use crate::reject::Unexplained;
 use crate::shown::key;
+use crate::slips::Slips;
 use crate::stuck::Stuck;
 use crate::words::experiment;
 use crate::{Named, Smoothing};
@@ -111,6 +112,9 @@ fn unexplained(seen: &Unexplained) -> Value {
         }
         Unexplained::Stuck(Stuck { rows, longest_s }) => {
             json!({"seen": "stuck", "rows": rows, "longest_s": longest_s})
+        }
+        Unexplained::Slips(Slips { jump, skewness }) => {
+            json!({"seen": "slips", "jump": jump, "skewness": skewness})
         }
         Unexplained::Poor(Poor { rmse, percent_of_stroke, better, limit }) => json!({
             "seen": "poor_model",

@@ -28,7 +28,7 @@
 //! | `rivals` | sets that the search hardly tells apart |
 //! | `overlooked` | a fast cause that the search does not see |
 //! | [`valve`] | the valve, told apart from the muscle |
-//! | [`reject`], [`stuck`] | what is wrong but none of the causes |
+//! | [`reject`], [`stuck`], [`slips`] | what is wrong but none of the causes |
 //! | `proven` | whether what is named holds in a model that is simulated, all together and each cause |
 //! | [`mod@poor`], [`trivial`] | whether the model that is written describes the recording |
 //! | `noisy_input` | the input smoothed where its noise would pass for movement |
@@ -99,6 +99,7 @@ mod series;
 pub mod shown;
 pub mod signals;
 pub mod simulated;
+pub mod slips;
 pub mod smoothing;
 mod states;
 pub mod stuck;

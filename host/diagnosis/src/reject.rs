@@ -5,7 +5,7 @@
 //!   loses pressure, say, does so as well, but does not settle.
 //! - Rows far off their neighbours, in several places: one drop-out of a sensor is left out and said, but one that drops
 //!   out again and again is not to be trusted between.
-//! - A reading that hangs while the muscle goes on.
+//! - A reading that hangs while the muscle goes on, or sticks and jumps.
 //! - Causes that gain next to nothing where a model with them runs free, or with which none does.
 //! - A model that is written and describes nothing (`poor`).
 //!
@@ -18,6 +18,7 @@ use super::poor::Poor;
 use super::pure_error::pure_error;
 use super::search::Search;
 use super::signals::Signals;
+use super::slips::{Slips, slips};
 use super::stuck::{Stuck, stuck};
 use recording::numbers::root_mean_square;
 
@@ -59,6 +60,8 @@ pub enum Unexplained {
     },
     /// One value is read while the muscle goes on.
     Stuck(Stuck),
+    /// The reading sticks and jumps.
+    Slips(Slips),
     /// The model that is written does not describe the recording.
     Poor(Poor),
     /// No model with the causes that fit best can be simulated.
@@ -76,6 +79,7 @@ pub enum Unexplained {
 pub fn unexplained(search: &Search<'_>, set: &Candidate) -> Option<Unexplained> {
     outliers(search.signals)
         .or_else(|| stuck(search.signals, &search.baseline.fit.residual).map(Unexplained::Stuck))
+        .or_else(|| slips(search.signals).map(Unexplained::Slips))
         .or_else(|| not_repeatable(search, set))
 }
 

@@ -28,7 +28,7 @@ pub fn unexamined(
     left: Option<&Unexplained>,
     judged: &[Examinable],
 ) -> Option<Vec<Cause>> {
-    if matches!(left, Some(Unexplained::Outliers { .. } | Unexplained::Stuck(_))) {
+    if matches!(left, Some(Unexplained::Outliers { .. } | Unexplained::Stuck(_) | Unexplained::Slips(_))) {
         return None;
     }
     let leaves_something = left.is_some();

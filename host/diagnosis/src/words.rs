@@ -6,6 +6,7 @@ use super::fitted::Parameters;
 use super::poor::Poor;
 use super::reject::Unexplained;
 use super::shown::quantity;
+use super::slips::Slips;
 use super::stuck::Stuck;
 use super::{Diagnosis, Verdict};
 use recording::model_file::names::Names;
@@ -46,6 +47,10 @@ pub fn in_a_sentence(diagnosis: &Diagnosis, unit: Unit) -> String {
             }
             Some(Unexplained::Stuck(Stuck { rows, longest_s })) => format!(
                 "{none}: in {rows} rows the same value is read again while the muscle goes on, for up to {longest_s:.2} s."
+            ),
+            Some(Unexplained::Slips(Slips { jump, .. })) => format!(
+                "{none}: the reading sticks and jumps, by about {} {unit}, while the muscle moves.",
+                legible(*jump, 2)
             ),
             Some(Unexplained::Poor(poor)) => described_poorly(poor, unit),
             Some(Unexplained::NotSimulated) => {

@@ -69,6 +69,23 @@ fn a_reading_that_hangs_now_and_then_is_unexplained_and_said() {
 }
 
 #[test]
+fn a_reading_that_sticks_and_jumps_is_unexplained_and_said() {
+    let plant = Plant::new();
+    let mut held = 0.0_f64;
+    let read = |y: &f64| {
+        held = if (y - held).abs() >= 2.0 { *y } else { held };
+        held
+    };
+    let output: Vec<f64> = hysteresis(&plant.pressure).iter().map(read).collect();
+    let diagnosis = diagnosed(&plant.recorded(&output));
+    assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{:?}", names(&diagnosis));
+    let Some(Unexplained::Slips(slips)) = diagnosis.unexplained else {
+        panic!("{:?}", diagnosis.unexplained)
+    };
+    assert!((1.4..3.0).contains(&slips.jump), "{slips:?}");
+}
+
+#[test]
 fn where_nothing_may_be_named_the_model_that_predicts_best_is_written() {
     let plant = Plant::new();
     let samples = 15;

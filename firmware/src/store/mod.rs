@@ -4,8 +4,8 @@
 //! # Design
 //! Each sector is a log of records (`sequential-storage`, CRC-32 over each); a record is a whole
 //! set with a sequence number and the version of its layout, which tells the kind of board, too
-//! ([`Set`]). The newest readable record is the board's set; where it is of another kind of board,
-//! there is none.
+//! ([`Set`]). The newest readable record is the board's set. If it was written by another kind of
+//! board, the board starts without a set.
 //!
 //! | save | what is done |
 //! |---|---|

@@ -29,7 +29,7 @@ pub trait Set: Clone + Debug + PartialEq + Serialize {
     /// The set of a layout.
     ///
     /// # Errors
-    /// Its bytes are damaged, or it is none that this firmware knows.
+    /// Its bytes are damaged, or this firmware does not know its layout.
     fn of_layout(layout: u16, bytes: &[u8]) -> Result<Self, LoadError>;
 }
 

@@ -16,13 +16,15 @@ use recording::noise::steps;
 /// samples.
 const WINDOW_S: f64 = 0.25;
 const SAMPLES: usize = 8;
-/// A window counts where it lasts no longer than so many times that: none with a gap.
+/// A window that lasts longer than so many times that has a gap in it, and is left out: a choice. Unit: 1.
 const LONGEST: f64 = 1.5;
 /// Windows that tell a mean.
 const WINDOWS: usize = 20;
-/// Changes up to so many steps of the sensor's resolution may be of that.
+/// A window counts only if some change exceeds so many steps of the sensor's resolution: rounding alone makes changes of one step, and noise
+/// adds one at either end. Unit: steps.
 const QUANTA: f64 = 3.0;
-/// The skewness from which the reading sticks, beyond the input's: that of a sawtooth with a jump at every fourth sample.
+/// The reading sticks if its skewness exceeds the input's by more than this: about that of a sawtooth with a jump at every fourth sample,
+/// 2/sqrt(3). A choice; the level of errors is that of the standard error beside it. Unit: 1.
 const SKEWED: f64 = 1.0;
 
 /// A reading that sticks and jumps.

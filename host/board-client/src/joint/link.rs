@@ -111,8 +111,8 @@ impl JointLink {
     /// Gives an order, which leads to one of the states `done`, if to another one at all.
     ///
     /// # Errors
-    /// The board does not answer, or refuses; that its flash has not kept something is none
-    /// ([`Self::has_kept`]).
+    /// The board does not answer, or refuses. Flash that has not kept something is not an error
+    /// here, see [`Self::has_kept`].
     pub fn order(&mut self, request: &JointRequest, done: &[JointBoardState]) -> Result<(), JointBoardError> {
         let Answered { response, tries } = self.ask(request)?;
         match response {
@@ -138,7 +138,7 @@ impl JointLink {
     /// read.
     ///
     /// # Errors
-    /// The board does not answer, or refuses; that its flash has not kept them is none.
+    /// The board does not answer, or refuses. Flash that has not kept them is not an error here.
     pub fn settings(&mut self, request: &JointRequest) -> Result<JointSettings, JointBoardError> {
         let mut response = self.ask(request)?.response;
         if response == NOT_STORED {

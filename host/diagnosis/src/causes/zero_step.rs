@@ -19,10 +19,11 @@ const TIMES: usize = 40;
 /// a grid that is finer by one more than that.
 const BESIDE: i32 = 4;
 
-/// A jump is over at once. Rows of so long before it and behind it show that, or so many: of a slow change next to nothing. Unit: s; rows.
+/// The mean of this time, or at least so many rows, before the jump is compared with the mean behind it: it shows nearly all of a jump and
+/// next to nothing of a slow change. Choices; no error level is calibrated for them. Unit: s; rows.
 const AT_ONCE_S: f64 = 1.0;
 const AT_ONCE_ROWS: usize = 10;
-/// They have to differ by at least this share of the height, half way between a jump and a slow change.
+/// The means have to differ by at least this share of the height: half way between a jump (1) and a slow change (0). A choice.
 const SUDDEN: f64 = 0.5;
 
 /// The cause.

@@ -12,6 +12,7 @@ use firmware::store::{
 };
 use host_tests::flash::MockFlash;
 use host_tests::store::{calibration, joint_set, paper_set};
+use model_core::extension::{DriftParameters, TransportDelayParameters, ValveLagParameters};
 use wire::{BusParameters, OnModelFault, Parity, Protection, State};
 
 const SECTOR: usize = 4096;
@@ -86,6 +87,24 @@ fn what_another_kind_of_board_has_stored_is_told_by_its_layout_and_replaced_by_t
         assert_eq!(of_joint.save(State::Fault, &joint_set()), Ok(()));
         assert_eq!(of_joint.load(), Ok(joint_set()));
     }
+}
+
+/// The same set with effects beside hysteresis, and a valve's lag before them.
+fn extended() -> Parameters {
+    let mut set = stored();
+    if let Some(tracking) = &mut set.tracking {
+        tracking.extensions.valve_lag =
+            Some(ValveLagParameters { lead_limit: 1.5, ..ValveLagParameters::new(0.0625) });
+        tracking.extensions.transport_delay = Some(TransportDelayParameters { delay_s: 0.015625 });
+        tracking.extensions.drift = Some(DriftParameters { rate_per_s: 0.125, compensated: true });
+    }
+    set
+}
+
+#[test]
+fn the_layout_whose_valves_have_one_time_constant_is_read_as_the_same_set() {
+    assert_eq!(store(&golden(6)).load(), Ok(stored()));
+    assert_eq!(store(include_bytes!("golden/store_layout_6_extended.bin")).load(), Ok(extended()));
 }
 
 #[test]

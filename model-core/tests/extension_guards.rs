@@ -13,7 +13,7 @@ use model_core::agpi::AgpiParameters;
 use model_core::extension::transport_delay::DELAY_SAMPLES;
 use model_core::extension::{
     CreepParameters, DeadbandForm, PeriodicDisturbanceParameters, PressureRateParameters, ProfileParameters,
-    Sample, TransportDelayParameters, ValveDeadbandParameters,
+    Sample, TransportDelayParameters, ValveDeadbandParameters, ValveLagForm,
 };
 use model_core::{
     ExtendedInverse, ExtendedModel, ExtensionParameters, Hysteresis, InputError, ModelParameters,
@@ -84,9 +84,13 @@ fn a_delay_holds_as_many_samples_as_it_says_and_refuses_more_without_a_change() 
     assert_eq!(line(DELAY_SAMPLES as f64 / 1024.0), Some((DELAY_SAMPLES, InputError::DelayTooLong)));
 }
 
+fn of_form(all: &mut Extensions, form: ValveLagForm<f64>) {
+    all.valve_lag.iter_mut().for_each(|lag| lag.form = form);
+}
+
 #[test]
 fn parameters_that_no_effect_has_are_refused_by_their_name() {
-    let cases: [(&str, Effect); 16] = [
+    let cases: [(&str, Effect); 19] = [
         (
             "valve_deadband band",
             ("", |all| {
@@ -100,6 +104,12 @@ fn parameters_that_no_effect_has_are_refused_by_their_name() {
             }),
         ),
         ("valve_lag lead_limit", ("", |all| all.valve_lag.iter_mut().for_each(|lag| lag.lead_limit = -1.0))),
+        (
+            "valve_lag damping_ratio",
+            ("", |all| of_form(all, ValveLagForm::SecondOrder { damping_ratio: 0.0 })),
+        ),
+        ("valve_lag outside", ("", |all| of_form(all, ValveLagForm::Orifice { supply: 8.0, outside: 0.0 }))),
+        ("valve_lag supply", ("", |all| of_form(all, ValveLagForm::Orifice { supply: 1.0, outside: 1.0 }))),
         (
             "transport_delay delay_s",
             ("", |all| {

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use effects::{
     DELAY_TICKS, EXACT, Effect, Extensions, LOSSY, PERIOD_S, SIZE, exact_sets, muscle, names, together,
 };
-use model_core::extension::{ExtendedState, Output, Sample};
+use model_core::extension::{ExtendedState, Output, Sample, ValveLagForm, ValveLagParameters};
 use model_core::{
     ExtendedInverse, ExtendedModel, Hysteresis, InverseHysteresis, Invertible, Model as Operator,
     Surroundings,
@@ -97,6 +97,28 @@ fn forward_of_inverse_is_exact_for_every_effect_pair_and_all_together() {
         let bound = if set.iter().any(|(name, _)| name.starts_with("inertia")) { 1e-4 } else { 1e-6 };
         assert!(error < bound, "{}: {error:.1e} mm", names(&set));
     }
+}
+
+#[test]
+fn forward_of_inverse_is_exact_behind_an_orifice_and_near_behind_a_second_order() {
+    let late = |form| Extensions {
+        valve_lag: Some(ValveLagParameters { lead_limit: 100.0, form, ..ValveLagParameters::new(0.05) }),
+        ..Extensions::default()
+    };
+    let orifice = late(ValveLagForm::Orifice { supply: 9.0, outside: 1.0 });
+    assert!(forward_of_inverse(&orifice, LIMITS) < 1e-6);
+    // What the lead of the first order leaves of the second, far below what no lead would.
+    let second = forward_of_inverse(&late(ValveLagForm::SecondOrder { damping_ratio: 1.0 }), LIMITS);
+    let plain = Extensions::default();
+    let (model, inverse) =
+        (model(&late(ValveLagForm::SecondOrder { damping_ratio: 1.0 })), inverse(&plain, LIMITS));
+    let (mut state, mut inverse_state) = (model.rest_state(), inverse.rest_state());
+    let not_led = (0..TICKS).map(|tick| {
+        let command = inverse.step(&mut inverse_state, wanted(tick), &surroundings(tick)).expect("finite");
+        (step(&model, &mut state, tick, command).contraction - wanted(tick)).abs()
+    });
+    let not_led = not_led.fold(0.0, f64::max);
+    assert!(second < 0.3 * not_led, "{second} {not_led}");
 }
 
 #[test]

@@ -101,7 +101,8 @@ mod tests {
         CreepParameters, DeadbandForm, DriftParameters, ExtensionParameters, PeriodicDisturbanceParameters,
         PressureRateParameters, ProfileParameters, RateDependentThresholdsParameters,
         RateDependentWidthParameters, ScheduleParameters, Sites, SupplySaturationParameters,
-        TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters, WarmUpParameters,
+        TransportDelayParameters, ValveDeadbandParameters, ValveLagForm, ValveLagParameters,
+        WarmUpParameters,
     };
     use model_core::memoryless::MemorylessParameters;
     use model_core::pid::PidParameters;
@@ -182,7 +183,11 @@ mod tests {
         ExtensionParameters {
             valve_deadband: Some(ValveDeadbandParameters { band: number, form: DeadbandForm::Hold }),
             supply_saturation: Some(SupplySaturationParameters { supply: number }),
-            valve_lag: Some(ValveLagParameters::new(number)),
+            valve_lag: Some(ValveLagParameters {
+                time_constant_s: number,
+                lead_limit: number,
+                form: ValveLagForm::Orifice { supply: number, outside: number },
+            }),
             transport_delay: Some(TransportDelayParameters { delay_s: number }),
             load: schedule(),
             temperature: schedule(),

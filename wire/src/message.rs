@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::{CaptureOrder, Captured, Fault, FaultRecord, Protection, Telemetry};
 
 /// Version of the messages. Raised with every change that the other side would misread.
-pub const VERSION: u16 = 10;
+pub const VERSION: u16 = 11;
 /// The largest number of plays that a board takes.
 pub const PLAYS: usize = 32;
 /// The largest number of dead zones that a board takes.

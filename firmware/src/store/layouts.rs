@@ -2,19 +2,19 @@
 //!
 //! | layout | set |
 //! |---|---|
-//! | 2, 3, 4, 5 | [`previous`] |
-//! | 6 | [`Parameters`] |
+//! | 2, 3, 4, 5, 6 | [`previous`] |
+//! | 7 | [`Parameters`] |
 //!
 //! A change of [`Parameters`], or of anything in it, is a new layout: [`LAYOUT`] is raised, and the
 //! struct as it was joins those before it.
 
 use super::LoadError;
 use super::parameters::Parameters;
-use super::previous::{self, Ratiometric, Unobserved, Unsealed, WithoutBus};
+use super::previous::{self, OfFirstOrder, Ratiometric, Unobserved, Unsealed, WithoutBus};
 use super::set::{Set, whole};
 
 /// Number of the layout that is written.
-pub const LAYOUT: u16 = 6;
+pub const LAYOUT: u16 = 7;
 
 impl Set for Parameters {
     const LAYOUT: u16 = LAYOUT;
@@ -23,6 +23,7 @@ impl Set for Parameters {
     fn of_layout(layout: u16, bytes: &[u8]) -> Result<Self, LoadError> {
         match layout {
             LAYOUT => whole(bytes),
+            previous::FIRST_ORDER => whole::<OfFirstOrder>(bytes).map(Self::from),
             previous::UNOBSERVED => whole::<Unobserved>(bytes).map(Self::from),
             previous::RATIOMETRIC => whole::<Ratiometric>(bytes).map(Self::from),
             previous::UNSEALED => whole::<Unsealed>(bytes).map(Self::from),

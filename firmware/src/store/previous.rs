@@ -4,7 +4,12 @@
 //! bytes: should a part of one change, this becomes a frozen copy of what the part was, as that of
 //! the controller is.
 
-use model_core::extension::ExtensionParameters;
+use model_core::extension::{
+    CreepParameters, DriftParameters, ExtensionParameters, PeriodicDisturbanceParameters, ProfileParameters,
+    RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters, Sites,
+    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagForm,
+    ValveLagParameters, WarmUpParameters,
+};
 use model_core::pid::PidParameters;
 use model_core::{ModelParameters, ObserverParameters};
 use serde::Deserialize;
@@ -22,12 +27,55 @@ pub const RATIOMETRIC: u16 = 4;
 /// Number of the layout whose controller has no observer.
 pub const UNOBSERVED: u16 = 5;
 
-/// A controller of these layouts.
+/// Number of the layout whose valves lag by one time constant each.
+pub const FIRST_ORDER: u16 = 6;
+
+/// The lag of a valve of these layouts: of the first order.
+#[derive(Deserialize)]
+struct Lag {
+    time_constant_s: f32,
+    lead_limit: f32,
+}
+
+/// What a muscle of these layouts does beside hysteresis.
+#[derive(Deserialize)]
+struct Extensions {
+    valve_deadband: Option<ValveDeadbandParameters<f32>>,
+    supply_saturation: Option<SupplySaturationParameters<f32>>,
+    valve_lag: Option<Lag>,
+    transport_delay: Option<TransportDelayParameters<f32>>,
+    load: Option<ScheduleParameters<f32>>,
+    temperature: Option<ScheduleParameters<f32>>,
+    warm_up: Option<WarmUpParameters<f32>>,
+    viscous_lag: Option<ProfileParameters<f32>>,
+    inertia: Option<ProfileParameters<f32>>,
+    rate_dependent_width: Option<RateDependentWidthParameters<f32>>,
+    rate_dependent_thresholds: Option<RateDependentThresholdsParameters<f32>>,
+    creep: Option<CreepParameters<f32>>,
+    drift: Option<DriftParameters<f32>>,
+    periodic_disturbance: Option<PeriodicDisturbanceParameters<f32>>,
+    sites: Sites,
+}
+
+/// A controller of layouts 2 to 5.
 #[derive(Deserialize)]
 struct Tracking {
     model: ModelParameters<f32, PLAYS, DEAD_ZONES>,
-    extensions: ExtensionParameters<f32>,
+    extensions: Extensions,
     pid: PidParameters<f32>,
+    command_min: f32,
+    command_max: f32,
+    slew_bar_per_s: f32,
+    period_s: f32,
+}
+
+/// A controller of layout 6.
+#[derive(Deserialize)]
+struct Observing {
+    model: ModelParameters<f32, PLAYS, DEAD_ZONES>,
+    extensions: Extensions,
+    pid: PidParameters<f32>,
+    observer: ObserverParameters<f32>,
     command_min: f32,
     command_max: f32,
     slew_bar_per_s: f32,
@@ -69,6 +117,15 @@ pub struct Unobserved {
     calibration: Option<Sealed>,
 }
 
+/// A set in layout 6.
+#[derive(Deserialize)]
+pub struct OfFirstOrder {
+    protection: Protection,
+    tracking: Option<Observing>,
+    bus: BusParameters,
+    calibration: Option<Sealed>,
+}
+
 /// A calibration of layouts 3 and 4.
 #[derive(Deserialize)]
 struct Lines {
@@ -86,12 +143,56 @@ impl From<Lines> for Calibration {
     }
 }
 
+impl From<Extensions> for ExtensionParameters<f32> {
+    fn from(extensions: Extensions) -> Self {
+        let first_order = |Lag { time_constant_s, lead_limit }| ValveLagParameters {
+            time_constant_s,
+            lead_limit,
+            form: ValveLagForm::FirstOrder,
+        };
+        Self {
+            valve_deadband: extensions.valve_deadband,
+            supply_saturation: extensions.supply_saturation,
+            valve_lag: extensions.valve_lag.map(first_order),
+            transport_delay: extensions.transport_delay,
+            load: extensions.load,
+            temperature: extensions.temperature,
+            warm_up: extensions.warm_up,
+            viscous_lag: extensions.viscous_lag,
+            inertia: extensions.inertia,
+            rate_dependent_width: extensions.rate_dependent_width,
+            rate_dependent_thresholds: extensions.rate_dependent_thresholds,
+            creep: extensions.creep,
+            drift: extensions.drift,
+            periodic_disturbance: extensions.periodic_disturbance,
+            sites: extensions.sites,
+        }
+    }
+}
+
+impl From<Observing> for BoardParameters {
+    fn from(tracking: Observing) -> Self {
+        let Observing {
+            model,
+            extensions,
+            pid,
+            observer,
+            command_min,
+            command_max,
+            slew_bar_per_s,
+            period_s,
+        } = tracking;
+        let extensions = extensions.into();
+        Self { model, extensions, pid, observer, command_min, command_max, slew_bar_per_s, period_s }
+    }
+}
+
 impl From<Tracking> for BoardParameters {
     /// The observer is off, as it was.
     fn from(tracking: Tracking) -> Self {
         let Tracking { model, extensions, pid, command_min, command_max, slew_bar_per_s, period_s } =
             tracking;
-        let observer = ObserverParameters::default();
+        let (extensions, observer) = (extensions.into(), ObserverParameters::default());
         Self { model, extensions, pid, observer, command_min, command_max, slew_bar_per_s, period_s }
     }
 }
@@ -124,5 +225,12 @@ impl From<Unobserved> for Parameters {
     /// The same parameters.
     fn from(Unobserved { protection, tracking, bus, calibration }: Unobserved) -> Self {
         Self { protection, tracking: tracking.map(Tracking::into), bus, calibration }
+    }
+}
+
+impl From<OfFirstOrder> for Parameters {
+    /// The same parameters.
+    fn from(OfFirstOrder { protection, tracking, bus, calibration }: OfFirstOrder) -> Self {
+        Self { protection, tracking: tracking.map(Observing::into), bus, calibration }
     }
 }

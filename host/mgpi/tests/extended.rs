@@ -8,8 +8,14 @@ use recording::model_file::ModelFile;
 /// Every extension.
 const EXTENSIONS: &str = include_str!("common/every_extension.toml");
 
-/// What acts on the other side of the hysteresis than usual.
+/// What acts on the other side of the hysteresis than usual, behind a valve of another form.
 const ELSEWHERE: &str = r#"
+[extensions.valve_lag]
+time_constant_s = 0.05
+lead_limit_bar = 1.5
+absolute_supply_bar = 8.0
+absolute_outside_bar = 1.0
+
 [extensions.load]
 acts_on = "contraction"
 reference_n = 20.0
@@ -113,6 +119,26 @@ fn extensions_that_cannot_be_are_refused_by_table_and_key() {
             "\"backlash\"",
             "\"loose\"",
             "[extensions.valve_deadband] form: \"loose\" is not known, must be \"hold\" or \"backlash\"",
+        ),
+        (
+            "time_constant_s = 0.05",
+            "time_constant_s = 0.05\ndamping_ratio = 0.0",
+            "no invertible model: valve_lag damping_ratio is 0, must be above 0",
+        ),
+        (
+            "time_constant_s = 0.05",
+            "time_constant_s = 0.05\nabsolute_supply_bar = 8.0",
+            "[extensions.valve_lag] absolute_outside_bar: missing",
+        ),
+        (
+            "time_constant_s = 0.05",
+            "time_constant_s = 0.05\nabsolute_supply_bar = 1.0\nabsolute_outside_bar = 1.0",
+            "no invertible model: valve_lag supply is 1 bar, must be above 1 bar",
+        ),
+        (
+            "time_constant_s = 0.05",
+            "time_constant_s = 0.05\ndamping_ratio = 1.0\nabsolute_supply_bar = 8.0",
+            "[extensions.valve_lag] absolute_supply_bar: unknown key",
         ),
         ("[extensions.load]", "[extensions.weight]", "[extensions] weight: unknown key"),
         ("delay_s = 0.015", "delay_s = 0.015\nlag_s = 1", "[extensions.transport_delay] lag_s: unknown key"),

@@ -55,11 +55,14 @@ fn mgpi(envelope: &str) -> String {
 
 /// Every extension, those with a side on either. Exponents above 1, so that rates too small for an
 /// extension, which are told apart by the unit, are too small for the result as well.
-const EXTENSIONS: [&str; 22] = [
+const EXTENSIONS: [&str; 24] = [
     r#"valve_deadband = { band_kpa = 5.0, form = "backlash" }"#,
     r#"valve_deadband = { band_kpa = 5.0, form = "hold" }"#,
     "supply_saturation = { supply_kpa = 450.0 }",
     "valve_lag = { time_constant_s = 0.05, lead_limit_kpa = 150.0 }",
+    "valve_lag = { time_constant_s = 0.05, lead_limit_kpa = 150.0, damping_ratio = 0.8 }",
+    "valve_lag = { time_constant_s = 0.05, lead_limit_kpa = 150.0, absolute_supply_kpa = 900.0, \
+     absolute_outside_kpa = 101.325 }",
     "transport_delay = { delay_s = 0.015 }",
     "load = { reference_n = 20.0, knots_m = [0.01, 0.06, 0.11], offset_kpa_per_n = [1.0, 2.0, 4.0] }",
     r#"load = { acts_on = "contraction", reference_n = 20.0, knots_m = [0.01], offset_m_per_n = [1e-4] }"#,

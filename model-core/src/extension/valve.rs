@@ -12,7 +12,7 @@ use crate::real::Real;
 
 use super::supply_saturation::SupplySaturationParameters;
 use super::valve_deadband::ValveDeadband;
-use super::valve_lag::{ValveLag, ValveLagStep};
+use super::valve_lag::{ValveLag, ValveLagMemory, ValveLagStep};
 use super::{ExtensionParameters, each};
 
 /// A validated valve.
@@ -38,12 +38,12 @@ pub(super) enum ValveStep<T> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ValveMemory<T> {
     set_point: T,
-    pressure: T,
+    lag: ValveLagMemory<T>,
 }
 
 impl<T: Real> ValveMemory<T> {
     pub(super) fn resting(pressure: T) -> Self {
-        Self { set_point: pressure, pressure }
+        Self { set_point: pressure, lag: ValveLagMemory::resting(pressure) }
     }
 }
 
@@ -73,9 +73,14 @@ impl<T: Real> Valve<T> {
             }
         };
         let supplied = self.supplied(set_point);
-        let pressure = lag.map_or(supplied, |lag| lag.pressure(memory.pressure, supplied));
-        *memory = ValveMemory { set_point, pressure };
-        pressure
+        memory.set_point = set_point;
+        match lag {
+            Some(lag) => lag.pressure(&mut memory.lag, supplied),
+            None => {
+                memory.lag = ValveLagMemory::resting(supplied);
+                supplied
+            }
+        }
     }
 
     /// The command, within `limits`, that leads to the wanted pressure, or as near as limits and
@@ -91,7 +96,7 @@ impl<T: Real> Valve<T> {
         let command = match step {
             ValveStep::First => wanted,
             ValveStep::Next(lag) => {
-                let set_point = lag.as_ref().map_or(wanted, |lag| lag.set_point(memory.pressure, wanted));
+                let set_point = lag.as_ref().map_or(wanted, |lag| lag.set_point(&memory.lag, wanted));
                 let set_point = self.supplied(set_point);
                 let command = |deadband: &ValveDeadband<T>| deadband.command(memory.set_point, set_point);
                 self.deadband.as_ref().map_or(set_point, command)

@@ -23,7 +23,8 @@ use super::balance::share;
 use super::stops::Stops;
 use super::{Joint, JointParameters};
 use crate::error::{Check, InputError, ParameterError, finite_input};
-use crate::extension::valve_lag::{ValveLag, ValveLagParameters, ValveLagStep};
+use crate::extension::valve_lag::LEAD_LIMIT;
+use crate::extension::valve_lag::first_order::FirstOrderStep;
 use crate::pid::{Pid, PidParameters, PidState};
 use crate::range::Range;
 use crate::real::Real;
@@ -69,7 +70,7 @@ pub struct JointTarget<T> {
 pub struct JointControl<T, const N: usize> {
     joint: Joint<T, N>,
     pid: Pid<T>,
-    leads: [ValveLagStep<T>; 2],
+    leads: [FirstOrderStep<T>; 2],
     commands: [Range<T>; 2],
     period_s: T,
     largest_turn: T,
@@ -130,7 +131,10 @@ impl<T: Real, const N: usize> JointControl<T, N> {
         let period = Check::new("period_s", "s").above(*period_s, T::ZERO)?;
         let per_period = |name, unit, rate: T| Ok(Check::new(name, unit).above(rate, T::ZERO)? * period);
         let [a, b] = &joint.muscles;
-        let lead = |lag_s| Ok(ValveLag::try_new(&ValveLagParameters::new(lag_s))?.step(period));
+        let lead = |lag_s| {
+            let lag_s = Check::new("valve_lag_s", "s").above(lag_s, T::ZERO)?;
+            Ok(FirstOrderStep::new(lag_s, T::from_f64(LEAD_LIMIT), period))
+        };
         let range = |[first, last]: [T; 2]| Range::try_new(T::ZERO, first.at_least(last), "highest", "bar");
         Ok(Self {
             joint: Joint::try_new(joint)?,

@@ -38,7 +38,7 @@ fn deadband(form: DeadbandForm) -> Option<ValveDeadbandParameters<f64>> {
 /// Those of which forward of inverse and inverse of forward are exact.
 pub const EXACT: [Effect; 12] = [
     ("valve_lag", |all| {
-        all.valve_lag = Some(ValveLagParameters { time_constant_s: 0.05, lead_limit: 100.0 })
+        all.valve_lag = Some(ValveLagParameters { lead_limit: 100.0, ..ValveLagParameters::new(0.05) })
     }),
     ("transport_delay", |all| all.transport_delay = Some(TransportDelayParameters { delay_s: DELAY_S })),
     ("load", |all| {

@@ -12,8 +12,8 @@ use model_core::extension::valve_lag::LEAD_LIMIT;
 use model_core::extension::{
     CreepParameters, DeadbandForm, DriftParameters, PeriodicDisturbanceParameters, PressureRateParameters,
     ProfileParameters, RateDependentThresholdsParameters, RateDependentWidthParameters, ScheduleParameters,
-    Site, SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagParameters,
-    WarmUpParameters,
+    Site, SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters, ValveLagForm,
+    ValveLagParameters, WarmUpParameters,
 };
 use toml::{Table, Value};
 
@@ -131,10 +131,11 @@ fn causes(
     file.cause("supply_saturation", supply_saturation, blank, |fields, saturation| {
         fields.number(&format!("supply_{input}"), x, &mut saturation.supply)
     })?;
-    let blank = ValveLagParameters { time_constant_s: 0.0, lead_limit: lead_limit(names) };
+    let blank = ValveLagParameters { lead_limit: lead_limit(names), ..ValveLagParameters::new(0.0) };
     file.cause("valve_lag", valve_lag, blank, |fields, lag| {
         fields.number("time_constant_s", 1.0, &mut lag.time_constant_s)?;
-        fields.optional_number(&format!("lead_limit_{input}"), x, &mut lag.lead_limit)
+        fields.optional_number(&format!("lead_limit_{input}"), x, &mut lag.lead_limit)?;
+        lag_form(fields, input, x, &mut lag.form)
     })?;
     let blank = TransportDelayParameters { delay_s: 0.0 };
     file.cause("transport_delay", transport_delay, blank, |fields, delay| {
@@ -218,6 +219,27 @@ fn causes(
         fields.number("phase_rad", 1.0, &mut tone.phase_rad)?;
         fields.truth("compensated", &mut tone.compensated)
     })
+}
+
+/// How a valve's pressure goes: of the first order where no key says more.
+fn lag_form(fields: &mut Fields, input: &str, x: f64, form: &mut ValveLagForm<f64>) -> Result<(), KeyError> {
+    let [supply_key, outside_key] = ["supply", "outside"].map(|end| format!("absolute_{end}_{input}"));
+    if fields.has("damping_ratio", matches!(form, ValveLagForm::SecondOrder { .. })) {
+        let mut damping_ratio =
+            if let ValveLagForm::SecondOrder { damping_ratio } = form { *damping_ratio } else { 0.0 };
+        fields.number("damping_ratio", 1.0, &mut damping_ratio)?;
+        *form = ValveLagForm::SecondOrder { damping_ratio };
+    } else if fields.has(&supply_key, matches!(form, ValveLagForm::Orifice { .. })) {
+        let (mut supply, mut outside) = if let ValveLagForm::Orifice { supply, outside } = form {
+            (*supply, *outside)
+        } else {
+            (0.0, 0.0)
+        };
+        fields.number(&supply_key, x, &mut supply)?;
+        fields.number(&outside_key, x, &mut outside)?;
+        *form = ValveLagForm::Orifice { supply, outside };
+    }
+    Ok(())
 }
 
 /// A table whose values are taken out of the file, or put there, or values that are brought to

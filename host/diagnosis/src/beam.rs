@@ -13,6 +13,7 @@ use super::effect::{Effect, Form};
 use super::fit::fit;
 use super::pure_error::pure_error;
 use super::race::{Runner, is_same};
+use super::regulator;
 use super::screen::Screen;
 use super::search::{LARGEST, Search};
 use super::series::{arrange, beside};
@@ -103,6 +104,9 @@ impl Search<'_> {
             set.fit.effects.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, e)| e.clone()).collect();
         if !effects.iter().any(|effect| effect.form == Form::Delay) {
             effects.insert(0, Effect::small_delay(self.signals));
+        }
+        if regulator::of(&effects).is_none() {
+            effects.splice(0..0, self.signals.regulator.clone());
         }
         arrange(&mut effects);
         let causes: Vec<Cause> = set.causes.iter().copied().filter(|&other| other != cause).collect();

@@ -11,6 +11,7 @@
 //! force that acts on the muscle, over its area. `h` is made of a few tents over the contraction.
 
 pub use super::rates::Rate;
+use super::regulator;
 use super::signals::{Signals, TENTS};
 
 /// A nonlinear parameter with its bounds.
@@ -53,8 +54,11 @@ impl Parameter {
 pub enum Form {
     /// Input later by the parameter. Unit: s.
     Delay,
-    /// Input through a first-order lag; parameter: logarithm of the time constant.
-    Lag,
+    /// Input through a lag of the second order; parameters: logarithms of how late it is on a ramp, and of the damping ratio.
+    SecondOrder,
+    /// Input as air that flows through an orifice; parameters: logarithm of the time constant, and the absolute pressures before it and
+    /// outside. Unit of the pressures: input unit.
+    Orifice,
     /// Input never above the parameter, before all lags and delays. Input unit.
     Ceiling,
     /// Low-passes of the input, less the input, each with a parameter for its weight.
@@ -145,7 +149,7 @@ impl Effect {
     pub fn late_s(&self) -> f64 {
         match (self.form, self.parameters.first()) {
             (Form::Delay, Some(delay)) => delay.value,
-            (Form::Lag, Some(lag)) => lag.value.exp(),
+            (Form::SecondOrder | Form::Orifice, Some(lag)) => lag.value.exp(),
             _ => 0.0,
         }
     }
@@ -156,17 +160,19 @@ impl Effect {
         effects.iter().filter_map(of).fold(f64::INFINITY, f64::min)
     }
 
-    /// What belongs to the baseline: its envelope, a small delay, and a width that does not depend on the rate, its radius
-    /// a share of the input's span.
-    pub fn nuisances(signals: &Signals, radius: f64) -> [Self; 3] {
+    /// What belongs to the baseline: its envelope, a small delay, a width that does not depend on the rate, its radius a share of the
+    /// input's span, and this regulator, if there is one.
+    pub fn nuisances(signals: &Signals, radius: f64, regulator: Option<&Self>) -> Vec<Self> {
         let envelope = Self::new(Form::Envelope, [Parameter::new(0.5, 0.0, 1.2, 1e-3)]);
-        [envelope, Self::small_delay(signals), Self::static_width(signals, radius)]
+        let all = [envelope, Self::small_delay(signals), Self::static_width(signals, radius)];
+        all.into_iter().chain(regulator.cloned()).collect()
     }
 
-    /// A delay of at most half a row, which no recording is free of.
+    /// A delay of at most half a row, which no recording is free of; behind a regulator also what that may have of its own.
     pub fn small_delay(signals: &Signals) -> Self {
         let half_s = 0.5 * signals.step_s;
-        Self::new(Form::Delay, [Parameter::new(0.0, -half_s, half_s, 0.1 * signals.step_s)])
+        let own_s = if signals.regulator.is_none() { 0.0 } else { regulator::LONGEST_DELAY_S };
+        Self::new(Form::Delay, [Parameter::new(0.0, -half_s, half_s + own_s, 0.1 * signals.step_s)])
     }
 
     /// A width that does not depend on the rate, its radius a share of the input's span.

@@ -6,6 +6,7 @@ use super::basis::Seen;
 use super::effect::{Effect, Form, Parameter, Rate};
 use super::low_pass::low_pass;
 use super::output::driven;
+use super::regulator;
 use super::signals::{Recorded, Signals, TENTS};
 
 /// What arrives at the muscle.
@@ -23,7 +24,8 @@ impl Arrived {
         let Recorded { time_s, input, input_speed, .. } = &*signals.recorded;
         let (input, input_speed) = below(Effect::ceiling(effects), input, input_speed);
         let needs_speed = effects.iter().any(|effect| effect.form == Form::Thresholds(Rate::Input));
-        let is_slow = |effect: &Effect| matches!(effect.form, Form::Lag | Form::CreepOfInput);
+        let is_slow =
+            |effect: &Effect| matches!(effect.form, Form::SecondOrder | Form::Orifice | Form::CreepOfInput);
         if !effects.iter().any(is_slow) {
             // Delays add up.
             let delays = effects.iter().filter(|effect| effect.form == Form::Delay);
@@ -39,12 +41,16 @@ impl Arrived {
         for effect in effects {
             let first = effect.parameters.first().map_or(0.0, |parameter| parameter.value);
             let late = |values: &[f64]| match effect.form {
-                Form::Lag => Some(low_pass(values, time_s, first.exp())),
                 Form::Delay => Some(delayed(values, time_s, first)),
                 _ => None,
             };
             if effect.form == Form::CreepOfInput {
                 creep(&mut input, time_s, &signals.creep_s, &effect.parameters);
+            } else if let Some(regulator) = regulator::valve(effect) {
+                let start = input.first().copied().unwrap_or(0.0);
+                input = regulator.simulate(start, time_s, &input);
+                // About as fast as that: a width needs no more.
+                speed = if needs_speed { low_pass(&speed, time_s, first.exp()) } else { speed };
             } else if let Some(values) = late(&input) {
                 input = values;
                 speed = late(&speed).filter(|_| needs_speed).unwrap_or(speed);
@@ -102,7 +108,7 @@ impl Stages {
     pub fn with(&self, signals: &Signals, effects: &[Effect], changed: usize) -> Option<Seen> {
         let effect = &effects[changed];
         match effect.form {
-            Form::Lag | Form::Delay | Form::Ceiling | Form::CreepOfInput => {
+            Form::SecondOrder | Form::Orifice | Form::Delay | Form::Ceiling | Form::CreepOfInput => {
                 Some(Self::new(signals, effects).seen)
             }
             Form::Driven(_) | Form::Inertia => {

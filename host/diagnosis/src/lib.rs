@@ -22,7 +22,7 @@
 //! | [`gain`], [`pure_error`] | what a set of causes is judged by |
 //! | `chance` | what may be by chance of it |
 //! | `placebo`, `autoregression` | what causes gain of errors that are drawn by chance |
-//! | `ordinary` | the regulator's own lag where the command alone was recorded |
+//! | `regulator` | the regulator's own lag where the command alone was recorded |
 //! | [`search`] | what is searched, and how a set is judged |
 //! | [`screen`], [`race`], [`beam`] | which sets are tried |
 //! | `rivals` | sets that the search hardly tells apart |
@@ -76,7 +76,6 @@ mod low_pass;
 mod measured;
 mod misfit;
 mod noisy_input;
-mod ordinary;
 pub mod output;
 mod overlooked;
 pub mod physical;
@@ -88,6 +87,7 @@ pub mod pure_error;
 pub mod race;
 mod rates;
 mod recorded;
+mod regulator;
 pub mod reject;
 mod rivals;
 mod row;
@@ -130,7 +130,6 @@ use extend::{Extended, Extender, Operator, Plain, likely};
 use identification::IdentificationError;
 use measured::measure;
 pub use noisy_input::Smoothing;
-use ordinary::{beside_ordinary_lag, is_ordinary, with_ordinary_lag, without_ordinary_lag};
 use overlooked::{Overlooked, overlooked};
 use poor::{Better, Poor, poor};
 use proven::{Proven, proven};
@@ -353,40 +352,23 @@ fn among(
     let Settled { set: best, alternatives, evidence } = settled(&search, (&best, &sizes), &extender);
     // No choice of the search, so its rivals are those of the width alone.
     let best = best.with_viscosity(&sizes).unwrap_or(best);
-    let ordinary = || with_ordinary_lag(&search, &best, &sizes);
-    let (best, alternatives, evidence) = match columns.input_is_command.then(ordinary).flatten() {
-        Some(ordinary) => {
-            let is_named = |cause: &Cause| best.causes.contains(cause);
-            let named: Vec<Cause> = ordinary.causes.iter().copied().filter(is_named).collect();
-            let alternatives = not_told_apart(&search, (&ordinary, &named), &sizes);
-            (ordinary, alternatives, None)
-        }
-        None => (best, alternatives, evidence),
-    };
     progress(0.8, "what is left");
-    // A regulator's ordinary lag belongs to what is normal: what else is seen is judged beside it.
-    let beside_lag = beside_ordinary_lag(&search, &best);
-    let left = |best: &Candidate, what: fn(&Search<'_>, &Candidate) -> Option<Unexplained>| match &beside_lag
-    {
-        Some(search) => what(search, &search.baseline),
-        None => what(&search, best),
-    };
-    let unexplained = left(&best, unexplained_by);
-    let is_silent = (best.causes.is_empty() || beside_lag.is_some()) && unexplained.is_none();
+    let unexplained = unexplained_by(&search, &best);
+    let is_silent = best.causes.is_empty() && unexplained.is_none();
     let look = || overlooked(&search, (&best, &sizes), &extender);
     let (best, alternatives, evidence) = match is_silent.then(look).flatten() {
         Some(Overlooked { set, alternatives, evidence }) => (set, alternatives, Some(evidence)),
         None => (best, alternatives, evidence),
     };
     // Where nothing is named, nothing of the muscle extends the model.
-    let is_named = unexplained.is_none() || beside_lag.is_some();
+    let is_named = unexplained.is_none();
     let named = if is_named { &best } else { &search.baseline };
     let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
     let Proven { set, wider, mut extended, refuted, is_needless } =
         proven(&extender, (named, valve.as_ref()), &sizes, given, &simulating)?;
     // What is left of the causes may leave something unexplained.
     let is_less = set.causes.len() < named.causes.len();
-    let unexplained = if is_less { left(&set, unexplained_by) } else { unexplained };
+    let unexplained = if is_less { unexplained_by(&search, &set) } else { unexplained };
     let (best, mut alternatives, evidence) = match is_less {
         true => {
             let alternatives = not_told_apart(&search, (&set, &set.causes), &sizes);
@@ -399,8 +381,9 @@ fn among(
     if untold.is_empty() {
         inseparable.leave_out(&told);
     }
-    let wider = wider.into_iter().map(|wider| without_ordinary_lag(&search, &best, wider));
-    for rival in wider.chain(untold) {
+    let in_chain = || regulator::alike(&search, &best, &sizes);
+    let in_chain = columns.input_is_command.then(in_chain).into_iter().flatten();
+    for rival in wider.into_iter().chain(untold).chain(in_chain) {
         if !alternatives.iter().any(|other| is_same(other, &rival)) {
             alternatives.push(rival);
         }
@@ -497,8 +480,7 @@ fn conclude(
     examinable: Vec<Examinable>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let baseline = &search.baseline;
-    let mut causes = verdict::named(search, &best, sizes, valve.as_ref(), columns.output_unit);
-    causes.retain(|named| !is_ordinary(named.cause, &named.parameters));
+    let causes = verdict::named(search, &best, sizes, valve.as_ref(), columns.output_unit);
     let mut alternatives = if causes.is_empty() { Vec::new() } else { alternatives };
     // What the valve does stands apart from the muscle, whose causes alone have rivals.
     for alternative in &mut alternatives {

@@ -46,8 +46,7 @@ pub fn overlooked(
     extender: &Extender<'_>,
 ) -> Option<Overlooked> {
     let alone = || clearly(search, sizes.first()?, extender);
-    let alone = base.causes.is_empty().then(alone).flatten();
-    let (set, others, [with, without]) = alone.or_else(|| found(search, (base, sizes), extender))?;
+    let (set, others, [with, without]) = alone().or_else(|| found(search, (base, sizes), extender))?;
     Some(Overlooked {
         alternatives: others.iter().map(Candidate::names).collect(),
         set,
@@ -89,8 +88,7 @@ fn found(
     (base, sizes): (&Candidate, &[Vec<Candidate>]),
     extender: &Extender<'_>,
 ) -> Option<Found> {
-    // Beside a regulator's ordinary lag a fast cause is what a regulator of a higher order does.
-    let is_asked = |cause: &Cause| cause.acts_at_once() && (base.causes.is_empty() || !cause.is_fast());
+    let is_asked = |cause: &Cause| cause.acts_at_once();
     let asked: Vec<Cause> = search.examinable.iter().copied().filter(is_asked).collect();
     beyond_chance(search, (&asked, &search.examinable), (base, sizes), extender)
 }

@@ -82,21 +82,23 @@ pub fn proven(
     Ok(Proven { set, wider, extended, refuted, is_needless: false })
 }
 
-/// What is left of a set and of its model when each cause of the muscle has gone that gains nothing beside the others and the valve's,
-/// the most needless first.
+/// What is left of a set and of its model when each cause of the muscle has gone that gains nothing beside the others, the valve's and the
+/// regulator, the most needless first.
 fn holding(
     extender: &Extender<'_>,
     (mut set, mut extended): (Candidate, Extended),
     valve: Option<&ValveFit>,
     (sizes, given): (&[Vec<Candidate>], Option<&Operator>),
 ) -> (Candidate, Extended) {
+    let search = extender.search;
     let of_valve = valve.map_or(0, |valve| valve.named.len());
-    while !set.causes.is_empty() && set.causes.len() + of_valve > 1 {
+    let is_alone = |set: &Candidate| set.causes.len() + of_valve == 1 && search.signals.regulator.is_none();
+    while !set.causes.is_empty() && !is_alone(&set) {
         let without: Vec<(Candidate, Extended)> = set
             .causes
             .par_iter()
             .filter_map(|&cause| {
-                let without = extender.search.without(&set, cause, sizes)?;
+                let without = search.without(&set, cause, sizes)?;
                 let model = extender.extend(&without, valve, given, &|_| ())?;
                 Some((without, model))
             })

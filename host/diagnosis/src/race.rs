@@ -7,6 +7,7 @@ use super::candidate::Candidate;
 use super::causes::{Cause, Law};
 use super::effect::{Effect, Form};
 use super::fit::{Descent, Fit, fit};
+use super::regulator;
 use super::search::{Search, WIDTHS};
 use super::series::arrange;
 use super::swing::Running;
@@ -45,13 +46,17 @@ impl Search<'_> {
     pub fn runners(&self, set: &Candidate, cause: Cause, starts: Vec<Effect>) -> Vec<Runner> {
         let causes: Vec<Cause> = set.causes.iter().copied().chain([cause]).collect();
         let of_start = |start: Effect| {
-            let replaces = |effect: &Effect| start.form == Form::Delay && effect.form == Form::Delay;
+            let is_regulator = |effect: &Effect| regulator::valve(effect).is_some();
+            let replaces = |effect: &Effect| {
+                start.form == Form::Delay && effect.form == Form::Delay
+                    || is_regulator(&start) && is_regulator(effect)
+            };
             let mut effects: Vec<Effect> =
                 set.fit.effects.iter().filter(|effect| !replaces(effect)).cloned().collect();
             effects.push(start);
             // Envelope and width of the baseline may have tried to be what the cause is: from their starts once more.
             let mut restarted = effects.clone();
-            lend(&Effect::nuisances(self.signals, WIDTHS[0]), &mut restarted);
+            lend(&Effect::nuisances(self.signals, WIDTHS[0], None), &mut restarted);
             let pairs = self.pairs(set, &restarted);
             [effects, restarted].into_iter().chain(pairs)
         };

@@ -102,7 +102,7 @@ impl<'a> Screen<'a> {
     fn columns(&self, effect: &Effect) -> (Vec<Vec<f64>>, Vec<bool>) {
         let (mut columns, one_sign) = output::columns(effect, self.signals);
         let mut bounded = vec![one_sign; columns.len()];
-        if matches!(effect.form, Form::Delay | Form::Lag | Form::Ceiling) {
+        if matches!(effect.form, Form::Delay | Form::SecondOrder | Form::Orifice | Form::Ceiling) {
             columns.push(self.difference(effect));
             bounded.push(true);
         }

@@ -65,6 +65,7 @@ impl<'a> Search<'a> {
             basis.simulate(input, first.seen.bend, &Weights::new(&first.weights))
         });
         signals.set_slope(|y| turn.slope(y));
+        signals.regulator = regulator(signals, &basis);
         let signals = &*signals;
         let tried: Vec<(Basis, Fit, Vec<bool>)> = WIDTHS
             .into_par_iter()
@@ -74,7 +75,8 @@ impl<'a> Search<'a> {
             })
             .filter_map(|(radius, preconditioned, smoothness)| {
                 let basis = Basis::new(low, high, preconditioned).smooth(smoothness).bent(&first.weights);
-                let fit = fit(signals, &basis, &Effect::nuisances(signals, radius))?;
+                let nuisances = Effect::nuisances(signals, radius, signals.regulator.as_ref());
+                let fit = fit(signals, &basis, &nuisances)?;
                 let mask = mask(&leverage(signals, &basis, &fit.effects)?);
                 Some((basis, fit, mask))
             })
@@ -143,6 +145,21 @@ impl<'a> Search<'a> {
         let damping_ratio = damping_ratio(signals, basis, &causes, &fit);
         Candidate { causes, fit, score, pure_error, spread, residual: free, doubts, damping_ratio }
     }
+}
+
+/// What the regulator does, of all forms that it may have the best on held-out blocks; None where it does no more than is by chance.
+fn regulator(signals: &Signals, basis: &Basis) -> Option<Effect> {
+    let scored = |regulator: Option<&Effect>| {
+        let fit = fit(signals, basis, &Effect::nuisances(signals, WIDTHS[0], regulator))?;
+        let mask = mask(&leverage(signals, basis, &fit.effects)?);
+        Some(Score::of(signals, &fit.unseen, &mask))
+    };
+    let forms = signals.command?.ordinary(signals.step_s);
+    let forms = forms.into_par_iter().filter_map(|form| Some((scored(Some(&form))?, form)));
+    let by_error = |one: &(Score, Effect), other: &(Score, Effect)| one.0.mean().total_cmp(&other.0.mean());
+    let (with, form) = forms.min_by(by_error)?;
+    let without = scored(None)?;
+    (without.gain(&with) > without.gain_error(&with)).then_some(form)
 }
 
 /// The error of a baseline on held-out blocks, without the rows in which it extrapolates. A fresh muscle passes the states of its first

@@ -13,21 +13,24 @@
 //! had a dead time.
 
 mod examine;
-mod orifice;
+
+use model_core::extension::valve_lag::{ValveLag, ValveLagForm, ValveLagMemory, ValveLagParameters};
 
 use super::equivalent::delayed;
-use super::low_pass::{low_pass_from, low_pass_of_second_order};
-pub use examine::examine;
-pub use orifice::Orifice;
+pub use examine::{BEFORE, BEGUN, examine};
+use recording::simulation::SAME_STEP_S;
 use recording::unit::Unit;
 
 /// Lags and a delay up to here, together, are those of any proportional regulator, and not named. Unit: s.
 pub const ORDINARY_LAG_S: f64 = 0.07;
 /// Damping ratios of a lag of the second order: from one that rings on and on to one whose shorter lag is 0.0006 of the longer one.
-const DAMPING: (f64, f64) = (0.1, 20.0);
+pub const DAMPING: (f64, f64) = (0.1, 20.0);
 /// A command jumps where it moves more than so many times as fast as to the row before and to the next one: a choice. A sine of more than
 /// six rows a period never does.
 const JUMP: f64 = 2.0;
+/// The standard atmosphere. Unit: bar.
+const OUTSIDE_BAR: f64 = 1.01325;
+
 /// How a dead band works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BandForm {
@@ -38,6 +41,20 @@ pub enum BandForm {
     HoldBetween,
     /// The output follows at the distance of half a band.
     Backlash,
+}
+
+/// The absolute pressures on either side of an orifice. Unit of the pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orifice {
+    /// Before it.
+    pub supply: f64,
+    /// Outside, where the pressure is 0.
+    pub outside: f64,
+}
+
+/// The atmosphere's pressure; None where that is no unit of pressure.
+pub fn outside(unit: Unit) -> Option<f64> {
+    Unit::BAR.convert(OUTSIDE_BAR, unit)
 }
 
 /// A valve's effects.
@@ -75,8 +92,6 @@ pub enum ValvePart {
 pub struct ValveFit {
     /// The valve.
     pub valve: Valve,
-    /// The nearest to it without an orifice, as the extensions of a model have it.
-    pub linear: Valve,
     /// The parts that are named, each with the logarithmic gain of having it.
     pub named: Vec<(ValvePart, f64)>,
     /// Root mean square of measured less simulated pressure. Unit of the pressure.
@@ -89,7 +104,7 @@ pub struct ValveFit {
 
 impl Valve {
     /// With a lag only.
-    fn slow(lag_s: f64) -> Self {
+    pub fn slow(lag_s: f64) -> Self {
         Self { lag_s, damping_ratio: None, orifice: None, delay_s: None, band: None, supply_bar: None }
     }
 
@@ -122,11 +137,29 @@ impl Valve {
         if let Some(supply_bar) = self.supply_bar {
             values.iter_mut().for_each(|value| *value = value.min(supply_bar));
         }
-        match (self.orifice, self.damping_ratio) {
-            (Some(orifice), _) => orifice.follow(start, &values, time_s, self.lag_s),
-            (None, Some(ratio)) => low_pass_of_second_order(start, &values, time_s, self.lag_s, ratio),
-            (None, None) => low_pass_from(start, &values, time_s, self.lag_s),
+        // What is no lag of a model makes no pressure.
+        let Ok(lag) = ValveLag::try_new(&self.lag()) else { return vec![f64::NAN; values.len()] };
+        let mut memory = ValveLagMemory::resting(start);
+        let (mut last_s, mut known) = (time_s.first().copied().unwrap_or(0.0), (0.0, None));
+        for (value, &time_s) in values.iter_mut().zip(time_s) {
+            let step_s = time_s - last_s;
+            last_s = time_s;
+            if (step_s - known.0).abs() > SAME_STEP_S {
+                known = (step_s, Some(lag.step(step_s)));
+            }
+            *value = known.1.map_or(start, |step| step.pressure(&mut memory, *value));
         }
+        values
+    }
+
+    /// Its lag as a model has it.
+    pub fn lag(&self) -> ValveLagParameters<f64> {
+        let form = match (self.orifice, self.damping_ratio) {
+            (Some(Orifice { supply, outside }), _) => ValveLagForm::Orifice { supply, outside },
+            (None, Some(damping_ratio)) => ValveLagForm::SecondOrder { damping_ratio },
+            (None, None) => ValveLagForm::FirstOrder,
+        };
+        ValveLagParameters { form, ..ValveLagParameters::new(self.lag_s) }
     }
 
     /// What a part measures. Unit: s, of the pressure.

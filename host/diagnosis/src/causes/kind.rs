@@ -66,15 +66,6 @@ pub enum Stage {
     Output,
 }
 
-/// What any recording of a command has of a cause.
-#[derive(Clone, Copy, Debug)]
-pub struct Ordinary {
-    /// The parameter, and up to where it is ordinary.
-    pub up_to: (&'static str, f64),
-    /// Its effect, no larger than that; None where the samples are too far apart for one.
-    pub start: fn(&Signals) -> Option<Effect>,
-}
-
 /// What is known of a cause.
 #[derive(Clone, Copy, Debug)]
 pub struct About {
@@ -98,8 +89,6 @@ pub struct About {
     pub taken_for: &'static [&'static str],
     /// The part of a valve that it is, with the name of its parameter.
     pub in_valve: Option<(ValvePart, &'static str)>,
-    /// What of it is nothing that is wrong.
-    pub ordinary: Option<Ordinary>,
     /// Names of causes that an experiment tells it from, and how; a pair is in the file of one of the two.
     pub told_from: &'static [(&'static str, &'static str)],
     /// Parts of an excitation that show it, beside those that every one has.
@@ -123,7 +112,6 @@ impl About {
         containment: 0.0,
         taken_for: &[],
         in_valve: None,
-        ordinary: None,
         told_from: &[],
         parts: &[],
         note: None,

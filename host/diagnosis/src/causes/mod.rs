@@ -40,7 +40,7 @@ mod zero_step;
 use std::fmt;
 use std::ops::Deref;
 
-pub use self::kind::{Fits, Kind, Law, Ordinary};
+pub use self::kind::{Fits, Kind, Law};
 use crate::valve::ValvePart;
 
 /// A cause that can be named: what can be wrong in a simulation, each a nested extension of the model in its physical place.

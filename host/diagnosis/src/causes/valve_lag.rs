@@ -1,43 +1,37 @@
-//! The pressure follows the command as a first-order lag.
+//! The pressure follows the command late.
 //!
 //! Any regulator has one: up to [`ORDINARY_LAG_S`] it is not named.
 
 use model_core::ExtensionParameters;
-use model_core::extension::ValveLagParameters;
+use model_core::extension::ValveLagForm;
 
-use super::kind::{About, Fits, Kind, Ordinary, RECORD_PRESSURE, Stage};
+use super::kind::{About, Fits, Kind, RECORD_PRESSURE, Stage};
 use super::needs::{Judge, Judged, Lack, ValveView};
 use crate::carrier::Carrier;
-use crate::effect::{Effect, Form, Parameter};
+use crate::effect::Effect;
 use crate::fitted::{Fitted, Parameters};
 use crate::plan::part::Part;
+use crate::regulator::{self, Command, LEAST_LAG};
+use crate::second_order::DAMPING_RATIO;
 use crate::signals::Signals;
 use crate::simulated::Simulated;
 use crate::valve::{ORDINARY_LAG_S, ValvePart};
 
 /// The name of its parameter.
 const TIME_CONSTANT: &str = "time_constant_s";
-/// The shortest lag that is looked for, in steps of the recording: a shorter one is over before the next sample.
-const LEAST_LAG: f64 = 0.2;
-/// The longest. Unit: s.
+/// Where the search begins. Unit: s.
+const BEGIN_S: [f64; 3] = [0.1, 0.2, 0.4];
+/// The longest lag that is looked for. Unit: s.
 const LONGEST_S: f64 = 10.0;
 
 /// The cause.
 pub struct ValveLag;
 
-/// The start of a lag no longer than any regulator's.
-fn ordinary_lag(signals: &Signals) -> Option<Effect> {
-    let low_s = LEAST_LAG * signals.step_s;
-    let half_s = 0.5 * ORDINARY_LAG_S;
-    let lag = || Effect::new(Form::Lag, [Parameter::logarithm(half_s, low_s, ORDINARY_LAG_S)]);
-    (low_s < half_s).then(lag)
-}
-
 impl Kind for ValveLag {
     fn about(&self) -> &'static About {
         &About {
             name: "valve_lag",
-            meaning: "The pressure follows the command late, as a first-order lag",
+            meaning: "The pressure follows the command late",
             stage: Stage::Valve,
             fits: Fits::Command,
             alike_without: &[Lack::Speeds],
@@ -49,7 +43,6 @@ impl Kind for ValveLag {
             )],
             parts: &[Part::Speeds, Part::Jumps],
             note: Some(RECORD_PRESSURE),
-            ordinary: Some(Ordinary { up_to: (TIME_CONSTANT, ORDINARY_LAG_S), start: ordinary_lag }),
             ..About::PLAIN
         }
     }
@@ -64,23 +57,29 @@ impl Kind for ValveLag {
     }
 
     fn starts(&self, signals: &Signals) -> Vec<Effect> {
-        let longest_s = signals.duration_s() / 3.0;
-        let lag = |lag_s| {
-            let low_s = LEAST_LAG * signals.step_s;
-            Effect::new(Form::Lag, [Parameter::logarithm(lag_s, low_s, longest_s.clamp(low_s, LONGEST_S))])
-        };
-        [0.03, 0.1, 0.4].map(lag).to_vec()
+        let low_s = ORDINARY_LAG_S.max(LEAST_LAG * signals.step_s);
+        let bounds_s = (low_s, (signals.duration_s() / 3.0).clamp(low_s, LONGEST_S.max(low_s)));
+        let regulators = |command: Command| BEGIN_S.map(|late_s| command.regulators(late_s, bounds_s));
+        signals.command.into_iter().flat_map(regulators).flatten().collect()
     }
 
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
-        vec![(TIME_CONSTANT, fitted.parameter(0).exp())]
+        let valve = regulator::valve(fitted.effect);
+        vec![(TIME_CONSTANT, valve.map_or(0.0, |valve| valve.longer_lag_s()))]
     }
 
     fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {
-        all.valve_lag = Some(ValveLagParameters::new(carrier.fitted.parameter(0).exp()));
+        all.valve_lag = regulator::valve(carrier.fitted.effect).map(|valve| valve.lag());
     }
 
     fn written(&self, model: &Simulated<'_>) -> Option<Parameters> {
-        model.extensions.valve_lag.map(|lag| vec![(TIME_CONSTANT, lag.time_constant_s)])
+        model.extensions.valve_lag.map(|lag| {
+            let form = match lag.form {
+                ValveLagForm::FirstOrder => Vec::new(),
+                ValveLagForm::SecondOrder { damping_ratio } => vec![(DAMPING_RATIO, damping_ratio)],
+                ValveLagForm::Orifice { supply, .. } => vec![("absolute_supply_bar", supply)],
+            };
+            [(TIME_CONSTANT, lag.time_constant_s)].into_iter().chain(form).collect()
+        })
     }
 }

@@ -3,7 +3,7 @@
 use model_core::ExtensionParameters;
 use model_core::extension::{
     DeadbandForm, RateDependentThresholdsParameters, RateDependentWidthParameters,
-    SupplySaturationParameters, ValveDeadbandParameters, ValveLagParameters,
+    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters,
 };
 
 use super::jump::Jump;
@@ -11,6 +11,7 @@ use crate::Columns;
 use crate::candidate::Candidate;
 use crate::carrier::Carrier;
 use crate::fitted::FittedSet;
+use crate::regulator;
 use crate::search::Search;
 use crate::signals::TENTS;
 use crate::turn::Loop;
@@ -19,13 +20,20 @@ use crate::valve::{BandForm, ValveFit};
 /// The least half width of a loop, as a share of the input's span.
 const LEAST_WIDTH: f64 = 0.01;
 
-/// The extensions of the muscle.
+/// The extensions of the muscle, and of the regulator before it where the command alone is known.
 pub fn extensions(columns: &Columns, search: &Search<'_>, set: &Candidate) -> ExtensionParameters<f64> {
     let fitted = FittedSet::new(search.signals, &search.basis, &set.fit);
     let first = set.fit.effects.len() - set.causes.len();
     let mut all = ExtensionParameters::default();
     for (i, cause) in set.causes.iter().enumerate() {
         cause.extend(&Carrier { columns, fitted: fitted.as_fitted(first + i) }, &mut all);
+    }
+    if let Some(regulator) = regulator::of(&set.fit.effects) {
+        all.valve_lag = Some(regulator.lag());
+        let delay_s = regulator::delay_s(&set.fit.effects[..first]);
+        if delay_s > 0.5 * search.signals.step_s {
+            all.transport_delay.get_or_insert(TransportDelayParameters { delay_s });
+        }
     }
     all
 }
@@ -65,9 +73,8 @@ pub fn before_operator(
 
 /// Adds what stands between command and pressure.
 pub fn add_valve(all: &mut ExtensionParameters<f64>, valve: Option<&ValveFit>) {
-    let Some(ValveFit { linear: valve, .. }) = valve else { return };
-    // One lag for both: as late on a ramp, if not quite after a jump.
-    all.valve_lag = Some(ValveLagParameters::new(valve.lag_s));
+    let Some(ValveFit { valve, .. }) = valve else { return };
+    all.valve_lag = Some(valve.lag());
     all.valve_deadband = valve.band.map(|(form, band)| match form {
         BandForm::Hold | BandForm::HoldBetween => ValveDeadbandParameters { band, form: DeadbandForm::Hold },
         BandForm::Backlash => ValveDeadbandParameters { band: 0.5 * band, form: DeadbandForm::Backlash },

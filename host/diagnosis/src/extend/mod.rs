@@ -488,12 +488,13 @@ impl<'a> Extender<'a> {
             self.plain.clone();
 
         let mut extensions = carry::extensions(columns, search, set);
+        let is_plain = set.causes.is_empty() && extensions == ExtensionParameters::default();
         let slow = Slow::of(&extensions);
         if let Some(slow) = Slow::taught(columns, search, set, split) {
             slow.put(&mut extensions);
         }
         carry::add_valve(&mut extensions, valve);
-        let mut extended = if set.causes.is_empty() {
+        let mut extended = if is_plain {
             Extension { extensions, ..plain.clone() }
         } else {
             let found = self.found(&before, set, extensions, &plain)?;
@@ -523,7 +524,7 @@ impl<'a> Extender<'a> {
         let counted = Counted { split: split.clone(), reached, plain, extended: extended.clone() };
         let mut model = Extension { extensions: extended.extensions.clone(), ..plain_of_all.clone() };
         let mut ended = plain_ended;
-        if !set.causes.is_empty() {
+        if !is_plain {
             slow.put(&mut extended.extensions);
             let from_search = || {
                 let mut extensions = carry::extensions(columns, search, set);

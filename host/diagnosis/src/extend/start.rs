@@ -15,6 +15,7 @@ use crate::equivalent::Stages;
 use crate::fit::Fit;
 use crate::free_run::free_run;
 use crate::output;
+use crate::regulator;
 use crate::search::Search;
 use identification::comparison::choice::penalised;
 use identification::{
@@ -54,7 +55,8 @@ impl Seen {
     pub fn of(search: &Search<'_>, set: &Candidate) -> Self {
         let signals = search.signals;
         let first = set.fit.effects.len() - set.causes.len();
-        let effects: Vec<Effect> = set.fit.effects[first..].to_vec();
+        let (nuisances, effects) = set.fit.effects.split_at(first);
+        let effects = effects.to_vec();
         let mut output = signals.output.clone();
         // An operator cannot say what wider thresholds do: it would take the mean of all speeds for its own.
         if let Some(at_rest) = at_rest(&set.fit) {
@@ -71,7 +73,9 @@ impl Seen {
                 }
             }
         }
-        Self { input: Stages::new(signals, &effects).seen.input, output }
+        let regulator = nuisances.iter().filter(|effect| regulator::valve(effect).is_some());
+        let before: Vec<Effect> = regulator.cloned().chain(effects).collect();
+        Self { input: Stages::new(signals, &before).seen.input, output }
     }
 }
 

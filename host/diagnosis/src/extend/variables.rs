@@ -7,6 +7,7 @@
 use model_core::ExtensionParameters;
 use model_core::dead_zone::DeadZoneParameters;
 use model_core::envelope::EnvelopeParameters;
+use model_core::extension::ValveLagForm;
 use model_core::play::PlayParameters;
 
 use super::Extension;
@@ -173,6 +174,15 @@ fn visit_extensions(
 ) {
     if let (Some(lag), true) = (&mut extensions.valve_lag, units.with_valve) {
         logarithm(&mut lag.time_constant_s, change);
+        match &mut lag.form {
+            ValveLagForm::FirstOrder => {}
+            ValveLagForm::SecondOrder { damping_ratio } => logarithm(damping_ratio, change),
+            ValveLagForm::Orifice { supply, outside } => {
+                let mut above = *supply - *outside;
+                logarithm(&mut above, change);
+                *supply = *outside + above;
+            }
+        }
     }
     if let (Some(saturation), true) = (&mut extensions.supply_saturation, units.with_valve) {
         logarithm(&mut saturation.supply, change);

@@ -2,13 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::{BandForm, ORDINARY_LAG_S, Orifice, Valve, ValveFit, ValvePart};
+use super::{BandForm, ORDINARY_LAG_S, Orifice, Valve, ValveFit, ValvePart, outside};
 use crate::Columns;
 use crate::equivalent::delayed;
 use crate::low_pass::low_pass;
 use recording::noise::steps;
 use recording::numbers::range;
-use recording::unit::Unit;
 
 /// Logarithm of the ratio of errors that an effect has to gain.
 const GAIN: f64 = 0.12;
@@ -30,13 +29,12 @@ const APART: f64 = 8.0;
 const CLOSELY: [(i32, f64); 3] = [(60, 0.05), (60, 0.01), (60, 0.002)];
 /// How far to either side of the best a band that drags is looked for. Unit: place.
 const FINER: [f64; 8] = [6.0, 3.6, 2.0, 1.2, 0.72, 0.4, 0.24, 0.14];
-/// The standard atmosphere. Unit: bar.
-const OUTSIDE_BAR: f64 = 1.01325;
 /// The absolute pressure before an orifice is between the highest command's and so many times that, and the search begins at so many times
 /// it: choices, a bound and a start. It is not below that command, since a supply that is too low is a part of
 /// its own.
-const BEFORE: f64 = 4.0;
-const BEGUN: f64 = 1.2;
+pub const BEFORE: f64 = 4.0;
+/// See [`BEFORE`].
+pub const BEGUN: f64 = 1.2;
 /// Iterations for lag, damping, delay and limit.
 const ITERATIONS: usize = 12;
 
@@ -66,7 +64,7 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         scored: &columns.scored[..rows],
         step_s: steps(&columns.time_s).0,
         noise,
-        outside: Unit::BAR.convert(OUTSIDE_BAR, columns.input_unit),
+        outside: outside(columns.input_unit),
         highest: range(command).1,
     };
     let ideal_rmse_bar = task.error(task.command);
@@ -107,11 +105,7 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         let at_once = task.error(&task.simulated(&Valve { lag_s: 1e-6, ..valve }));
         named.push((ValvePart::Lag, (at_once / rmse_bar).ln()));
     }
-    let linear = match valve.orifice {
-        Some(_) => task.polished(Valve { orifice: None, ..valve }).0,
-        None => valve,
-    };
-    Some(ValveFit { valve, linear, named, rmse_bar, ideal_rmse_bar, unit: columns.input_unit })
+    Some(ValveFit { valve, named, rmse_bar, ideal_rmse_bar, unit: columns.input_unit })
 }
 
 impl Task<'_> {

@@ -2,7 +2,8 @@
 //!
 //! Of several things that gain nothing in truth the luckiest one gains something. Where `judges` that do not see the same have all to find
 //! a gain of so many standard errors z, one thing passes by chance with the probability (1 - Φ(z))^judges, and one of `asked` with at most
-//! `asked` times that, which is the level that is stated. Φ is the normal distribution's.
+//! `asked` times that, which is the level that is stated; a cause that may be many things ([`hypotheses`](super::causes::Kind::hypotheses)) is
+//! asked as often. Φ is the normal distribution's.
 
 /// The level of errors at which a cause that was not named is said not to be excluded, the usual one of such statements.
 pub const NOT_EXCLUDED: f64 = 0.05;

@@ -124,7 +124,8 @@ fn not_excluded(
     let search = extender.search;
     let others: Vec<Cause> =
         search.examinable.iter().copied().filter(|cause| !set.causes.contains(cause)).collect();
-    let beyond_chance = standard_errors(NOT_EXCLUDED, others.len(), JUDGES);
+    let beyond_chance =
+        |cause: Cause| standard_errors(NOT_EXCLUDED, others.len() * cause.hypotheses(), JUDGES);
     let placebos = OnceLock::new();
     let placebos = || placebos.get_or_init(|| Placebos::of(search, set, &others)).as_ref();
     let is_better = |cause: Cause, wider: &Candidate| {
@@ -136,17 +137,17 @@ fn not_excluded(
         let own = || search.gain(&less, wider) - 2.0 * search.owed(cause, set);
         let is_found =
             || cause.acts_at_once() && is_large(own()) && placebos().is_some_and(|all| all.find(own()));
-        wider.shows() && wider.outlasts() && (gain > beyond_chance * error || is_found())
+        wider.shows() && wider.outlasts() && (gain > beyond_chance(cause) * error || is_found())
     };
-    let gains = |wider: Candidate| {
+    let gains = |cause: Cause, wider: Candidate| {
         let model = extender.extend(&wider, valve, given, &|_| ())?;
         let gain = extender.gain_of_muscle(&model, extended)?;
-        gain.is_beyond(beyond_chance).then(|| wider.names())
+        gain.is_beyond(beyond_chance(cause)).then(|| wider.names())
     };
     others
         .par_iter()
         .filter_map(|&cause| Some((cause, search.with(set, cause, sizes)?)))
         .filter(|(cause, wider)| is_better(*cause, wider))
-        .filter_map(|(_, wider)| gains(wider))
+        .filter_map(|(cause, wider)| gains(cause, wider))
         .collect()
 }

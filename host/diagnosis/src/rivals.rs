@@ -125,8 +125,10 @@ pub fn not_told_apart(
 ) -> Vec<Vec<Cause>> {
     // All that the recording can show are asked, though few look so promising that they are fitted.
     let asked = search.examinable.iter().filter(|cause| !named.contains(cause)).count();
-    let beyond_chance = standard_errors(FOUND, asked, 1);
     let gains = |less: &Candidate, larger: &Candidate| {
+        let more = larger.causes.iter().filter(|cause| !less.causes.contains(cause));
+        let hypotheses: usize = more.map(|cause| cause.hypotheses()).product();
+        let beyond_chance = standard_errors(FOUND, asked * hypotheses, 1);
         less.score.gain(&larger.score) > beyond_chance * less.score.gain_error(&larger.score)
     };
     // What the baseline gains where the larger set has led it is no gain of its causes.

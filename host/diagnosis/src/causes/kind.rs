@@ -127,6 +127,12 @@ pub trait Kind: Sync {
     /// What it needs of a recording to be seen, met or not.
     fn needs(&self, judge: &Judge<'_>) -> Judged;
 
+    /// How many things it may be that have little to do with each other, as a jump at one time with a jump at another: the luckiest of them is
+    /// what is found.
+    fn hypotheses(&self) -> usize {
+        1
+    }
+
     /// The effects to try for it in the search, from their several starts; none where the recording has not what it takes.
     fn starts(&self, _signals: &Signals) -> Vec<Effect> {
         Vec::new()

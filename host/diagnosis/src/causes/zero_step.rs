@@ -81,6 +81,10 @@ impl Kind for ZeroStep {
         judge.repeats()
     }
 
+    fn hypotheses(&self) -> usize {
+        TIMES
+    }
+
     fn starts(&self, signals: &Signals) -> Vec<Effect> {
         let first_s = signals.time_s.first().copied().unwrap_or(0.0) + END * signals.duration_s();
         let apart_s = (1.0 - 2.0 * END) * signals.duration_s() / (TIMES - 1) as f64;

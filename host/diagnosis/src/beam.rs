@@ -103,10 +103,10 @@ impl Search<'_> {
         let mut effects: Vec<Effect> =
             set.fit.effects.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, e)| e.clone()).collect();
         if !effects.iter().any(|effect| effect.form == Form::Delay) {
-            effects.insert(0, Effect::small_delay(self.signals));
+            effects.insert(0, Effect::small_delay(self.signals, self.regulator.is_some()));
         }
         if regulator::of(&effects).is_none() {
-            effects.splice(0..0, self.signals.regulator.clone());
+            effects.splice(0..0, self.regulator.clone());
         }
         arrange(&mut effects);
         let causes: Vec<Cause> = set.causes.iter().copied().filter(|&other| other != cause).collect();

@@ -11,8 +11,10 @@
 //! force that acts on the muscle, over its area. `h` is made of a few tents over the contraction.
 
 pub use super::rates::Rate;
-use super::regulator;
 use super::signals::{Signals, TENTS};
+
+/// The longest dead time of a regulator's own, half of what its lags and that may be together: a choice. Unit: s.
+const LONGEST_DELAY_S: f64 = 0.035;
 
 /// A nonlinear parameter with its bounds.
 #[derive(Clone, Copy, Debug)]
@@ -164,14 +166,15 @@ impl Effect {
     /// input's span, and this regulator, if there is one.
     pub fn nuisances(signals: &Signals, radius: f64, regulator: Option<&Self>) -> Vec<Self> {
         let envelope = Self::new(Form::Envelope, [Parameter::new(0.5, 0.0, 1.2, 1e-3)]);
-        let all = [envelope, Self::small_delay(signals), Self::static_width(signals, radius)];
+        let delay = Self::small_delay(signals, regulator.is_some());
+        let all = [envelope, delay, Self::static_width(signals, radius)];
         all.into_iter().chain(regulator.cloned()).collect()
     }
 
     /// A delay of at most half a row, which no recording is free of; behind a regulator also what that may have of its own.
-    pub fn small_delay(signals: &Signals) -> Self {
+    pub fn small_delay(signals: &Signals, is_behind_regulator: bool) -> Self {
         let half_s = 0.5 * signals.step_s;
-        let own_s = if signals.regulator.is_none() { 0.0 } else { regulator::LONGEST_DELAY_S };
+        let own_s = if is_behind_regulator { LONGEST_DELAY_S } else { 0.0 };
         Self::new(Form::Delay, [Parameter::new(0.0, -half_s, half_s + own_s, 0.1 * signals.step_s)])
     }
 

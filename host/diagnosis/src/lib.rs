@@ -10,6 +10,7 @@
 //! | `row` | a scored row, and the block of time that it is in |
 //! | [`signals`] | the recording, prepared: rates, tents, scored rows, blocks of time |
 //! | `rates` | how a measured signal moves |
+//! | `command`, `delay` | what is known of a command; a signal later |
 //! | `recorded` | all rows of it, for what is quicker than the kept ones show |
 //! | `scored` | the scored rows of it |
 //! | `thinning` | the rows of it that are enough for a direction or a rank |
@@ -61,6 +62,8 @@ pub mod candidate;
 pub mod carrier;
 pub mod causes;
 mod chance;
+mod command;
+mod delay;
 mod design;
 pub mod diagnosed;
 pub mod effect;
@@ -139,7 +142,7 @@ use recording::noise::{self, NoiseFloor};
 use recording::numbers::{range, root_mean_square};
 use recording::unit::Unit;
 use reject::{Unexplained, is_repeatable, no_gain, unexplained as unexplained_by};
-use rivals::{Alike, Settled, alike, not_told_apart, settled};
+use rivals::{Alike, Settled, alike, alike_in_chain, not_told_apart, settled};
 use scored::Scored;
 use search::Search;
 use signals::Signals;
@@ -381,7 +384,7 @@ fn among(
     if untold.is_empty() {
         inseparable.leave_out(&told);
     }
-    let in_chain = || regulator::alike(&search, &best, &sizes);
+    let in_chain = || alike_in_chain(&search, &best, &sizes);
     let in_chain = columns.input_is_command.then(in_chain).into_iter().flatten();
     for rival in wider.into_iter().chain(untold).chain(in_chain) {
         if !alternatives.iter().any(|other| is_same(other, &rival)) {

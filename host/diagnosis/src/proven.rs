@@ -92,7 +92,7 @@ fn holding(
 ) -> (Candidate, Extended) {
     let search = extender.search;
     let of_valve = valve.map_or(0, |valve| valve.named.len());
-    let is_alone = |set: &Candidate| set.causes.len() + of_valve == 1 && search.signals.regulator.is_none();
+    let is_alone = |set: &Candidate| set.causes.len() + of_valve == 1 && search.regulator.is_none();
     while !set.causes.is_empty() && !is_alone(&set) {
         let without: Vec<(Candidate, Extended)> = set
             .causes

@@ -23,6 +23,7 @@ use super::chance::{FOUND, standard_errors};
 use super::extend::{Extender, Extension};
 use super::race::is_same;
 use super::search::Search;
+use super::valve::ValvePart;
 use recording::numbers::legible;
 
 /// Sets whose costs differ by more than this are told apart by the search.
@@ -205,6 +206,27 @@ pub fn alike(search: &Search<'_>, set: &Candidate, group: &[Cause], sizes: &[Vec
     alike
 }
 
+/// Sets with the valve's lag in the place of a fast cause, or with a fast one in the place of that, which explain a recording of the command
+/// as well within the misfit of the set. A regulator has a form of its own, which nobody has seen: what is late by it may be late in the muscle.
+pub fn alike_in_chain(search: &Search<'_>, set: &Candidate, sizes: &[Vec<Candidate>]) -> Vec<Vec<Cause>> {
+    let is_lag = |cause: &Cause| matches!(cause.about().in_valve, Some((ValvePart::Lag, _)));
+    let is_new = |cause: &Cause| !set.causes.contains(cause);
+    let others = |own: Cause| {
+        let takes_place = move |cause: &Cause| if is_lag(&own) { cause.is_fast() } else { is_lag(cause) };
+        search.examinable.iter().copied().filter(is_new).filter(takes_place)
+    };
+    let own = set.causes.iter().copied().filter(|cause| cause.is_fast() || is_lag(cause));
+    let pairs: Vec<(Cause, Cause)> = own.flat_map(|own| others(own).map(move |other| (own, other))).collect();
+    let exchanged = pairs.into_par_iter().filter_map(|(own, other)| {
+        let rival = search.with(&search.without(set, own, sizes)?, other, sizes)?;
+        let is_untold = rival.shows()
+            && rival.outlasts()
+            && differ_less_than_misfit(set.score.mean(), rival.score.mean(), search.signals.noise);
+        is_untold.then(|| rival.names())
+    });
+    exchanged.collect()
+}
+
 /// Whether a set has all named causes and more.
 fn is_larger((set, named): (&Candidate, &[Cause]), larger: &Candidate) -> bool {
     larger.shows()
@@ -216,7 +238,7 @@ fn is_larger((set, named): (&Candidate, &[Cause]), larger: &Candidate) -> bool {
 
 /// Whether the squared error of a rival exceeds that of a set by less than the set's own squared error exceeds the noise's. All are
 /// root mean squares, output unit.
-pub(super) fn differ_less_than_misfit(set: f64, rival: f64, noise: f64) -> bool {
+fn differ_less_than_misfit(set: f64, rival: f64, noise: f64) -> bool {
     rival.powi(2) - set.powi(2) < set.powi(2) - noise.powi(2)
 }
 

@@ -10,6 +10,7 @@ use super::fit::{Fit, fit, leverage, squares};
 use super::gain::{Score, mask};
 use super::physical::doubts;
 use super::pure_error::{PureError, pure_error};
+use super::regulator::ordinary;
 use super::second_order::damping_ratio;
 use super::signals::Signals;
 use super::states;
@@ -39,6 +40,9 @@ pub struct Search<'a> {
     pub longest_hold_s: f64,
     /// The rows that are scored.
     pub mask: Vec<bool>,
+    /// The regulator that belongs to the baseline where the command alone was recorded, from where its search begins; None where it does no
+    /// more than is by chance.
+    pub regulator: Option<Effect>,
     /// The set without causes.
     pub baseline: Candidate,
     /// The baseline of a muscle with the other past: fresh, or not.
@@ -65,8 +69,8 @@ impl<'a> Search<'a> {
             basis.simulate(input, first.seen.bend, &Weights::new(&first.weights))
         });
         signals.set_slope(|y| turn.slope(y));
-        signals.regulator = regulator(signals, &basis);
         let signals = &*signals;
+        let regulator = regulator(signals, &basis);
         let tried: Vec<(Basis, Fit, Vec<bool>)> = WIDTHS
             .into_par_iter()
             .flat_map(|radius| [(radius, true), (radius, false)])
@@ -75,7 +79,7 @@ impl<'a> Search<'a> {
             })
             .filter_map(|(radius, preconditioned, smoothness)| {
                 let basis = Basis::new(low, high, preconditioned).smooth(smoothness).bent(&first.weights);
-                let nuisances = Effect::nuisances(signals, radius, signals.regulator.as_ref());
+                let nuisances = Effect::nuisances(signals, radius, regulator.as_ref());
                 let fit = fit(signals, &basis, &nuisances)?;
                 let mask = mask(&leverage(signals, &basis, &fit.effects)?);
                 Some((basis, fit, mask))
@@ -96,6 +100,7 @@ impl<'a> Search<'a> {
             examinable,
             longest_hold_s,
             mask,
+            regulator,
             baseline,
             other,
             largest: LARGEST,
@@ -154,7 +159,7 @@ fn regulator(signals: &Signals, basis: &Basis) -> Option<Effect> {
         let mask = mask(&leverage(signals, basis, &fit.effects)?);
         Some(Score::of(signals, &fit.unseen, &mask))
     };
-    let forms = signals.command?.ordinary(signals.step_s);
+    let forms = ordinary(signals.command?, signals.step_s);
     let forms = forms.into_par_iter().filter_map(|form| Some((scored(Some(&form))?, form)));
     let by_error = |one: &(Score, Effect), other: &(Score, Effect)| one.0.mean().total_cmp(&other.0.mean());
     let (with, form) = forms.min_by(by_error)?;

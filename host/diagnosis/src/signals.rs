@@ -12,11 +12,10 @@ use std::sync::Arc;
 use super::Columns;
 use super::anatomy::spectrum::InputLines;
 use super::basis::Basis;
-use super::effect::Effect;
+use super::command::Command;
 use super::low_pass::low_pass;
 use super::misfit::Misfits;
 use super::rates::{JERK_WINDOW, Rate, WINDOW, local_cubic, speed};
-use super::regulator::Command;
 pub use super::row::{FOLDS, Row};
 use super::thinning::Thinning;
 use recording::drop_out::DropOut;
@@ -90,8 +89,6 @@ pub struct Signals {
     pub input_span: f64,
     /// The command, where that is the input.
     pub command: Option<Command>,
-    /// The regulator that belongs to the baseline, from where its search begins; None before one has been chosen, and where none does.
-    pub regulator: Option<Effect>,
     /// Time constants that a creep is made of, on a logarithmic grid. Unit: s.
     pub creep_s: Vec<f64>,
     /// What has not come yet of the output, by a low-pass of each: a value a scored row. Output unit.
@@ -171,7 +168,6 @@ impl Signals {
             drop_outs: columns.drop_outs.clone(),
             input_span: (highest - lowest).max(1e-9),
             command: Command::of(columns),
-            regulator: None,
             slow: creep_s.iter().map(slow).collect(),
             creep_s,
             travel: travel(&smooth, 4.0 * noise),
@@ -292,7 +288,6 @@ impl Signals {
             kept: thinning.of(&self.kept),
             recorded: Arc::clone(&self.recorded),
             drop_outs: self.drop_outs.clone(),
-            regulator: self.regulator.clone(),
             kept_step_s: steps(&time_s).0,
             time_s,
             input: of(&self.input),

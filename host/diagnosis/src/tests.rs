@@ -119,7 +119,7 @@ fn nothing_is_named_where_nothing_is_hidden() {
 #[test]
 fn a_delay_is_named_and_measured() {
     let plant = Plant::new();
-    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let late = super::delay::delayed(&plant.pressure, &plant.time_s, 0.09);
     let diagnosis = diagnosed(&plant.recorded(&hysteresis(&late)));
     assert_eq!(names(&diagnosis), [cause("transport_delay")]);
     assert!((parameter(&diagnosis, "delay_s") - 0.09).abs() < 0.005);
@@ -268,7 +268,7 @@ fn single_rows_far_off_are_unexplained_and_said() {
 #[test]
 fn the_verdict_does_not_depend_on_the_threads() {
     let plant = Plant::new();
-    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.05);
+    let late = super::delay::delayed(&plant.pressure, &plant.time_s, 0.05);
     let columns = plant.recorded(&hysteresis(&late));
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
@@ -321,7 +321,7 @@ fn a_command_that_goes_on_between_the_recorded_rows_is_no_delay() {
 #[test]
 fn a_set_without_a_cause_is_as_good_as_it_was_ever_found() {
     let plant = Plant::new();
-    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let late = super::delay::delayed(&plant.pressure, &plant.time_s, 0.09);
     let mut signals = Signals::new(&plant.recorded(&hysteresis(&late)));
     let search = Search::new(&mut signals, vec![cause("transport_delay")], 0.0).expect("a baseline");
     let starts = cause("transport_delay").starts(search.signals);
@@ -364,7 +364,7 @@ fn a_damped_mass_that_fits_as_well_is_a_rival_of_a_delay_and_none_of_the_lag_tha
 #[test]
 fn a_set_with_which_the_simulated_model_is_nearer_is_not_told_from_the_one_that_the_search_is_for() {
     let plant = Plant::new();
-    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let late = super::delay::delayed(&plant.pressure, &plant.time_s, 0.09);
     let columns = plant.recorded(&hysteresis(&late));
     let causes = vec![cause("transport_delay"), cause("viscous_lag")];
     let mut signals = Signals::new(&columns);
@@ -412,7 +412,7 @@ fn proven_one_and_both(columns: &Columns, both: [Cause; 2]) -> [Proven; 2] {
 #[test]
 fn a_cause_that_gains_nothing_beside_another_neither_holds_nor_is_a_rival() {
     let plant = Plant::new();
-    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let late = super::delay::delayed(&plant.pressure, &plant.time_s, 0.09);
     let columns = plant.recorded(&hysteresis(&late));
     let [one, two] = proven_one_and_both(&columns, [cause("transport_delay"), cause("drift")]);
     assert_eq!(two.set.causes, [cause("transport_delay")]);
@@ -424,7 +424,7 @@ fn a_cause_that_gains_nothing_beside_another_neither_holds_nor_is_a_rival() {
 #[test]
 fn a_cause_that_gains_beside_what_is_named_is_not_excluded() {
     let plant = Plant::new();
-    let late = super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.09);
+    let late = super::delay::delayed(&plant.pressure, &plant.time_s, 0.09);
     let drifting = |(y, t): (f64, &f64)| y + 0.01 * t;
     let drifting: Vec<f64> = hysteresis(&late).into_iter().zip(&plant.time_s).map(drifting).collect();
     let both = [cause("transport_delay"), cause("drift")];

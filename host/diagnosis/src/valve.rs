@@ -14,9 +14,9 @@
 
 mod examine;
 
-use model_core::extension::valve_lag::{ValveLag, ValveLagForm, ValveLagMemory, ValveLagParameters};
+use model_core::extension::{ValveLag, ValveLagForm, ValveLagMemory, ValveLagParameters};
 
-use super::equivalent::delayed;
+use super::delay::delayed;
 pub use examine::{BEFORE, BEGUN, examine};
 use recording::simulation::SAME_STEP_S;
 use recording::unit::Unit;
@@ -28,9 +28,6 @@ pub const DAMPING: (f64, f64) = (0.1, 20.0);
 /// A command jumps where it moves more than so many times as fast as to the row before and to the next one: a choice. A sine of more than
 /// six rows a period never does.
 const JUMP: f64 = 2.0;
-/// The standard atmosphere. Unit: bar.
-const OUTSIDE_BAR: f64 = 1.01325;
-
 /// How a dead band works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BandForm {
@@ -50,11 +47,6 @@ pub struct Orifice {
     pub supply: f64,
     /// Outside, where the pressure is 0.
     pub outside: f64,
-}
-
-/// The atmosphere's pressure; None where that is no unit of pressure.
-pub fn outside(unit: Unit) -> Option<f64> {
-    Unit::BAR.convert(OUTSIDE_BAR, unit)
 }
 
 /// A valve's effects.

@@ -11,7 +11,7 @@ use crate::carrier::Carrier;
 use crate::effect::Effect;
 use crate::fitted::{Fitted, Parameters};
 use crate::plan::part::Part;
-use crate::regulator::{self, Command, LEAST_LAG};
+use crate::regulator::{self, LEAST_LAG, so_late};
 use crate::second_order::DAMPING_RATIO;
 use crate::signals::Signals;
 use crate::simulated::Simulated;
@@ -59,7 +59,7 @@ impl Kind for ValveLag {
     fn starts(&self, signals: &Signals) -> Vec<Effect> {
         let low_s = ORDINARY_LAG_S.max(LEAST_LAG * signals.step_s);
         let bounds_s = (low_s, (signals.duration_s() / 3.0).clamp(low_s, LONGEST_S.max(low_s)));
-        let regulators = |command: Command| BEGIN_S.map(|late_s| command.regulators(late_s, bounds_s));
+        let regulators = |command| BEGIN_S.map(|late_s| so_late(command, late_s, bounds_s));
         signals.command.into_iter().flat_map(regulators).flatten().collect()
     }
 

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn the_answer_does_not_depend_on_the_units_of_input_and_output() {
     let plant = Plant::new();
-    let late = super::super::equivalent::delayed(&plant.pressure, &plant.time_s, 0.06);
+    let late = crate::delay::delayed(&plant.pressure, &plant.time_s, 0.06);
     let recorded = plant.recorded(&hysteresis(&late));
     let scaled = |values: &[f64], times: f64| values.iter().map(|value| value * times).collect::<Vec<_>>();
     // bar and mm, then kPa and m.

@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::{BandForm, ORDINARY_LAG_S, Orifice, Valve, ValveFit, ValvePart, outside};
+use super::{BandForm, ORDINARY_LAG_S, Orifice, Valve, ValveFit, ValvePart};
 use crate::Columns;
-use crate::equivalent::delayed;
+use crate::command::outside;
+use crate::delay::delayed;
 use crate::low_pass::low_pass;
 use recording::noise::steps;
 use recording::numbers::range;

@@ -1,4 +1,5 @@
-//! A first-order lag: p += (s - p)(1 - exp(-dt/T)), exact for a set point that is held over the step.
+//! A first-order lag: p += (s - p)(1 - exp(-dt/T)), exact for a set point that is held over the
+//! step.
 //!
 //! The inverse leads, s = p₋ + (p - p₋)/(1 - exp(-dt/T)).
 

@@ -3,11 +3,11 @@
 //! | form | what it is | the inverse |
 //! |---|---|---|
 //! | first order | one time constant | exact |
-//! | second order | a regulator's spool before its chamber, or one that rings | the lead of a first-order lag that is as late |
+//! | second order | a spool before its chamber, or one that rings | that of a first-order lag as late |
 //! | orifice | air into a chamber: another time constant at every pressure | the lead by that time constant |
 //!
-//! The inverse leads by at most `lead_limit`: a jump of the reference would else ask for dt/T times as
-//! much pressure as there is.
+//! The inverse leads by at most `lead_limit`: a jump of the reference would else ask for dt/T
+//! times as much pressure as there is.
 
 use crate::convert;
 use crate::error::{Check, ParameterError};
@@ -48,8 +48,8 @@ pub enum ValveLagForm<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ValveLagParameters<T> {
-    /// T: of the first order the time constant; of the second how late the pressure is on a ramp; of an
-    /// orifice the time constant where it fills at half of the supply. Unit: s, above 0.
+    /// T: of the first order the time constant; of the second how late the pressure is on a ramp;
+    /// of an orifice the time constant where it fills at half of the supply. Unit: s, above 0.
     pub time_constant_s: T,
     /// How far the inverse's set point may be from the pressure, see [`LEAD_LIMIT`]. Input unit,
     /// above 0.
@@ -188,8 +188,8 @@ impl<T: Real> ValveLagStep<T> {
         memory.pressure
     }
 
-    /// The set point that leads to the wanted pressure, or as near as form and lead limit allow. Both: input
-    /// unit.
+    /// The set point that leads to the wanted pressure, or as near as form and lead limit allow.
+    /// Both: input unit.
     #[inline(always)]
     pub(super) fn set_point(&self, memory: &ValveLagMemory<T>, wanted: T) -> T {
         match &self.form {

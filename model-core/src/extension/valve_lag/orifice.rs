@@ -1,23 +1,24 @@
-//! Air through an orifice, as ISO 6358 has it, into a chamber that does not grow: where the flow is
-//! sonic the pressure goes as fast as the pressure before the orifice says, else as the ellipse of the
-//! standard. The regulator opens in proportion to what is missing, so that the lag has another time
-//! constant at every pressure: short where much flows, long near the supply and near the atmosphere.
+//! Air through an orifice, as ISO 6358 has it, into a chamber that does not grow: where the flow
+//! is sonic the pressure goes as fast as the pressure before the orifice says, else as the ellipse
+//! of the standard. The regulator opens in proportion to what is missing, so that the lag has
+//! another time constant at every pressure: short where much flows, long near the supply and near
+//! the atmosphere.
 //!
-//! The inverse leads by the time constant that the valve has where it stands, in the direction that is
-//! asked for: exact within a step of time that is calculated in one part.
+//! The inverse leads by the time constant that the valve has where it stands, in the direction
+//! that is asked for: exact within a step of time that is calculated in one part.
 //!
 //! # Limits
-//! The valve never opens wide: with that a large step takes longer. One ratio of sonic flow is taken
-//! for all valves.
+//! The valve never opens wide: with that a large step takes longer. One ratio of sonic flow is
+//! taken for all valves.
 
 use crate::real::Real;
 
 /// The ratio of the pressures on both sides up to which the flow is sonic. ISO 6358 calls it b;
 /// valves have 0.2 to 0.5.
 const CRITICAL: f64 = 0.3;
-/// The flow changes with the pressure inside, so it is calculated anew after at most this time within a
-/// step, in at most so many parts. Beyond these the pressure is near the set point: the time constants
-/// are shorter. Unit: s.
+/// The flow changes with the pressure inside, so it is calculated again after at most this time
+/// within a step, in at most so many parts. Beyond these the pressure is near the set point: the
+/// time constants are shorter. Unit: s.
 const PART_S: f64 = 0.01;
 const PARTS: f64 = 8.0;
 
@@ -28,7 +29,8 @@ pub(super) struct OrificeStep<T> {
     /// Absolute pressures before the orifice and outside. Input unit.
     supply: T,
     outside: T,
-    /// What a part of the step is in time constants, for each unit of flow, and how many parts there are.
+    /// What a part of the step is in time constants, for each unit of flow, and how many parts
+    /// there are.
     per_flow: T,
     parts: u8,
 }

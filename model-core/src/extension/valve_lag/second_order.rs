@@ -1,6 +1,6 @@
-//! A lag of the second order: p'' = w²(s - p) - 2 d w p', exact for a set point that is held over the
-//! step. It is late by 2 d/w on a ramp; from a damping ratio d of 1 on it is two first-order lags
-//! one behind the other.
+//! A lag of the second order: p'' = w²(s - p) - 2 d w p', exact for a set point that is held over
+//! the step. It is late by 2 d/w on a ramp; from a damping ratio d of 1 on it is two first-order
+//! lags one behind the other.
 //!
 //! It has no inverse of its own: from one sample to the next the set point would have to swing with
 //! a size that grows without end. The lead is that of a first-order lag which is as late.
@@ -21,8 +21,8 @@ pub(super) struct SecondOrderStep<T> {
 }
 
 impl<T: Real> SecondOrderStep<T> {
-    /// By the exponential of the matrix of the two states, in double precision: on the board this is
-    /// done once. `late_s`, `dt`: s.
+    /// By the exponential of the matrix of the two states, in double precision: on the board this
+    /// is done once. `late_s`, `dt`: s.
     pub(super) fn new(late_s: T, damping_ratio: T, dt: T) -> Self {
         let (late_s, ratio, dt) = (late_s.to_f64(), damping_ratio.to_f64(), dt.to_f64());
         let frequency = 2.0 * ratio / late_s;

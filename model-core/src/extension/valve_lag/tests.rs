@@ -73,7 +73,8 @@ fn a_well_damped_second_order_is_the_longer_of_its_two_lags() {
     assert!((left - libm::exp(-1.0)).abs() < 2e-3, "{left}");
 }
 
-/// The largest difference from a wave of 1 Hz that the valve is led to follow at 1 kHz, in the second period. Input unit.
+/// The largest difference from a wave of 1 Hz that the valve is led to follow at 1 kHz, in the
+/// second period. Input unit.
 fn off(form: ValveLagForm<f64>) -> f64 {
     let step = lag(0.05, form).step(1e-3);
     let mut memory = ValveLagMemory::resting(2.0);
@@ -89,7 +90,8 @@ fn off(form: ValveLagForm<f64>) -> f64 {
 fn the_lead_is_exact_but_for_the_second_order_whose_rest_is_the_curvature() {
     assert!(off(ValveLagForm::FirstOrder) < 1e-12);
     assert!(off(ORIFICE) < 1e-9, "{}", off(ORIFICE));
-    // p'' over the square of the frequency, 1.5 (2 pi)² 0.025², is left: 0.037. Not led it would be 0.47.
+    // p'' over the square of the frequency, 1.5 (2 pi)² 0.025², is left: 0.037. Not led it would
+    // be 0.47.
     let left = off(ValveLagForm::SecondOrder { damping_ratio: 1.0 });
     assert!((0.03..0.045).contains(&left), "{left}");
 }

@@ -3,6 +3,7 @@
 
 use board_models::joint::joint_parameters;
 use firmware::faults::black_box::Reset;
+use firmware::joint::lock_step::LockStepJoint;
 use firmware::joint::{JointBoard, JointNode, JointSamples, JointScalings, JointTask, carry_out, recall};
 use firmware::scaling::{COMMAND, REFERENCE_CODE, SUPPLY, TEMPERATURE};
 use firmware::store::{JointParameters, ParameterStore, Sealed};
@@ -120,6 +121,19 @@ fn a_joint_and_its_settings_are_read_back_bit_by_bit_in_every_state_and_behind_a
     }
     JointNode::task(&mut board, |task| task.report_of_board(Fault::EmergencyStop));
     assert_reads_back(&mut board, JointBoardState::Fault);
+}
+
+#[test]
+fn a_board_in_lock_step_reads_back_what_it_has_until_power_is_lost() {
+    let mut board = LockStepJoint::new(Protection::SIMULATED);
+    assert_eq!(board.answer(&JointRequest::Control), JointResponse::Control(None));
+    assert_eq!(board.answer(&configure(control())), JointResponse::Accepted);
+    board.answer(&JointRequest::Settings(Some(settings())));
+    assert_eq!(board.answer(&JointRequest::Control), JointResponse::Control(Some(control())));
+    assert_eq!(board.answer(&configure(joint_parameters())), JointResponse::Accepted);
+    let refused = BoardJointParameters { period_s: 0.0, ..control() };
+    assert!(matches!(board.answer(&configure(refused)), JointResponse::Refused(_)));
+    assert_eq!(board.answer(&JointRequest::Control), JointResponse::Control(Some(joint_parameters())));
 }
 
 /// One board is asked all questions each tick, and so is not the other.

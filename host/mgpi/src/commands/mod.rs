@@ -26,6 +26,8 @@ pub mod gateway;
 pub mod identify;
 pub mod import;
 mod instructions;
+mod joint_backup;
+mod joint_board;
 mod joint_capture;
 mod joint_deploy;
 mod joint_identify;

@@ -242,7 +242,8 @@ fn what_is_read_back_behind_a_restoration_is_compared_bit_by_bit() {
         }));
         liar.write("board.toml", &kept_first);
         let said = liar.refuses(&format!("restore --joint board.toml {PATIENT}"));
-        let wrong = if is_joint { "joint than the one that was sent" } else { "limits and lines of its sensors" };
+        let wrong =
+            if is_joint { "joint than the one that was sent" } else { "limits and lines of its sensors" };
         assert!(said.contains(wrong), "{said}");
     }
 }

@@ -2,18 +2,25 @@
 //! which the firmware of two channels drives a joint of the rig: the way round, and what goes
 //! wrong.
 
+use std::path::Path;
 use std::process::{Child, Stdio};
 use std::sync::LazyLock;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use board_client::backup::joint::{JointBackup, JointBackupFile, JointOrigin};
 use fleet::line::Way;
 use host_tests::desk_commands::DeskBench;
 use host_tests::joint::identified;
 use host_tests::joint_desk::{JointDesk, Setting};
+use host_tests::store::{joint_calibration, joint_set};
+use model_core::joint::PullParameters;
+use model_core::pid::PidParameters;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::Value;
-use wire::joint::JointResponse;
-use wire::{FRAME_BYTES, Receiver};
+use wire::joint::{JOINT_VERSION, JointResponse, JointSettings};
+use wire::{FRAME_BYTES, Receiver, Scaling};
 
 /// The joint of the desks, and another one.
 const SEED: u64 = 1;
@@ -134,6 +141,52 @@ fn what_a_board_has_been_told_comes_back_to_it_and_to_another_one_bit_by_bit() {
     assert!((told["limits"]["supply_min_bar"].as_f64().expect("a limit") - 3.5).abs() < 1e-9);
 }
 
+/// Joints whose numbers end in any bits, as a file and back.
+#[test]
+fn a_file_has_every_bit_of_every_number() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    for round in 0..500_u16 {
+        let mut any = |number: &mut f32| {
+            *number = f32::from_bits(number.to_bits() ^ (random.next_u32() & 0xFFF));
+        };
+        let mut control = joint_set().control.expect("a joint");
+        let joint = &mut control.joint;
+        // Whether a degree has coarser steps than its radian depends on the angle.
+        let share = 0.4 + 0.001 * f32::from(round);
+        joint.angles = (share * joint.angles.0, share * joint.angles.1);
+        for muscle in &mut joint.muscles {
+            let PullParameters { arm, knee, friction, slip, lowest, highest, valve_lag_s } = muscle;
+            arm.iter_mut().chain([knee, valve_lag_s]).for_each(&mut any);
+            friction.iter_mut().chain(slip).chain(lowest).chain(highest).for_each(&mut any);
+        }
+        joint.passive.iter_mut().chain([&mut joint.viscosity, &mut joint.swing]).for_each(&mut any);
+        joint.reaches.iter_mut().chain([&mut joint.angles.0, &mut joint.angles.1]).for_each(&mut any);
+        let PidParameters { kp, ki, kd, derivative_filter_s, tracking_time_s } = &mut control.pid;
+        [kp, ki, kd, derivative_filter_s, tracking_time_s].into_iter().for_each(&mut any);
+        [&mut control.turn_rad_per_s, &mut control.stiffen_per_s, &mut control.slew_bar_per_s]
+            .into_iter()
+            .for_each(&mut any);
+        let mut calibration = joint_calibration();
+        for line in calibration.pressures.iter_mut().chain([&mut calibration.angle]).flatten() {
+            [&mut line.zero_code, &mut line.codes_per_unit].into_iter().for_each(&mut any);
+        }
+        let mut protection = joint_set().protection;
+        [&mut protection.supply_min_bar, &mut protection.authority_bar].into_iter().for_each(&mut any);
+        let scaling = Scaling { zero_code: 409.5, codes_per_unit: 327.6, code_min: 0, code_max: u16::MAX };
+        let file = JointBackupFile {
+            origin: JointOrigin { firmware: [0, 1, 0], messages: JOINT_VERSION, scalings: [scaling; 4] },
+            backup: JointBackup {
+                control: Some(control),
+                settings: JointSettings { protection, calibration },
+            },
+        };
+        let again =
+            JointBackupFile::parse(Path::new("board.toml"), &file.to_toml(), false).expect("it is read");
+        assert!(again.backup.is(&file.backup), "{:?}", again.backup.differences(&file.backup));
+        assert_eq!(again, file);
+    }
+}
+
 #[test]
 fn what_was_restored_is_there_when_the_board_has_started_again() {
     let kept_first = kept(&deployed(sound()), "board.toml");
@@ -195,6 +248,7 @@ fn a_board_that_has_another_joint_behind_it_or_keeps_none_is_said() {
     to.write("board.toml", &kept_first);
     let said = to.refuses(&format!("restore --joint board.toml {PATIENT}"));
     assert!(said.contains("its flash has not kept it: it is lost when power is"), "{said}");
+    assert!(!said.contains("may already be"), "{said}");
     assert_eq!(kept(&to, "after.toml"), kept_first, "it is in use");
     // Started again between the joint and the question which one it has: hello, fingerprint,
     // settings, hello; settings, hello, joint, fingerprint.
@@ -260,8 +314,10 @@ fn a_joint_that_is_driven_is_read_back_shown_and_stopped_but_not_restored() {
     assert_eq!(told["fault"], Value::Null);
     let driven = kept(&desk, "driven.toml");
     assert_ne!(without_board(&driven), without_board(&before), "track has given it another joint");
+    let asked = desk.seen().requests;
     let said = desk.refuses(&format!("restore --joint board.toml {PATIENT}"));
     assert!(said.contains("the board is in the state") && said.contains("it is driven"), "{said}");
+    assert_eq!(desk.seen().requests, asked + 1, "it is refused before anything is sent");
     assert_eq!(kept(&desk, "still.toml"), driven);
     assert!(desk.seen().last.is_some_and(|last| last.state.is_driven()), "it was not disturbed");
     let told = status(&desk, "--stop");

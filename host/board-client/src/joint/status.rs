@@ -273,3 +273,107 @@ fn joint_to_json(control: &BoardJointParameters) -> Value {
         "period_s": number(*period_s),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use wire::Scaling;
+    use wire::joint::{JointReport, JointTickReply};
+
+    use super::*;
+
+    /// Every number is another one.
+    fn status() -> Status {
+        let scaling =
+            |zero_code, codes_per_unit| Scaling { zero_code, codes_per_unit, code_min: 0, code_max: 4095 };
+        let tick = JointTickReply {
+            dac_codes: [800, 1200],
+            state: JointBoardState::Tracking,
+            fault: None,
+            due_rad: 0.25,
+            stiffness: 55.0,
+            feedback_nm: -0.5,
+            is_limited: false,
+            is_as_stiff: true,
+        };
+        let report = JointReport {
+            ticks: 70_000,
+            pressure_codes: [1000, 1300],
+            angle_code: 2500,
+            supply_code: 3000,
+            late_ticks: 3,
+            noted: None,
+            tick,
+        };
+        let now = JointStatus {
+            report,
+            supply_bar: 7.5,
+            temperature_c: 41.0,
+            outputs_v: Some([0.65, 0.97]),
+            converters_supply_v: Some(3.25),
+            timing: Some(JointTiming {
+                worst_cycles: 9000,
+                mean_cycles: 7000,
+                deadline_cycles: 84_000,
+                overruns: 1,
+            }),
+            resets: 2,
+        };
+        let hello = JointHello {
+            version: 7,
+            firmware: [0, 1, 0],
+            state: tick.state,
+            fault: None,
+            pressures: [scaling(400.0, 300.0), scaling(500.0, 250.0)],
+            angle: scaling(2000.0, 1000.0),
+            command: scaling(0.0, 400.0),
+            ticks: 70_000,
+        };
+        let settings =
+            JointSettings { protection: Protection::STANDARD, calibration: JointCalibration::default() };
+        Status { hello, now, joint: Joint::NotReadBack, settings }
+    }
+
+    #[test]
+    fn every_number_stands_under_its_own_name() {
+        let json = status().to_json();
+        for (name, value) in [
+            ("pressure_a_bar", 2.0),
+            ("pressure_b_bar", 3.2),
+            ("angle_deg", 0.5_f64.to_degrees()),
+            ("supply_bar", 7.5),
+            ("temperature_c", 41.0),
+            ("command_a_bar", 2.0),
+            ("command_b_bar", 3.0),
+            ("due_deg", 0.25_f64.to_degrees()),
+            ("stiffness_nm_per_rad", 55.0),
+            ("feedback_nm", -0.5),
+            ("output_a_v", 0.65),
+            ("output_b_v", 0.97),
+            ("converters_supply_v", 3.25),
+            ("ticks", 70_000.0),
+            ("late_ticks", 3.0),
+            ("resets", 2.0),
+            ("worst_tick_cycles", 9000.0),
+            ("mean_tick_cycles", 7000.0),
+            ("deadline_cycles", 84_000.0),
+            ("overruns", 1.0),
+        ] {
+            let told = json[name].as_f64().expect(name);
+            assert!((told - value).abs() < 1e-5, "{name} is {told}, not {value}");
+        }
+        assert_eq!(json["joint"]["is_read_back"], false);
+        let words = status().in_words();
+        for line in [
+            "state       Tracking",
+            "joint       not read back: what is kept is not what runs; deploy it again",
+            "measured    pressure a 2.00 bar, pressure b 3.20 bar, angle 28.65 degrees, supply 7.50 bar, temperature 41.0 °C",
+            "commands    a 2.00 bar, b 3.00 bar",
+            "due         14.32 degrees, 55.0 N m/rad; torque of the feedback -0.50 N m",
+            "itself      output a 0.650 V, output b 0.970 V, converters supply 3.250 V",
+            "counted     ticks 70000, late ticks 3, resets 2",
+            "            worst tick cycles 9000, mean tick cycles 7000, deadline cycles 84000, overruns 1",
+        ] {
+            assert!(words.lines().any(|told| told == line), "{line} is missing in\n{words}");
+        }
+    }
+}

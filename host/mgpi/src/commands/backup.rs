@@ -1,9 +1,10 @@
 //! `mgpi backup`: a board's whole configuration in a file.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
+use super::board_file::keep;
 use super::joint_backup;
 use super::port::PortArguments;
 use crate::Error;
@@ -52,19 +53,4 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     };
     say!("{}: {model}, {kept} of board number {}", output.display(), port.number());
     Ok(())
-}
-
-/// Writes the text of a backup, unless it does not read back as what the board has.
-///
-/// # Errors
-/// It does not, or cannot be written.
-pub fn keep((output, text): (&Path, &str), reads_back: bool, mut outputs: Outputs) -> Result<(), Error> {
-    if !reads_back {
-        return Err(Error::Usage(format!(
-            "{}: the board has a configuration that no file of this version can hold",
-            output.display()
-        )));
-    }
-    outputs.stage(output, text.as_bytes())?;
-    Ok(outputs.commit()?)
 }

@@ -8,9 +8,8 @@ use board_client::joint::link::{Address, JointLink};
 use board_client::joint::restore::{self, read};
 use wire::joint::JointSettings;
 
-use super::backup::keep;
+use super::board_file::{is_to_be_done, keep};
 use super::joint_board::FaultArguments;
-use super::restore::is_to_be_done;
 use crate::Error;
 use crate::output::Outputs;
 

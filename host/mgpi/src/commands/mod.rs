@@ -5,6 +5,7 @@ pub mod adapted;
 mod background;
 pub mod backup;
 pub mod batch;
+mod board_file;
 mod board_model;
 pub mod bring_up;
 pub mod bus;

@@ -1,9 +1,10 @@
 //! `mgpi restore`: the configuration of a file to a board.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
+use super::board_file::is_to_be_done;
 use super::deploy::{demand_rest, ready, with_progress};
 use super::joint_backup;
 use super::joint_board::FaultArguments;
@@ -84,18 +85,4 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         say!("number, rate and parity are taken at the board's next start, or by mgpi bus --take");
     }
     Ok(())
-}
-
-/// Says what differs of a file; whether it is to be restored.
-pub fn is_to_be_done(file: &Path, differences: &[String], dry_run: bool) -> bool {
-    if differences.is_empty() {
-        say!("the board has all of {} already", file.display());
-        return false;
-    }
-    say!("of {} differs (board -> file)", file.display());
-    differences.iter().for_each(|difference| say!("  {difference}"));
-    if dry_run {
-        say!("nothing has been changed (--dry-run)");
-    }
-    !dry_run
 }

@@ -55,7 +55,8 @@ pub fn restore(arguments: Arguments<'_>) -> Result<(), Error> {
     let mut link = fault.open(&address)?;
     let here = JointOrigin::of(link.hello());
     if origin != here {
-        say!("{} is of another board: {}", file.display(), origin.differences(&here).join(", "));
+        let differences = origin.differences(&here).join(", ");
+        say!("{} is of a board with other versions or sensors: {differences}", file.display());
     }
     let current = read(&mut link)?;
     let settings = JointSettings {

@@ -3,7 +3,7 @@
 use wire::{Hello, Signals, Telemetry, VERSION};
 
 use crate::adaptation::Told;
-use crate::board::Samples;
+use crate::board::{AdcCode, Samples};
 use crate::control::Control;
 use crate::scaling::{REFERENCE_CODE, REFERENCE_SUPPLY_V, TEMPERATURE};
 
@@ -59,13 +59,12 @@ impl Control {
     /// What it is asked for and puts out.
     pub(crate) fn outputs(&self) -> Outputs {
         let Samples { output, reference, .. } = self.monitors.samples();
-        let converters_supply_v =
-            reference.map_or(0.0, |read| REFERENCE_SUPPLY_V * REFERENCE_CODE / f32::from(read.0.max(1)));
+        let converters_supply_v = reference.map_or(0.0, converters_supply_v);
         let [of_pressure, of_contraction] = self.noise_codes;
         Outputs {
             pressure_noise_bar: of_pressure / self.scalings.pressure.codes_per_unit,
             contraction_noise_mm: of_contraction / self.scalings.contraction.codes_per_unit,
-            output_v: output.map_or(0.0, |read| f32::from(read.0) / HIGHEST_CODE * converters_supply_v),
+            output_v: output.map_or(0.0, |read| output_v(read, converters_supply_v)),
             converters_supply_v,
             heartbeat: self.heartbeat.unwrap_or(0),
             armed_ticks: self.armed_ticks,
@@ -101,6 +100,16 @@ impl Control {
             faults: self.faults.counters(),
         }
     }
+}
+
+/// Supply of the converters, by what it makes of the processor's reference. Unit: V.
+pub(crate) fn converters_supply_v(reference: AdcCode) -> f32 {
+    REFERENCE_SUPPLY_V * REFERENCE_CODE / f32::from(reference.0.max(1))
+}
+
+/// A voltage that a converter with this supply (V) has read. Unit: V.
+pub(crate) fn output_v(read: AdcCode, converters_supply_v: f32) -> f32 {
+    f32::from(read.0) / HIGHEST_CODE * converters_supply_v
 }
 
 /// Major, minor and patch of the package's version.

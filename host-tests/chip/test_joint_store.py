@@ -4,7 +4,7 @@ import os
 
 from stm32f405.case import ChipCase
 from stm32f405.flash import ERASE_16K_S, LOCK, START
-from stm32f405.joint import FAULT, OFF, READY, SERVICE, STARTING, press
+from stm32f405.joint import FAULT, OFF, READY, SERVICE, STARTING, Status, press
 from test_joint import TICK_S, JointCase
 
 SECTORS = START + 0x4000
@@ -64,6 +64,57 @@ class JointStore(JointCase):
         report = joint.keep(0.4)
         self.assertEqual((report.state, report.fault), (STARTING, 0))
         self.assert_driven(chip)
+
+    def assert_reads_back(self, joint, name="joint_control_is"):
+        """Every bit of the joint that it has, and of its settings."""
+        self.assertEqual(joint.link.ask("joint_control"), joint.link.response(name))
+        if name == "joint_control_is":
+            self.assertEqual(joint.link.ask("joint_settings_asked"), joint.link.response("joint_is_set"))
+
+    def test_a_joint_is_read_back_bit_by_bit_vented_driven_and_behind_a_restart(self):
+        chip, joint = self.begun()
+        joint.step()
+        self.assert_reads_back(joint, "joint_control_none")
+        self.give(joint)
+        self.assert_reads_back(joint)
+        self.start(chip)
+        self.assert_reads_back(joint)
+        self.assert_rests(chip, 0.1)
+        for name in ("joint_arm", "joint_start"):
+            self.assertTrue(joint.order(name), name)
+        joint.keep(0.3)
+        before = joint.ask()
+        for _ in range(8):
+            self.assert_reads_back(joint)
+            joint.link.ask("joint_status")
+            report = joint.keep(0.05, every_s=0.02)
+        self.assertEqual((report.state, report.fault, report.late_ticks), (STARTING, 0, before.late_ticks))
+        self.assert_driven(chip)
+        chip, joint = self.with_store(contents("MGPI_CHIP_JOINT_STORE"))
+        self.assert_reads_back(joint, "joint_control_stored")
+
+    def test_what_a_board_says_of_itself_is_what_its_pins_have(self):
+        chip, joint = self.begun()
+        chip.board.voltages[10] = (409.5 + 327.6 * 7.0) / 4095 * 3.3
+        joint.step()
+        chip.run(0.1)
+        status = Status(joint.link.ask("joint_status"))
+        self.assertEqual((status.state, status.fault, status.resets, status.overruns), (OFF, 0, 0, 0))
+        self.assertAlmostEqual(status.supply_bar, 7.0, delta=0.02)
+        self.assertAlmostEqual(status.converters_supply_v, 3.3, delta=0.01)
+        self.assertTrue(10.0 < status.temperature_c < 60.0, status.temperature_c)
+        self.assertTrue(all(volts < 0.02 for volts in status.outputs_v), status.outputs_v)
+        self.assertTrue(0 < status.mean_cycles <= status.worst_cycles < status.deadline_cycles)
+        for name in ("joint_arm", "joint_service"):
+            self.assertTrue(joint.order(name), name)
+        for _ in range(40):
+            joint.ask(press(2.5, 1.5))
+            chip.run(20 * TICK_S)
+        status = Status(joint.link.ask("joint_status"))
+        self.assertEqual((status.state, status.fault), (SERVICE, 0))
+        for read, volts in zip(status.outputs_v, self.outputs(chip)):
+            self.assertAlmostEqual(read, volts, delta=0.02)
+        self.assertGreater(status.outputs_v[0], 1.2 * status.outputs_v[1])
 
     def test_a_store_that_is_damaged_or_of_a_board_with_one_muscle_is_a_fault_at_one_start(self):
         for store, fault in ((bytes(0x8000), CORRUPT), (contents("MGPI_CHIP_STORE"), VERSION)):

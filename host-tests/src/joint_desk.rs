@@ -64,6 +64,8 @@ pub struct Setting {
     pub stored: &'static [u8],
     /// The flash keeps nothing.
     pub is_worn: bool,
+    /// No joint is taken from the second one on.
+    pub takes_one: bool,
 }
 
 impl Setting {
@@ -80,6 +82,7 @@ impl Setting {
             restarts_at: &[],
             stored: &[],
             is_worn: false,
+            takes_one: false,
         }
     }
 }
@@ -115,6 +118,8 @@ struct JointAtLink {
     plant: Wired,
     measured: JointMeasured,
     receiver: Receiver,
+    /// Joints that were sent.
+    joints: u32,
     setting: Setting,
     seen: Arc<Mutex<Seen>>,
 }
@@ -128,7 +133,7 @@ impl JointAtLink {
         if setting.is_worn {
             board.flash().cut_after(0, Tear::Rising, 0);
         }
-        Self { board, plant, measured, receiver: Receiver::new(), setting, seen }
+        Self { board, plant, measured, receiver: Receiver::new(), joints: 0, setting, seen }
     }
 }
 
@@ -172,6 +177,13 @@ impl AtLink for JointAtLink {
         }
         let response = match received {
             Ok(JointRequest::Tick(_)) => JointResponse::Refused(Refusal::NotHere),
+            Ok(JointRequest::Configure(_)) if self.setting.takes_one && self.joints > 0 => {
+                JointResponse::Refused(Refusal::parameter(format_args!("no room for another joint")))
+            }
+            Ok(request @ JointRequest::Configure(_)) => {
+                self.joints += 1;
+                self.board.answer(&request)
+            }
             Ok(request) => self.board.answer(&request),
             Err(_) => JointResponse::Refused(Refusal::Unreadable),
         };

@@ -5,7 +5,7 @@ use firmware::joint::lock_step::LockStepJoint;
 use firmware::joint::{JointNode, JointTask, carry_out, recall};
 use firmware::store::{JointParameters, ParameterStore, SaveError, Set};
 use wire::Protection;
-use wire::joint::{JointRequest, JointResponse};
+use wire::joint::{BoardJointParameters, JointRequest, JointResponse};
 
 use crate::flash::MockFlash;
 
@@ -69,5 +69,9 @@ impl JointNode for KeptJoint {
         let Some(changed) = self.parameters.changed_by(request) else { return Ok(()) };
         self.parameters = changed;
         self.store.save(self.board.task().state(), &self.parameters)
+    }
+
+    fn control(&self) -> Option<&BoardJointParameters> {
+        self.parameters.control.as_ref()
     }
 }

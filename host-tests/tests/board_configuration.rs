@@ -7,8 +7,9 @@ use std::time::Duration;
 use board_client::bus::Board;
 use board_client::bus::client::Address;
 use board_client::bus::port::{Line, Parity};
+use fleet::line::Way;
 use host_tests::desk_commands::DeskBench as Bench;
-use wire::registers::{BAUD, Id, Register, TABLE, UNIT};
+use wire::registers::{BAUD, Id, Register, TABLE, UNIT, UploadOrder};
 
 /// The board by its registers.
 fn board(bench: &Bench) -> Board {
@@ -71,6 +72,28 @@ fn a_deployment_keeps_what_the_user_has_set() {
     assert!(
         (number(&bench, Id::Kp) - 0.02).abs() < 1e-6 && (number(&bench, Id::CommandMax) - 2.0).abs() < 1e-6
     );
+}
+
+/// The order to commit is lost on its way: what is installed tells.
+#[test]
+fn a_deployment_behind_which_the_board_has_another_configuration_is_said() {
+    let mut commits = 0;
+    let bench = Bench::disturbed(move |way, bytes| {
+        let address = Id::UploadOrder.register().address.to_be_bytes();
+        let is_commit = way == Way::ToBoard
+            && bytes.get(2..4) == Some(&address)
+            && bytes.len() > 4
+            && bytes[..bytes.len() - 2].ends_with(&UploadOrder::Commit.number().to_be_bytes());
+        commits += usize::from(is_commit);
+        if is_commit && commits > 1 { Vec::new() } else { bytes }
+    });
+    bench.succeeds("deploy paper.toml --kp 0.01");
+    let said = bench.refuses("deploy paper.toml --kp 0.02 --timeout-s 0.1");
+    assert!(
+        said.contains("another configuration installed than the one that was sent: deploy it again"),
+        "{said}"
+    );
+    assert!((number(&bench, Id::Kp) - 0.01).abs() < 1e-6, "it has the one before");
 }
 
 #[test]

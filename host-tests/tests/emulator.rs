@@ -5,17 +5,24 @@
 
 use std::process::Command;
 
+use board_client::emulator::image::Which;
 use board_client::emulator::{Emulator, image};
 use board_client::pil::PilError;
 use board_client::pil::lock_step::{Measurement, Plant, protect};
 use board_client::pil::results::log;
 use board_client::stop::Stop;
 use board_models::extended_parameters;
+use firmware::joint::JointScalings;
+use host_tests::store::{joint_calibration, joint_set};
 use host_tests::{HostBoard, configuration, identified, raised_cosines, rig, run};
 use identification::{CONVERGED, Loss, Options, Weights};
 use libtest_mimic::{Arguments, Failed, Trial};
 use model_core::{Kind, Mode, ModelParameters, Surroundings, paper};
-use wire::{Configuration, Protection, VERSION};
+use wire::joint::{
+    JOINT_VERSION, JointBoardState, JointConfiguration, JointRequest, JointResponse, JointSettings,
+    JointTickRequest,
+};
+use wire::{Configuration, Protection, VERSION, fingerprint};
 
 fn main() {
     let missing = missing();
@@ -30,6 +37,7 @@ fn main() {
         trial("the_emulated_firmware_logs_the_hosts_run_bit_for_bit_with_every_model", every_model),
         trial("the_emulated_firmware_logs_the_hosts_run_bit_for_bit_with_every_extension", every_extension),
         trial("the_emulated_firmware_repeats_itself_bit_for_bit", repeatable),
+        trial("the_emulated_firmware_of_a_joint_reads_back_what_it_was_given_bit_for_bit", joint),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
 }
@@ -73,6 +81,40 @@ fn reference_mm() -> Vec<f64> {
 /// The controller with the paper's model.
 fn paper() -> Result<Configuration, Failed> {
     Ok(configuration(&ModelParameters::Cascade(paper::mgpi()?)))
+}
+
+/// Vented, and behind each of the ticks with which it fills both muscles.
+fn joint() -> Result<(), Failed> {
+    let mut board = Emulator::start_joint(&image::find_which(Which::Joint, None)?, &Stop::default())?;
+    let mut ask = |request: &JointRequest| board.request_joint(request);
+    let control = joint_set().control.ok_or("a joint")?;
+    let settings = JointSettings { protection: joint_set().protection, calibration: joint_calibration() };
+    assert_eq!(ask(&JointRequest::Control)?, JointResponse::Control(None));
+    assert_eq!(ask(&JointRequest::Settings(Some(settings)))?, JointResponse::Settings(settings));
+    let configuration = JointConfiguration { version: JOINT_VERSION, control: control.clone() };
+    for request in [JointRequest::Configure(configuration), JointRequest::Arm, JointRequest::Start(40.0)] {
+        assert_eq!(ask(&request)?, JointResponse::Accepted, "{request:?}");
+    }
+    let by = JointScalings::calibrated(&settings.calibration).map_err(|refusal| format!("{refusal:?}"))?;
+    for ticks in 1..=20 {
+        let [of_a, of_b] = by.pressures;
+        let tick = JointTickRequest {
+            target: None,
+            pressure_codes: [of_a.code(0.0), of_b.code(0.0)],
+            angle_code: by.angle.code(0.0),
+        };
+        assert!(matches!(ask(&JointRequest::Tick(tick))?, JointResponse::Tick(_)));
+        let JointResponse::Control(Some(told)) = ask(&JointRequest::Control)? else {
+            return Err("no joint".into());
+        };
+        assert_eq!((&told, fingerprint(&told)), (&control, fingerprint(&control)));
+        assert_eq!(ask(&JointRequest::Settings(None))?, JointResponse::Settings(settings));
+        let JointResponse::Status(status) = ask(&JointRequest::Status)? else {
+            return Err("no status".into());
+        };
+        assert_eq!((status.report.ticks, status.report.tick.state), (ticks, JointBoardState::Starting));
+    }
+    Ok(())
 }
 
 fn every_mode() -> Result<(), Failed> {

@@ -471,7 +471,7 @@ fn a_board_that_is_none_of_a_joint_of_this_version_is_said_and_not_driven() {
         (of(Setting { is_single: true, ..sound }), "a board with one muscle answers"),
         (
             of(Setting { version: Some(3), ..sound }),
-            "speaks version 3 of a joint's messages, this program version 6",
+            "speaks version 3 of a joint's messages, this program version 7",
         ),
         (of(Setting { is_still: true, ..sound }), "ticks stand still"),
         (

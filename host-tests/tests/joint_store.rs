@@ -205,6 +205,8 @@ fn what_only_moves_a_joint_or_only_asks_is_not_stored() {
         JointRequest::Identify,
         JointRequest::Settings(None),
         JointRequest::Installed,
+        JointRequest::Control,
+        JointRequest::Status,
         JointRequest::Arm,
         JointRequest::Start(40.0),
         JointRequest::Stop,

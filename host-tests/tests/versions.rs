@@ -15,6 +15,8 @@ fn the_changelog_has_every_version_apart() {
         ),
         ("model files (`format`)", recording::model_file::FORMAT.to_string()),
         ("model files of joints (`format`)", recording::joint::file::FORMAT.to_string()),
+        ("backups (`format`)", board_client::backup::FORMAT.to_string()),
+        ("backups of joints' boards (`format`)", board_client::backup::JOINT_FORMAT.to_string()),
     ] {
         let row = format!("| {what} | {version} |");
         assert!(changelog.contains(&row), "the changelog lacks {row}");

@@ -60,6 +60,12 @@ impl<R, const IN: usize, const OUT: usize> Buffers<R, IN, OUT> {
     }
 }
 
+impl<R, const IN: usize, const OUT: usize> Default for Buffers<R, IN, OUT> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// Rate and parity as the port's registers have them.
 struct Format {
     /// Of the peripheral's clock, in sixteenths; above 0.

@@ -1,12 +1,14 @@
 //! A joint's board whose samples come from a host, one tick at a time.
 
 use wire::Protection;
-use wire::joint::{JointAim, JointRequest, JointResponse, JointTickReply, JointTickRequest};
+use wire::joint::{
+    BoardJointParameters, JointAim, JointRequest, JointResponse, JointTickReply, JointTickRequest,
+};
 
 use super::{JointBoard, JointNode, JointSamples, JointTask, carry_out};
 use crate::board::{AcquisitionError, AdcCode, DacCode};
 use crate::lock_step::AROUND;
-use crate::store::SaveError;
+use crate::store::{JointParameters, SaveError, Set};
 
 /// Samples in.
 #[derive(Debug)]
@@ -35,12 +37,14 @@ const QUIET: JointSamples = JointSamples {
 pub struct LockStepJoint {
     task: JointTask,
     samples: Samples,
+    /// What it was given, until power is lost.
+    parameters: JointParameters,
 }
 
 impl LockStepJoint {
     /// A task without a joint.
     pub fn new(protection: Protection) -> Self {
-        Self { task: JointTask::new(protection), samples: Samples(QUIET) }
+        Self { task: JointTask::new(protection), samples: Samples(QUIET), parameters: JointParameters::NEW }
     }
 
     /// The task.
@@ -82,7 +86,14 @@ impl JointNode for LockStepJoint {
     }
 
     /// There is no store.
-    fn keep(&mut self, _: &JointRequest) -> Result<(), SaveError> {
+    fn keep(&mut self, request: &JointRequest) -> Result<(), SaveError> {
+        if let Some(changed) = self.parameters.changed_by(request) {
+            self.parameters = changed;
+        }
         Ok(())
+    }
+
+    fn control(&self) -> Option<&BoardJointParameters> {
+        self.parameters.control.as_ref()
     }
 }

@@ -7,7 +7,7 @@ use wire::fault::times::LOOP_RESETS;
 use wire::joint::{
     BoardJointControl, BoardJointParameters, JOINT_VERSION, JointAim, JointBoardState, JointCalibration,
     JointConfiguration, JointFault, JointHello, JointReport, JointRequest, JointResponse, JointSettings,
-    JointTickReply,
+    JointStatus, JointTickReply, JointTiming,
 };
 use wire::registers::{ARMED_TICKS, HIGHEST_BAR};
 use wire::{Fault, Protection, Refusal, fingerprint};
@@ -17,11 +17,11 @@ use super::pair::{Moved, Pair};
 use super::settings::{JointScalings, checked, checked_limits};
 use super::start::Start;
 use super::watch::Watch;
-use super::{Installed, JointTask, Running};
+use super::{Installed, JointSamples, JointTask, Running};
 use crate::control::UNCLOCKED_PERIOD_S;
 use crate::output;
-use crate::report::FIRMWARE_VERSION;
-use crate::scaling::COMMAND;
+use crate::report::{FIRMWARE_VERSION, converters_supply_v, output_v};
+use crate::scaling::{COMMAND, SUPPLY, TEMPERATURE};
 use crate::store::{JointParameters, SaveError, Sealed};
 
 /// What has a joint's task.
@@ -35,6 +35,10 @@ pub trait JointNode {
     /// # Errors
     /// It is kept until power is lost only.
     fn keep(&mut self, request: &JointRequest) -> Result<(), SaveError>;
+
+    /// The raw parameters of the joint that was kept last; none before that, and where nothing is
+    /// kept. They are beside the task: no tick waits while they are read.
+    fn control(&self) -> Option<&BoardJointParameters>;
 }
 
 impl JointNode for JointTask {
@@ -45,6 +49,10 @@ impl JointNode for JointTask {
     /// There is no store.
     fn keep(&mut self, _: &JointRequest) -> Result<(), SaveError> {
         Ok(())
+    }
+
+    fn control(&self) -> Option<&BoardJointParameters> {
+        None
     }
 }
 
@@ -108,10 +116,52 @@ fn apply(node: &mut impl JointNode, request: &JointRequest) -> JointResponse {
         JointRequest::Service => node.task(JointTask::serve),
         JointRequest::Press(pressures) => node.task(|task| task.press(*pressures)),
         JointRequest::Settings(settings) => node.task(|task| task.set(settings.as_ref())),
-        JointRequest::Installed => JointResponse::Installed(
-            node.task(|task| task.installed.as_ref().map(|installed| installed.fingerprint)),
-        ),
+        JointRequest::Installed => JointResponse::Installed(node.task(|task| task.fingerprint())),
+        JointRequest::Control => control(node),
+        JointRequest::Status => {
+            let told = node.task(|task| task.told());
+            JointResponse::Status(told.status())
+        }
         JointRequest::Tick(_) => JointResponse::Refused(Refusal::NotHere),
+    }
+}
+
+/// The joint that the board has, read back. What was kept is told only where it is the joint that
+/// the task runs: a bit that was lost since then is no answer.
+#[inline(never)]
+fn control(node: &mut impl JointNode) -> JointResponse {
+    let Some(installed) = node.task(|task| task.fingerprint()) else {
+        return JointResponse::Control(None);
+    };
+    match node.control() {
+        Some(kept) if fingerprint(kept) == installed => JointResponse::Control(Some(kept.clone())),
+        _ => JointResponse::Refused(Refusal::NotHere),
+    }
+}
+
+/// What is copied of the task between two ticks for a [`JointStatus`], which is computed outside.
+struct Told {
+    report: JointReport,
+    samples: JointSamples,
+    timing: Option<JointTiming>,
+    resets: u32,
+}
+
+impl Told {
+    fn status(&self) -> JointStatus {
+        let JointSamples { supply, temperature, outputs, reference, .. } = self.samples;
+        let converters_supply_v = reference.map(converters_supply_v);
+        JointStatus {
+            report: self.report,
+            supply_bar: SUPPLY.value(supply.0),
+            temperature_c: TEMPERATURE.value(temperature.0),
+            outputs_v: outputs
+                .zip(converters_supply_v)
+                .map(|(codes, supply_v)| codes.map(|code| output_v(code, supply_v))),
+            converters_supply_v,
+            timing: self.timing,
+            resets: self.resets,
+        }
     }
 }
 
@@ -169,6 +219,27 @@ impl JointTask {
             is_limited: self.last.is_limited,
             is_as_stiff: command.is_none_or(|command| command.is_as_stiff),
         }
+    }
+
+    /// Of the joint that it has.
+    fn fingerprint(&self) -> Option<u32> {
+        self.installed.as_ref().map(|installed| installed.fingerprint)
+    }
+
+    /// What a status is made of.
+    fn told(&self) -> Told {
+        let timing = self.clock.map(|clock| JointTiming {
+            worst_cycles: self.timing.worst_cycles,
+            mean_cycles: self.timing.mean_cycles(),
+            deadline_cycles: clock.deadline_cycles,
+            overruns: self.timing.overruns,
+        });
+        Told { report: self.tell(), samples: self.watch.samples(), timing, resets: self.resets() }
+    }
+
+    /// In a row, less than 10 s apart.
+    fn resets(&self) -> u32 {
+        self.black_box.as_ref().map_or(0, |black_box| black_box.resets())
     }
 
     fn tell(&self) -> JointReport {
@@ -326,8 +397,7 @@ impl JointTask {
 
     fn acknowledge(&mut self) -> JointResponse {
         if self.state == JointBoardState::Fault {
-            let resets = self.black_box.as_ref().map_or(0, |black_box| black_box.resets());
-            if self.is_for_good() || resets >= LOOP_RESETS {
+            if self.is_for_good() || self.resets() >= LOOP_RESETS {
                 return JointResponse::WrongState(self.state);
             }
             self.fault = None;

@@ -12,7 +12,7 @@ use model_core::extension::{
 };
 use model_core::pid::PidParameters;
 use model_core::{ModelParameters, ObserverParameters};
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use wire::{BoardParameters, BusParameters, Calibration, DEAD_ZONES, Inputs, Line, PLAYS, Protection};
 
 use super::parameters::Parameters;
@@ -61,7 +61,8 @@ struct Extensions {
 #[derive(Deserialize)]
 struct Tracking {
     model: ModelParameters<f32, PLAYS, DEAD_ZONES>,
-    extensions: Extensions,
+    #[serde(deserialize_with = "extensions")]
+    extensions: ExtensionParameters<f32>,
     pid: PidParameters<f32>,
     command_min: f32,
     command_max: f32,
@@ -73,7 +74,8 @@ struct Tracking {
 #[derive(Deserialize)]
 struct Observing {
     model: ModelParameters<f32, PLAYS, DEAD_ZONES>,
-    extensions: Extensions,
+    #[serde(deserialize_with = "extensions")]
+    extensions: ExtensionParameters<f32>,
     pid: PidParameters<f32>,
     observer: ObserverParameters<f32>,
     command_min: f32,
@@ -143,31 +145,32 @@ impl From<Lines> for Calibration {
     }
 }
 
-impl From<Extensions> for ExtensionParameters<f32> {
-    fn from(extensions: Extensions) -> Self {
-        let first_order = |Lag { time_constant_s, lead_limit }| ValveLagParameters {
-            time_constant_s,
-            lead_limit,
-            form: ValveLagForm::FirstOrder,
-        };
-        Self {
-            valve_deadband: extensions.valve_deadband,
-            supply_saturation: extensions.supply_saturation,
-            valve_lag: extensions.valve_lag.map(first_order),
-            transport_delay: extensions.transport_delay,
-            load: extensions.load,
-            temperature: extensions.temperature,
-            warm_up: extensions.warm_up,
-            viscous_lag: extensions.viscous_lag,
-            inertia: extensions.inertia,
-            rate_dependent_width: extensions.rate_dependent_width,
-            rate_dependent_thresholds: extensions.rate_dependent_thresholds,
-            creep: extensions.creep,
-            drift: extensions.drift,
-            periodic_disturbance: extensions.periodic_disturbance,
-            sites: extensions.sites,
-        }
-    }
+/// Reads what a muscle of these layouts does beside hysteresis. Never inlined: it is long, and every layout has it.
+#[inline(never)]
+fn extensions<'de, D: Deserializer<'de>>(bytes: D) -> Result<ExtensionParameters<f32>, D::Error> {
+    let old = Extensions::deserialize(bytes)?;
+    let first_order = |Lag { time_constant_s, lead_limit }| ValveLagParameters {
+        time_constant_s,
+        lead_limit,
+        form: ValveLagForm::FirstOrder,
+    };
+    Ok(ExtensionParameters {
+        valve_deadband: old.valve_deadband,
+        supply_saturation: old.supply_saturation,
+        valve_lag: old.valve_lag.map(first_order),
+        transport_delay: old.transport_delay,
+        load: old.load,
+        temperature: old.temperature,
+        warm_up: old.warm_up,
+        viscous_lag: old.viscous_lag,
+        inertia: old.inertia,
+        rate_dependent_width: old.rate_dependent_width,
+        rate_dependent_thresholds: old.rate_dependent_thresholds,
+        creep: old.creep,
+        drift: old.drift,
+        periodic_disturbance: old.periodic_disturbance,
+        sites: old.sites,
+    })
 }
 
 impl From<Observing> for BoardParameters {
@@ -182,7 +185,6 @@ impl From<Observing> for BoardParameters {
             slew_bar_per_s,
             period_s,
         } = tracking;
-        let extensions = extensions.into();
         Self { model, extensions, pid, observer, command_min, command_max, slew_bar_per_s, period_s }
     }
 }
@@ -192,7 +194,7 @@ impl From<Tracking> for BoardParameters {
     fn from(tracking: Tracking) -> Self {
         let Tracking { model, extensions, pid, command_min, command_max, slew_bar_per_s, period_s } =
             tracking;
-        let (extensions, observer) = (extensions.into(), ObserverParameters::default());
+        let observer = ObserverParameters::default();
         Self { model, extensions, pid, observer, command_min, command_max, slew_bar_per_s, period_s }
     }
 }

@@ -13,7 +13,7 @@ IMAGE = pathlib.Path(os.environ.get("MGPI_CHIP_IMAGE", "")).with_name("stm32f405
 # Channels of the converter: pressure a, the angle, pressure b, the supply.
 PRESSURES, ANGLE, SUPPLY = (0, 11), 1, 10
 # Places in the messages' enumerations (`wire::joint`), as postcard numbers them.
-AIM, PRESS, REPORT = 7, 9, 5
+AIM, PRESS, REPORT, STATUS = 7, 9, 5, 9
 OFF, READY, STARTING, TRACKING, FAULT, SERVICE = range(6)
 STIFFNESS = 40.0
 PERIOD_S = 1e-3
@@ -74,10 +74,12 @@ ASK = framed([AIM, 0])
 class Report:
     """What a board has answered to that."""
 
+    KIND = REPORT
+
     def __init__(self, frame):
         self.content, self.place = unframed(frame), 0
-        if self.number() != REPORT:
-            raise AssertionError(f"{self.content.hex()} is no report")
+        if self.number() != self.KIND:
+            raise AssertionError(f"{self.content.hex()} is no {type(self).__name__.lower()}")
         self.ticks = self.number()
         self.pressure_codes = [self.number(), self.number()]
         self.angle_code, self.supply_code, self.late_ticks = self.number(), self.number(), self.number()
@@ -112,6 +114,21 @@ class Report:
         if kind in (4, 5, 7):
             self.floats(3)
         return {1: 301, 2: 302, 4: 303, 5: 304, 6: 305, 7: 306, 8: 307}[kind]
+
+
+class Status(Report):
+    """What a board has answered to the question how it is: the report of its last tick, and what it reads of itself."""
+
+    KIND = STATUS
+
+    def __init__(self, frame):
+        super().__init__(frame)
+        self.supply_bar, self.temperature_c = self.floats(2)
+        self.outputs_v = self.floats(2) if self.number() else None
+        self.converters_supply_v = self.floats(1)[0] if self.number() else None
+        self.has_clock = self.number()
+        self.worst_cycles, self.mean_cycles, self.deadline_cycles, self.overruns = (self.number() for _ in range(4))
+        self.resets = self.number()
 
 
 class Joint:

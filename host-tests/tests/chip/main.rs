@@ -154,6 +154,8 @@ fn frames() -> Result<String, Failed> {
         ("joint_installed", JointRequest::Installed),
         ("joint_settings", JointRequest::Settings(Some(joint_settings()))),
         ("joint_settings_asked", JointRequest::Settings(None)),
+        ("joint_control", JointRequest::Control),
+        ("joint_status", JointRequest::Status),
     ] {
         text += &framed(name, wire::encode(&request, &mut buffer)?);
     }
@@ -168,6 +170,9 @@ fn frames() -> Result<String, Failed> {
         ("joint_has_it", JointResponse::Installed(Some(fingerprint(&joint_parameters())))),
         ("joint_has_the_stored", JointResponse::Installed(joint_set().control.as_ref().map(fingerprint))),
         ("joint_is_set", JointResponse::Settings(joint_settings())),
+        ("joint_control_none", JointResponse::Control(None)),
+        ("joint_control_is", JointResponse::Control(Some(joint_parameters()))),
+        ("joint_control_stored", JointResponse::Control(joint_set().control)),
     ] {
         text += &framed(name, wire::encode(&response, &mut buffer)?);
     }

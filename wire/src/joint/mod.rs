@@ -9,6 +9,10 @@
 //! # Signs of life
 //! While tracking, and while a joint is tried, it is `Aim` with a target; in service it is `Press`.
 //! None of them stands in for the other, and neither does a question (`Aim` without a target).
+//!
+//! # Reading back
+//! Questions are answered in every state, and change nothing: `Identify`, `Aim` and `Settings`
+//! without a content, `Installed`, `Control`, `Status`.
 
 pub mod fault;
 pub mod settings;
@@ -23,7 +27,7 @@ pub use fault::{JointFault, Motion};
 pub use settings::{JointCalibration, JointSettings};
 
 /// Version of these messages. Raised with every change that the other side would misread.
-pub const JOINT_VERSION: u16 = 6;
+pub const JOINT_VERSION: u16 = 7;
 /// The largest number of stops that a board takes.
 pub const STOPS: usize = 12;
 
@@ -71,6 +75,11 @@ pub enum JointRequest {
     Settings(Option<JointSettings>),
     /// Which joint do you have? Answer: [`JointResponse::Installed`].
     Installed,
+    /// What is this joint, with its controller? Answer: [`JointResponse::Control`], or
+    /// [`Refusal::NotHere`] where what the board has kept is not the joint that it runs.
+    Control,
+    /// How are you? Answer: [`JointResponse::Status`].
+    Status,
 }
 
 /// Where a joint is to go.
@@ -86,6 +95,8 @@ pub struct JointAim {
 
 /// From the board to the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+// As of the requests.
+#[allow(clippy::large_enum_variant)]
 pub enum JointResponse {
     /// Sent at the start of the board and on [`JointRequest::Identify`].
     Hello(JointHello),
@@ -104,6 +115,11 @@ pub enum JointResponse {
     /// The [`fingerprint`](crate::fingerprint) of the joint that the board has, of
     /// [`JointConfiguration::control`]; none without one.
     Installed(Option<u32>),
+    /// The raw parameters of the joint that the board has, as a host has sent them; none without
+    /// one.
+    Control(Option<BoardJointParameters>),
+    /// What the board reads of itself.
+    Status(JointStatus),
 }
 
 /// Who a board is.
@@ -213,6 +229,39 @@ pub struct JointReport {
     pub noted: Option<Fault>,
     /// What came of them.
     pub tick: JointTickReply,
+}
+
+/// What a board reads of itself, beside its joint: at the last tick, and since its start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointStatus {
+    /// The last tick.
+    pub report: JointReport,
+    /// Pressure before both valves. Unit: bar.
+    pub supply_bar: f32,
+    /// Of the processor. Unit: °C.
+    pub temperature_c: f32,
+    /// What both outputs are read back as; none on a board that does not read them back, or has no
+    /// reference voltage. Unit: V.
+    pub outputs_v: Option<[f32; 2]>,
+    /// Supply of the converters; none on a board without a reference voltage. Unit: V.
+    pub converters_supply_v: Option<f32>,
+    /// What ticks have taken; none where they have no clock of their own.
+    pub timing: Option<JointTiming>,
+    /// Resets in a row, less than 10 s apart.
+    pub resets: u32,
+}
+
+/// What the ticks of a board have taken since its start, from the moment that each was due.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointTiming {
+    /// The longest. Unit: core clock cycle.
+    pub worst_cycles: u32,
+    /// Mean of the last some 256. Unit: core clock cycle.
+    pub mean_cycles: u32,
+    /// What a tick may take. Unit: core clock cycle.
+    pub deadline_cycles: u32,
+    /// Ticks that found the one before unfinished.
+    pub overruns: u32,
 }
 
 /// One of the two muscles with its regulator and sensor.

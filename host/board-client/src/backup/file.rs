@@ -19,31 +19,23 @@
 //!
 //! Format 1 had no bus and no calibration: what a board has of both stays.
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use model_core::pid::PidParameters;
 use model_core::{ObserverParameters, TrackingParameters};
-use sha2::{Digest, Sha256};
-use thiserror::Error;
 use toml::{Table, Value};
 use wire::registers::fields::excess;
 use wire::{BoardTracking, Configuration, Refusal, Scaling, VERSION};
 
+use super::framed::{BackupFileError, ONE_MUSCLE, Problem, between, shorten};
 use super::section::{self, shortest};
 use super::{Backup, Origin};
 use crate::bus::board::Identity;
-use recording::input;
 use recording::model_file::listed;
 use recording::model_file::section::{KeyError, Section};
 
-/// The format that this version writes.
-const FORMAT: usize = 2;
-/// The oldest that it reads.
-const OLDEST_FORMAT: usize = 1;
 /// The oldest messages whose configurations and limits are those of today.
 const OLDEST: u16 = 6;
-const SHA256: &str = "sha256";
 
 /// A backup with the board that it is of.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,52 +46,11 @@ pub struct BackupFile {
     pub backup: Backup,
 }
 
-/// What is wrong with the file of a backup.
-#[derive(Debug, Error)]
-#[allow(missing_docs, reason = "the messages say what the variants and their fields are")]
-pub enum BackupFileError {
-    #[error("{}: cannot be read: {source}", file.display())]
-    Unreadable { file: PathBuf, source: io::Error },
-    #[error("{}, line {line}: not a TOML file, or cut off: {message}", file.display())]
-    Syntax { file: PathBuf, line: usize, message: String },
-    #[error("{}, line {line}: {message}", file.display())]
-    Key { file: PathBuf, line: usize, message: String },
-    #[error(
-        "{}, line {line}: sha256: the lines below have another one, {found}: the file is damaged, or was changed by \
-         hand; --force takes it as it is", file.display()
-    )]
-    Checksum { file: PathBuf, line: usize, found: String },
-    #[error("{}: no configuration that a board takes: {message}", file.display())]
-    Invalid { file: PathBuf, message: String },
-}
-
-/// What is wrong within the text.
-enum Problem {
-    Key(KeyError),
-    Invalid(String),
-}
-
-impl From<KeyError> for Problem {
-    fn from(error: KeyError) -> Self {
-        Self::Key(error)
-    }
-}
-
 impl BackupFile {
     /// The file's text.
     pub fn to_toml(&self) -> String {
-        let body = self.body();
-        format!(
-            "# The configuration of a valve board, by mgpi {}: `mgpi restore` brings it to a board.\nformat = {FORMAT}\n\
-             # SHA-256 of all lines below the next one, each ended by a line feed\n{SHA256} = \"{}\"\n{body}",
-            env!("CARGO_PKG_VERSION"),
-            sha256(&body)
-        )
-    }
-
-    fn body(&self) -> String {
         let board = Table::from_iter([("board".to_owned(), Value::Table(of_origin(&self.origin)))]);
-        format!("\n{board}\n{}", of_backup(&self.backup))
+        ONE_MUSCLE.to_toml(&[board, of_backup(&self.backup)])
     }
 
     /// Reads a backup; `as_it_is`: also one whose checksum is that of another content.
@@ -107,9 +58,7 @@ impl BackupFile {
     /// # Errors
     /// See [`super`]'s contract.
     pub fn read(file: &Path, as_it_is: bool) -> Result<Self, BackupFileError> {
-        let text = input::text(file)
-            .map_err(|source| BackupFileError::Unreadable { file: file.to_owned(), source })?;
-        Self::parse(file, &text.replace("\r\n", "\n"), as_it_is)
+        ONE_MUSCLE.read(file, as_it_is, content)
     }
 
     /// Reads the text of a backup; `file` is its name in messages.
@@ -117,39 +66,7 @@ impl BackupFile {
     /// # Errors
     /// See [`super`]'s contract.
     pub fn parse(file: &Path, text: &str, as_it_is: bool) -> Result<Self, BackupFileError> {
-        let at = |error: &KeyError| BackupFileError::Key {
-            file: file.to_owned(),
-            line: error.line(text),
-            message: error.to_string(),
-        };
-        let table = text.parse::<Table>().map_err(|error| {
-            let end = error.span().map_or(text.len(), |span| span.start.min(text.len()));
-            let line = 1 + text.as_bytes()[..end].iter().filter(|byte| **byte == b'\n').count();
-            BackupFileError::Syntax {
-                file: file.to_owned(),
-                line,
-                message: error.message().replace('\n', ", "),
-            }
-        })?;
-        let mut top = Section::top(table);
-        let format = top.count("format").map_err(|error| at(&error))?;
-        if !(OLDEST_FORMAT..=FORMAT).contains(&format) {
-            let trouble = format!(
-                "{format} is of another version; this program reads formats {OLDEST_FORMAT} to {FORMAT}"
-            );
-            return Err(at(&top.error("format", &trouble)));
-        }
-        let said = top.text(SHA256).map_err(|error| at(&error))?;
-        let line = top.error(SHA256, "").line(text);
-        let body: String = text.split_inclusive('\n').skip(line).collect();
-        let found = sha256(&body);
-        if said != found && !as_it_is {
-            return Err(BackupFileError::Checksum { file: file.to_owned(), line, found });
-        }
-        content(top).map_err(|problem| match problem {
-            Problem::Key(error) => at(&error),
-            Problem::Invalid(message) => BackupFileError::Invalid { file: file.to_owned(), message },
-        })
+        ONE_MUSCLE.parse((file, text), as_it_is, content)
     }
 }
 
@@ -188,23 +105,18 @@ fn content(mut top: Section) -> Result<BackupFile, Problem> {
     let bus = top.optional_section("bus")?.map(section::to_bus).transpose()?;
     let calibration = top.optional_section("calibration")?.map(section::to_calibration).transpose()?;
     top.finish()?;
-    let invalid = |refusal| Problem::Invalid(in_words(refusal));
     if let Some(configuration) = &configuration {
-        BoardTracking::try_new(&configuration.tracking).map_err(|error| invalid(error.into()))?;
+        BoardTracking::try_new(&configuration.tracking).map_err(Refusal::from)?;
     }
-    let protection = protection.checked().map_err(invalid)?;
+    let protection = protection.checked()?;
     Ok(BackupFile { origin, backup: Backup { configuration, protection, bus, calibration } })
 }
 
 fn configuration(controller: Section, model: Section) -> Result<Configuration, Problem> {
-    let (model, extensions) = listed::of_section(model).map_err(|problem| match problem {
-        recording::model_file::Problem::Key(error) => Problem::Key(error),
-        other => Problem::Invalid(other.to_string()),
-    })?;
-    let invalid = |error: model_core::ParameterError| Problem::Invalid(error.to_string());
+    let (model, extensions) = listed::of_section(model)?;
     let mut tracking = TrackingParameters {
-        model: model.convert().map_err(invalid)?,
-        extensions: extensions.convert().map_err(invalid)?,
+        model: model.convert()?,
+        extensions: extensions.convert()?,
         pid: PidParameters::paper(),
         observer: ObserverParameters::default(),
         command_min: 0.0,
@@ -218,13 +130,6 @@ fn configuration(controller: Section, model: Section) -> Result<Configuration, P
         return Err(Problem::Invalid(format!("{name} is {}, which no board takes", value.number())));
     }
     Ok(Configuration { version: VERSION, tracking })
-}
-
-fn in_words(refusal: Refusal) -> String {
-    match refusal {
-        Refusal::Parameter(message) => message.as_str().to_owned(),
-        other => format!("{other:?}"),
-    }
 }
 
 /// What is restored, as it stands in the file.
@@ -242,7 +147,7 @@ fn of_backup(backup: &Backup) -> Table {
         // The host has room for more operators than a board.
         if let (Ok(model), Ok(extensions)) = (tracking.model.convert(), tracking.extensions.convert()) {
             let mut model = Value::Table(listed::to_table(&model, &extensions));
-            shorten(&mut model);
+            shorten(&mut model, |_| false);
             top.insert("model".into(), model);
         }
     }
@@ -273,17 +178,8 @@ fn scalings(identity: &Identity) -> [(&'static str, Scaling); 3] {
 }
 
 fn origin(mut board: Section) -> Result<Origin, KeyError> {
-    let messages = board.count("messages")?;
-    if !(usize::from(OLDEST)..=usize::from(VERSION)).contains(&messages) {
-        let trouble =
-            format!("{messages} is of another version; this program reads versions {OLDEST} to {VERSION}");
-        return Err(board.error("messages", &trouble));
-    }
-    let firmware = board.text("firmware")?;
-    let release: Option<Vec<u16>> = firmware.split('.').map(|part| part.parse().ok()).collect();
-    let Some(release) = release.and_then(|release| <[u16; 3]>::try_from(release).ok()) else {
-        return Err(board.error("firmware", &format!("\"{firmware}\" is no version such as \"0.1.0\"")));
-    };
+    section::messages(&mut board, OLDEST..=VERSION)?;
+    let release = section::release(&mut board)?;
     let mut whole = |key: &str, most: u32| {
         let count = board.count(key)?;
         u32::try_from(count)
@@ -313,43 +209,4 @@ fn origin(mut board: Section) -> Result<Origin, KeyError> {
     };
     board.finish()?;
     Ok(Origin { number, identity })
-}
-
-/// Every number, which a board has in single precision, in its shortest form.
-fn shorten(value: &mut Value) {
-    match value {
-        Value::Float(number) => *number = shortest(*number as f32),
-        Value::Array(values) => values.iter_mut().for_each(shorten),
-        Value::Table(table) => table.iter_mut().for_each(|(_, value)| shorten(value)),
-        _ => {}
-    }
-}
-
-fn sha256(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// What changes from one table to another, a line each; `path` is that of both, with a dot behind
-/// it.
-fn between(path: &str, before: &Table, after: &Table) -> Vec<String> {
-    let gone = before.keys().filter(|key| !after.contains_key(*key));
-    let of_key = |key: &String| {
-        let path = format!("{path}{key}");
-        let (before, after) = (before.get(key), after.get(key));
-        let table = |value: Option<&Value>| value.and_then(Value::as_table).cloned();
-        match (table(before), table(after)) {
-            _ if before == after => Vec::new(),
-            (None, None) => {
-                vec![format!("{path:<36} {} -> {}", value_in_words(before), value_in_words(after))]
-            }
-            (before, after) => {
-                between(&format!("{path}."), &before.unwrap_or_default(), &after.unwrap_or_default())
-            }
-        }
-    };
-    after.keys().chain(gone).flat_map(of_key).collect()
-}
-
-fn value_in_words(value: Option<&Value>) -> String {
-    value.map_or_else(|| "none".to_owned(), Value::to_string)
 }

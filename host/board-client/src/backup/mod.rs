@@ -3,7 +3,9 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `file` | the file's text, in both directions; what differs between two, key by key |
+//! | `framed` | what every such file begins with, its checksum, and whether it is of the boards that are meant |
+//! | `file` | the file of a board with one muscle, in both directions |
+//! | [`joint`] | that of a joint's board |
 //! | `section` | the registers of a group as a table of the file, in both directions |
 //! | `transfer` | from a board, and to it |
 //!
@@ -13,6 +15,8 @@
 //! been restored was compared with the file; one that refuses has what it had before.
 
 mod file;
+mod framed;
+pub mod joint;
 mod section;
 mod transfer;
 
@@ -20,9 +24,15 @@ use wire::{BusParameters, Calibration, Configuration, Protection};
 
 use crate::bus::board::Identity;
 
-pub use file::{BackupFile, BackupFileError};
-pub(crate) use section::value_within;
+pub use file::BackupFile;
+pub use framed::BackupFileError;
+pub(crate) use section::{shortest, value_within};
 pub use transfer::{read, restore};
+
+/// The format of a backup of a board with one muscle that this version writes.
+pub const FORMAT: usize = 2;
+/// The same of a joint's board.
+pub const JOINT_FORMAT: usize = 1;
 
 /// What a board has been told.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,5 +1,7 @@
 //! Registers of a board as tables of a backup: each by its name, which has its unit.
 
+use std::ops::RangeInclusive;
+
 use model_core::ObserverParameters;
 use toml::{Table, Value as Toml};
 use wire::registers::fields::{self, BUS, CALIBRATION, CONTROLLER, INPUTS, OBSERVER};
@@ -155,6 +157,36 @@ pub fn to_controller(mut section: Section, parameters: &mut BoardParameters) -> 
         fields::of_controller(parameters, id).into_iter().for_each(|field| field.set(value));
     }
     section.finish()
+}
+
+/// The version of the messages that a board had, one of those that are known.
+///
+/// # Errors
+/// It is missing, no whole number, or another one.
+pub fn messages(board: &mut Section, known: RangeInclusive<u16>) -> Result<u16, KeyError> {
+    let messages = board.count("messages")?;
+    let found = u16::try_from(messages).ok().filter(|messages| known.contains(messages));
+    found.ok_or_else(|| {
+        let (oldest, newest) = (known.start(), known.end());
+        let known = if oldest == newest {
+            format!("version {newest}")
+        } else {
+            format!("versions {oldest} to {newest}")
+        };
+        board.error("messages", &format!("{messages} is of another version; this program reads {known}"))
+    })
+}
+
+/// The version of the firmware that a board had.
+///
+/// # Errors
+/// It is missing, or no version.
+pub fn release(board: &mut Section) -> Result<[u16; 3], KeyError> {
+    let firmware = board.text("firmware")?;
+    let release: Option<Vec<u16>> = firmware.split('.').map(|part| part.parse().ok()).collect();
+    release
+        .and_then(|release| <[u16; 3]>::try_from(release).ok())
+        .ok_or_else(|| board.error("firmware", &format!("\"{firmware}\" is no version such as \"0.1.0\"")))
 }
 
 fn value(section: &mut Section, register: &Register) -> Result<Value, KeyError> {

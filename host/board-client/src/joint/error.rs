@@ -67,6 +67,18 @@ pub enum JointBoardError {
          with what it had before; after a second failure replace the board"
     )]
     NotStored,
+    #[error(
+        "the board cannot read its joint back: what it has kept is not what it runs. Deploy the joint again"
+    )]
+    NotReadBack,
+    #[error(
+        "the backup is of a board without a joint; one that has a joint keeps it: nothing has been changed"
+    )]
+    NoJointToRestore,
+    #[error(
+        "{0}; limits and calibration, or the joint, may already be those of the backup: restore it again"
+    )]
+    HalfRestored(Box<Self>),
     #[error("the board has not tried the joint within {0} s")]
     NotStarted(f64),
     #[error(transparent)]

@@ -16,7 +16,8 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use wire::joint::{
-    JOINT_VERSION, JointBoardState, JointHello, JointReport, JointRequest, JointResponse, JointSettings,
+    BoardJointParameters, JOINT_VERSION, JointBoardState, JointHello, JointReport, JointRequest,
+    JointResponse, JointSettings, JointStatus,
 };
 use wire::{FRAME_BYTES, Receiver, Refusal, Response};
 
@@ -71,6 +72,21 @@ impl JointLink {
     /// The port cannot be used, nobody answers, or not a board of a joint and of this version; it
     /// is at fault, or driven.
     pub fn open(address: Address, acknowledges: bool) -> Result<Self, JointBoardError> {
+        let mut link = Self::look(address)?;
+        match (link.hello.state, link.hello.fault) {
+            (_, Some(fault)) if !acknowledges => return Err(JointBoardError::AtFault(fault)),
+            (_, Some(_)) => link.acknowledge()?,
+            (state, None) if state.is_driven() => return Err(JointBoardError::State(state)),
+            _ => {}
+        }
+        Ok(link)
+    }
+
+    /// The same of a board that is only asked, whatever it does.
+    ///
+    /// # Errors
+    /// The port cannot be used, nobody answers, or not a board of a joint and of this version.
+    pub fn look(address: Address) -> Result<Self, JointBoardError> {
         let line = Line { baud: address.baud, parity: Parity::None };
         let mut port = Port::open(&address.port, line)?;
         // A host before may have been ended within a request.
@@ -83,19 +99,20 @@ impl JointLink {
         if hello.version != JOINT_VERSION {
             return Err(JointBoardError::Version { board: hello.version });
         }
-        let mut link = Self { port, address, hello, has_kept: true };
-        match (link.hello.state, link.hello.fault) {
-            (_, Some(fault)) if !acknowledges => return Err(JointBoardError::AtFault(fault)),
-            (_, Some(fault)) => {
-                let answer = link.ask(&JointRequest::Acknowledge)?.response;
-                if answer != JointResponse::Accepted {
-                    return Err(JointBoardError::ForGood(fault));
-                }
-            }
-            (state, None) if state.is_driven() => return Err(JointBoardError::State(state)),
-            _ => {}
+        Ok(Self { port, address, hello, has_kept: true })
+    }
+
+    /// Takes a fault that is latched for seen to; nothing, without one.
+    ///
+    /// # Errors
+    /// The board does not answer, or only power-off ends the fault.
+    pub fn acknowledge(&mut self) -> Result<(), JointBoardError> {
+        let answer = self.ask(&JointRequest::Acknowledge)?.response;
+        match (answer, self.hello.fault) {
+            (JointResponse::Accepted, _) => Ok(()),
+            (JointResponse::WrongState(_), Some(fault)) => Err(JointBoardError::ForGood(fault)),
+            (other, _) => Err(self.refused(other)),
         }
-        Ok(link)
     }
 
     /// What the board has said of itself.
@@ -166,6 +183,29 @@ impl JointLink {
         }
     }
 
+    /// The joint that the board has, its raw parameters; none without one.
+    ///
+    /// # Errors
+    /// The board does not answer, or cannot read it back.
+    pub fn control(&mut self) -> Result<Option<BoardJointParameters>, JointBoardError> {
+        match self.ask(&JointRequest::Control)?.response {
+            JointResponse::Control(control) => Ok(control),
+            JointResponse::Refused(Refusal::NotHere) => Err(JointBoardError::NotReadBack),
+            other => Err(self.refused(other)),
+        }
+    }
+
+    /// What the board reads of itself.
+    ///
+    /// # Errors
+    /// The board does not answer, or not this.
+    pub fn status(&mut self) -> Result<JointStatus, JointBoardError> {
+        match self.ask(&JointRequest::Status)?.response {
+            JointResponse::Status(status) => Ok(status),
+            other => Err(self.refused(other)),
+        }
+    }
+
     /// Why a request was not done; where the board is at fault, by which.
     fn refused(&mut self, response: JointResponse) -> JointBoardError {
         match response {
@@ -200,7 +240,7 @@ struct Answered {
 
 /// What came until a deadline.
 enum Heard {
-    Response(JointResponse),
+    Response(Box<JointResponse>),
     Nothing,
     Damaged,
     /// The greeting of a board with one muscle.
@@ -227,12 +267,13 @@ fn exchange(
         }
         port.send(frame, deadline)?;
         match heard(port, deadline)? {
-            Heard::Response(JointResponse::Refused(Refusal::Unreadable)) | Heard::Damaged => {}
+            Heard::Damaged => {}
+            Heard::Response(response) if *response == JointResponse::Refused(Refusal::Unreadable) => {}
             Heard::Response(response) => {
                 if tries > 1 {
                     settle(port)?;
                 }
-                return Ok(Answered { response, tries });
+                return Ok(Answered { response: *response, tries });
             }
             Heard::OneMuscle => return Err(JointBoardError::OneMuscle(address.port.clone())),
             Heard::Nothing => {
@@ -257,7 +298,7 @@ fn heard(port: &mut Port, deadline: Instant) -> Result<Heard, JointBoardError> {
         for byte in &bytes[..count] {
             let of_single = single.push::<Response>(*byte);
             match (joint.push::<JointResponse>(*byte), of_single) {
-                (Some(Ok(response)), _) => return Ok(Heard::Response(response)),
+                (Some(Ok(response)), _) => return Ok(Heard::Response(Box::new(response))),
                 (Some(Err(_)), Some(Ok(Response::Hello(_)))) => return Ok(Heard::OneMuscle),
                 (Some(Err(_)), _) => return Ok(Heard::Damaged),
                 (None, _) => {}

@@ -10,6 +10,8 @@
 //! | `run` | what a run over that link begins and ends with |
 //! | [`settings`] | the file of limits and lines of the sensors that a board is given |
 //! | [`deploy`](mod@deploy) | gives such a board what it keeps |
+//! | [`restore`](mod@restore) | reads back what such a board has been told, and brings it back |
+//! | [`status`] | what such a board says of itself |
 //! | [`track`](mod@track) | such a board follows a reference |
 //! | [`record`](mod@record) | such a board records a joint, without a model |
 //! | [`excitation`] | what is played for that |
@@ -27,13 +29,13 @@ pub mod excitation;
 pub mod link;
 pub mod log;
 pub mod record;
+pub mod restore;
 pub mod run;
 pub mod seam;
 pub mod settings;
 pub mod start;
+pub mod status;
 pub mod track;
-
-use std::f64::consts::PI;
 
 use model_core::ParameterError;
 use model_core::joint::{Joint, JointTarget};
@@ -76,9 +78,6 @@ impl JointBoard for crate::emulator::Emulator {
         Ok(self.request_joint(request)?)
     }
 }
-
-/// Degrees in a radian.
-pub const DEGREES: f64 = 180.0 / PI;
 
 /// What the sensors of a joint say.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -221,7 +220,7 @@ impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
         let [a, b] = measured.pressures_bar;
         let request = JointTickRequest {
             target: Some(JointTarget {
-                angle: (wanted.angle_deg / DEGREES) as f32,
+                angle: wanted.angle_deg.to_radians() as f32,
                 stiffness: wanted.stiffness as f32,
                 load: wanted.torque_nm as f32,
             }),
@@ -229,7 +228,7 @@ impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
                 code(of_a, "pressure a", a, (1.0, "bar"))?,
                 code(of_b, "pressure b", b, (1.0, "bar"))?,
             ],
-            angle_code: code(angle, "the angle", measured.angle_deg, (DEGREES, "degrees"))?,
+            angle_code: code(angle, "the angle", measured.angle_deg, (1_f64.to_degrees(), "degrees"))?,
         };
         let reply = match self.board.request(&JointRequest::Tick(request))? {
             JointResponse::Tick(reply) => reply,
@@ -239,7 +238,7 @@ impl<'a, B: JointBoard, P: JointPlant> Loop<'a, B, P> {
             return Err(PilError::Joint { time_s, fault });
         }
         let commands_bar = reply.dac_codes.map(|code| command.value(code));
-        self.due_deg = f64::from(reply.due_rad) * DEGREES;
+        self.due_deg = f64::from(reply.due_rad).to_degrees();
         self.ticks += 1;
         self.measured = self.plant.advance(self.ticks as f64 * self.period_s, commands_bar)?;
         Ok(JointSample { time_s: 0.0, wanted: *wanted, measured, commands_bar, reply })

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use wire::joint::{JointBoardState, JointReport, JointRequest};
 
+use super::JointMeasured;
 use super::error::JointBoardError;
 use super::link::JointLink;
-use super::{DEGREES, JointMeasured};
 use crate::stop::Stop;
 
 /// The board's tick. Unit: s.
@@ -145,7 +145,7 @@ impl<'a> Run<'a> {
         JointMeasured {
             pressures_bar: [0, 1]
                 .map(|place| rounded(hello.pressures[place].value(report.pressure_codes[place]))),
-            angle_deg: rounded(hello.angle.value(report.angle_code) * DEGREES as f32),
+            angle_deg: rounded(hello.angle.value(report.angle_code).to_degrees()),
         }
     }
 

@@ -20,12 +20,13 @@ use thiserror::Error;
 use toml::Table;
 use wire::joint::settings::LIMITS;
 use wire::joint::{JointCalibration, JointRequest, JointSettings};
+use wire::registers::Id;
 use wire::registers::fields::of_protection;
 use wire::{Line, Protection};
 
-use super::DEGREES;
 use super::error::JointBoardError;
 use super::link::JointLink;
+use crate::backup::joint::to_line;
 use crate::backup::value_within;
 
 /// What is wrong with the file of a joint's settings.
@@ -73,24 +74,15 @@ fn parsed(mut top: Section) -> Result<JointSettings, KeyError> {
     let mut calibration = JointCalibration::default();
     if let Some(mut section) = top.optional_section("calibration")? {
         calibration.pressures = [
-            line(&mut section, ["pressure_a_zero_code", "pressure_a_codes_per_bar"], 1.0)?,
-            line(&mut section, ["pressure_b_zero_code", "pressure_b_codes_per_bar"], 1.0)?,
+            to_line(&mut section, ["pressure_a_zero_code", "pressure_a_codes_per_bar"], 1.0)?,
+            to_line(&mut section, ["pressure_b_zero_code", "pressure_b_codes_per_bar"], 1.0)?,
         ];
-        calibration.angle = line(&mut section, ["angle_zero_code", "angle_codes_per_degree"], DEGREES)?;
+        calibration.angle =
+            to_line(&mut section, ["angle_zero_code", "angle_codes_per_degree"], 1_f64.to_degrees())?;
         section.finish()?;
     }
     top.finish()?;
     Ok(JointSettings { protection, calibration })
-}
-
-/// The line of a sensor, both of its numbers or none; `units`: of the file in one of the board.
-fn line(section: &mut Section, keys: [&str; 2], units: f64) -> Result<Option<Line>, KeyError> {
-    let [zero, gain] = keys;
-    if !keys.iter().any(|key| section.has(key)) {
-        return Ok(None);
-    }
-    let zero_code = section.number(zero)? as f32;
-    Ok(Some(Line { zero_code, codes_per_unit: (units * section.number(gain)?) as f32 }))
 }
 
 /// Gives a board its settings.
@@ -104,18 +96,11 @@ pub fn give(link: &mut JointLink, settings: &JointSettings) -> Result<(), JointB
 
 /// What is another one with other settings, a line each: name, before and after.
 pub fn changes(before: &JointSettings, after: &JointSettings) -> Vec<String> {
-    let limit = |settings: &JointSettings, id| {
-        let mut protection = settings.protection;
-        of_protection(&mut protection, id).map(|field| (field.get().number() as f32).to_string())
-    };
+    let limit = |settings: &JointSettings, id| limit(&settings.protection, id).map(|value| value.to_string());
     let limits = LIMITS.into_iter().map(|id| (id.register().name, limit(before, id), limit(after, id)));
     let lines = |settings: &JointSettings| {
         let JointCalibration { pressures: [a, b], angle } = settings.calibration;
-        [("bar", a), ("bar", b), ("rad", angle)].map(|(unit, line)| {
-            Some(line.map_or("standard".to_owned(), |Line { zero_code, codes_per_unit }| {
-                format!("{zero_code} + {codes_per_unit} a {unit}")
-            }))
-        })
+        [("bar", a), ("bar", b), ("rad", angle)].map(|(unit, line)| Some(line_in_words(line, unit)))
     };
     let sensors = ["pressure a", "pressure b", "angle"].into_iter().zip(lines(before)).zip(lines(after));
     let sensors = sensors.map(|((name, before), after)| (name, before, after));
@@ -126,4 +111,17 @@ pub fn changes(before: &JointSettings, after: &JointSettings) -> Vec<String> {
             format!("{name:<24}{} -> {}", before.unwrap_or_default(), after.unwrap_or_default())
         })
         .collect()
+}
+
+/// A limit by its register, as a number.
+pub(super) fn limit(protection: &Protection, id: Id) -> Option<f32> {
+    let mut protection = *protection;
+    of_protection(&mut protection, id).map(|field| field.get().number() as f32)
+}
+
+/// The line of a sensor in a unit.
+pub(super) fn line_in_words(line: Option<Line>, unit: &str) -> String {
+    line.map_or("standard".to_owned(), |Line { zero_code, codes_per_unit }| {
+        format!("{zero_code} + {codes_per_unit} a {unit}")
+    })
 }

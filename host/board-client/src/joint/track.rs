@@ -6,8 +6,6 @@
 //! along a straight line ([`wire::joint::JointAim`]): so the course is smooth however slow the link
 //! is, as long as an answer comes within 100 ticks.
 
-use std::f64::consts::PI;
-
 use model_core::joint::JointTarget;
 use wire::joint::{BoardJointParameters, JointAim, JointBoardState, JointReport, JointRequest};
 
@@ -16,7 +14,7 @@ use super::error::JointBoardError;
 use super::link::JointLink;
 use super::run::{PERIOD_S, Recorded, Rows, Run};
 use super::start::{APPROACH_S, LONGEST_S, approach};
-use super::{DEGREES, JointSample, JointWanted};
+use super::{JointSample, JointWanted};
 use crate::stop::Stop;
 
 /// A target is sent ahead by this many ticks at least, and at most.
@@ -55,7 +53,7 @@ pub fn track(
     let run = Run::start(link, stop, &start, &done)?;
     run.work(|run| {
         let started = tried(run, first)?;
-        let from = f64::from(started.tick.due_rad) * DEGREES;
+        let from = f64::from(started.tick.due_rad).to_degrees();
         let ticks = (APPROACH_S / PERIOD_S).round() as u32;
         let way = |tick: u32| {
             let share = f64::from(tick.min(ticks)) / f64::from(ticks);
@@ -129,7 +127,7 @@ fn follow(
 /// Where to go, by which tick of the board.
 fn aim(wanted: &JointWanted, by_tick: u32) -> JointRequest {
     let target = JointTarget {
-        angle: (wanted.angle_deg * PI / 180.0) as f32,
+        angle: wanted.angle_deg.to_radians() as f32,
         stiffness: wanted.stiffness as f32,
         load: wanted.torque_nm as f32,
     };

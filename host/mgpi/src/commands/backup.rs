@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::board_file::keep;
+use super::joint_backup;
 use super::port::PortArguments;
 use crate::Error;
 use crate::output::Outputs;
@@ -19,6 +21,9 @@ pub struct Arguments {
     /// Overwrite an existing file
     #[arg(long)]
     force: bool,
+    /// Keep that of a board of a joint, by its service link: joint with gains, limits, calibration
+    #[arg(long, help_heading = "Joint", conflicts_with_all = ["unit", "parity"])]
+    joint: bool,
     #[command(flatten)]
     port: PortArguments,
 }
@@ -28,22 +33,18 @@ pub struct Arguments {
 /// # Errors
 /// The board does not answer, or the file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { port, output, force } = arguments;
-    let mut outputs = Outputs::claim([output], &[], *force)?;
+    let Arguments { port, output, force, joint } = arguments;
+    let outputs = Outputs::claim([output], &[], *force)?;
+    if *joint {
+        return joint_backup::backup(output, port.link(), outputs);
+    }
     let mut board = port.open()?;
     let origin = Origin { number: port.number(), identity: board.identity().clone() };
     let file = BackupFile { origin, backup: read(&mut board)? };
     let text = file.to_toml();
     // What would not come back is no backup.
     let again = BackupFile::parse(output, &text, false)?;
-    if again.backup != file.backup {
-        return Err(Error::Usage(format!(
-            "{}: the board has a configuration that no file of this version can hold",
-            output.display()
-        )));
-    }
-    outputs.stage(output, text.as_bytes())?;
-    outputs.commit()?;
+    keep((output, &text), again.backup == file.backup, outputs)?;
     let model = if file.backup.configuration.is_some() { "model, controller" } else { "no model" };
     let kept = match (&file.backup.bus, &file.backup.calibration) {
         (Some(_), Some(_)) => "protection, bus and calibration",

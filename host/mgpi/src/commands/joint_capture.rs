@@ -1,11 +1,11 @@
 //! `mgpi capture --joint`: both pressures through a board with two channels, and a recording of
 //! what the joint does.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use board_client::growing::{Growing, head};
 use board_client::joint::excitation::Excitation;
-use board_client::joint::link::{Address, JointLink};
+use board_client::joint::link::Address;
 use board_client::joint::record::{JointRow, record};
 use board_client::joint::run::PERIOD_S;
 use board_client::joint::seam::seam;
@@ -17,7 +17,7 @@ use recording::{Choice, TOOL};
 use rig::joint::protocol::{JointProtocol, JointRange};
 
 use super::duration_bar::bar;
-use super::joint_deploy::note_unkept;
+use super::joint_board::{BoardArguments, note_unkept};
 use super::kept::keep;
 use super::number::{positive, share};
 use crate::Error;
@@ -41,12 +41,8 @@ pub struct JointArguments {
     /// through the recording
     #[arg(long, default_value_t = 0.0, value_name = "NM", allow_hyphen_values = true, requires = "joint")]
     torque_newton_metre: f64,
-    /// Take a fault of the board of a joint for seen to
-    #[arg(long, requires = "joint")]
-    acknowledge: bool,
-    /// Limits and calibration that the board of a joint is given
-    #[arg(long, value_name = "SETTINGS.toml", requires = "joint")]
-    settings: Option<PathBuf>,
+    #[command(flatten)]
+    board: BoardArguments,
 }
 
 /// What any muscle is recorded with.
@@ -79,8 +75,8 @@ impl JointArguments {
 pub fn run(arguments: Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
     let Arguments { joint, recording: file, every, address, resume, force, .. } = &arguments;
     let (excitation, words) = arguments.excitation()?;
-    let settings = joint.settings.as_deref().map(settings::read).transpose()?;
-    let mut link = JointLink::open(address.clone(), joint.acknowledge)?;
+    let settings = joint.board.settings()?;
+    let mut link = joint.board.open(address)?;
     if let Some(settings) = &settings {
         settings::give(&mut link, settings)?;
         note_unkept(&link);

@@ -1,18 +1,18 @@
 //! `mgpi deploy --joint`: a joint's model, and its board's settings, to a board with two channels.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use board_client::joint::deploy::deploy;
-use board_client::joint::error::JointBoardError;
-use board_client::joint::link::{Address, JointLink};
+use board_client::joint::link::Address;
+use board_client::joint::parameters;
 use board_client::joint::run::PERIOD_S;
-use board_client::joint::settings::{self, changes};
-use board_client::joint::{DEGREES, parameters};
+use board_client::joint::settings::changes;
 use clap::Args;
 use recording::joint::file::JointFile;
 use wire::fingerprint;
 use wire::joint::JointRequest;
 
+use super::joint_board::BoardArguments;
 use crate::Error;
 
 /// A model that is off by more of its range of angles is not for a board: the bound of a muscle's
@@ -27,12 +27,8 @@ pub struct JointArguments {
     /// two channels at its service link
     #[arg(long, conflicts_with_all = ["keep_gains", "Gains", "unit", "parity"])]
     joint: bool,
-    /// Take a fault of the board of a joint for seen to
-    #[arg(long, requires = "joint")]
-    acknowledge: bool,
-    /// Limits and calibration that the board of a joint is given
-    #[arg(long, value_name = "SETTINGS.toml", requires = "joint")]
-    settings: Option<PathBuf>,
+    #[command(flatten)]
+    board: BoardArguments,
 }
 
 /// What any model is deployed with.
@@ -61,8 +57,8 @@ pub fn run(arguments: Arguments<'_>) -> Result<(), Error> {
     let model = JointFile::read(file)?;
     demand_worth(file, &model, force)?;
     let control = parameters(&model.parameters, PERIOD_S)?;
-    let settings = joint.settings.as_deref().map(settings::read).transpose()?;
-    let mut link = JointLink::open(address, joint.acknowledge)?;
+    let settings = joint.board.settings()?;
+    let mut link = joint.board.open(&address)?;
     let installed = match link.installed()? {
         None => "the board has no joint yet",
         Some(installed) if installed == fingerprint(&control) => "the board has this joint already",
@@ -88,7 +84,7 @@ pub fn run(arguments: Arguments<'_>) -> Result<(), Error> {
 /// user insists.
 fn demand_worth(file: &Path, model: &JointFile, force: bool) -> Result<(), Error> {
     let (lowest, highest) = model.parameters.angles;
-    let share = model.identification.heldout_rmse_deg / ((highest - lowest) * DEGREES);
+    let share = model.identification.heldout_rmse_deg / (highest - lowest).to_degrees();
     let worth = format!("off by {:.2} % of its range of angles on held-out samples", 100.0 * share);
     if share > WORST && !force {
         return Err(Error::Usage(format!(
@@ -98,11 +94,4 @@ fn demand_worth(file: &Path, model: &JointFile, force: bool) -> Result<(), Error
     }
     say!("{}: two muscles at a joint, {worth}", file.display());
     Ok(())
-}
-
-/// Says that a board has not kept what it was given, where that ends nothing.
-pub fn note_unkept(link: &JointLink) {
-    if !link.has_kept() {
-        eprintln!("note: {}", JointBoardError::NotStored);
-    }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use board_client::joint::link::{Address, JointLink};
+use board_client::joint::link::Address;
 use board_client::joint::log::{COLUMNS, row};
 use board_client::joint::run::PERIOD_S;
 use board_client::joint::track::{Course, track};
@@ -12,7 +12,7 @@ use board_client::stop::Stop;
 use recording::Choice;
 
 use super::duration_bar::bar;
-use super::joint_deploy::note_unkept;
+use super::joint_board::{BoardArguments, note_unkept};
 use super::joint_run::Asked;
 use crate::Error;
 use crate::output::Outputs;
@@ -23,9 +23,7 @@ pub struct Arguments<'a> {
     pub reference: &'a Path,
     pub choice: Choice,
     pub address: Address,
-    pub acknowledges: bool,
-    /// Limits and calibration of the board.
-    pub settings: Option<&'a Path>,
+    pub board: &'a BoardArguments,
     pub every: u16,
     pub log: Option<&'a Path>,
     pub report: Option<&'a Path>,
@@ -39,11 +37,11 @@ pub struct Arguments<'a> {
 /// A file is not what it should be, the board is not one of a joint, refuses or vents, the joint is
 /// not the model's, an output cannot be written, or the user interrupts.
 pub fn run(arguments: &Arguments<'_>, mut outputs: Outputs) -> Result<(), Error> {
-    let Arguments { model, reference, choice, address, acknowledges, every, log, .. } = arguments;
+    let Arguments { model, reference, choice, address, board, every, log, .. } = arguments;
     let asked = Asked::read(model, reference, choice, PERIOD_S.recip())?;
     let control = parameters(&asked.file.parameters, PERIOD_S)?;
-    let settings = arguments.settings.map(settings::read).transpose()?;
-    let mut link = JointLink::open(address.clone(), *acknowledges)?;
+    let settings = board.settings()?;
+    let mut link = board.open(address)?;
     if let Some(settings) = &settings {
         settings::give(&mut link, settings)?;
     }

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::board_file::is_to_be_done;
 use super::deploy::{demand_rest, ready, with_progress};
+use super::joint_backup;
+use super::joint_board::FaultArguments;
 use super::port::PortArguments;
 use crate::Error;
 use board_client::backup::{Backup, BackupFile, Origin, read, restore};
@@ -24,7 +27,7 @@ pub struct Arguments {
     #[arg(long)]
     dry_run: bool,
     /// Leave number, rate and parity as the board has them
-    #[arg(long)]
+    #[arg(long, conflicts_with = "joint")]
     keep_bus: bool,
     /// Leave the calibration as the board has it
     #[arg(long)]
@@ -32,6 +35,11 @@ pub struct Arguments {
     /// Also take a file that was changed by hand, whose checksum does not fit
     #[arg(long)]
     force: bool,
+    /// To a board of a joint, by its service link; it has to be vented
+    #[arg(long, help_heading = "Joint", conflicts_with_all = ["unit", "parity"])]
+    joint: bool,
+    #[command(flatten)]
+    fault: FaultArguments,
     #[command(flatten)]
     port: PortArguments,
 }
@@ -41,7 +49,17 @@ pub struct Arguments {
 /// # Errors
 /// The file is not what it should be, or the board does not take it.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let Arguments { file, port, dry_run, keep_bus, keep_calibration, force } = arguments;
+    let Arguments { file, port, dry_run, keep_bus, keep_calibration, force, joint, fault } = arguments;
+    if *joint {
+        return joint_backup::restore(joint_backup::Arguments {
+            file,
+            address: port.link(),
+            fault,
+            keeps_calibration: *keep_calibration,
+            is_forced: *force,
+            dry_run: *dry_run,
+        });
+    }
     let BackupFile { origin, backup } = BackupFile::read(file, *force)?;
     let backup = Backup {
         bus: backup.bus.filter(|_| !keep_bus),
@@ -55,15 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         say!("{} is of another board: {}", file.display(), origin.differences(&here).join(", "));
     }
     let current = read(&mut board)?;
-    let differences = backup.differences(&current);
-    if differences.is_empty() {
-        say!("the board has all of {} already", file.display());
-        return Ok(());
-    }
-    say!("of {} differs (board -> file)", file.display());
-    differences.iter().for_each(|difference| say!("  {difference}"));
-    if *dry_run {
-        say!("nothing has been changed (--dry-run)");
+    if !is_to_be_done(file, &backup.differences(&current), *dry_run) {
         return Ok(());
     }
     with_progress("restoring", |moved| restore(&mut board, &backup, &current, moved))?;

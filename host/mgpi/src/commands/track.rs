@@ -9,6 +9,7 @@ use model_core::{Hysteresis, Mode, Surroundings};
 use super::board_model;
 use super::capture::in_words;
 use super::duration_bar::bar;
+use super::joint_board::BoardArguments;
 use super::joint_track;
 use super::learnt::{self, Learning};
 use super::port::PortArguments;
@@ -72,14 +73,10 @@ pub struct Arguments {
     #[command(flatten)]
     learning: Learning,
     /// Track with two muscles at a joint, by a board with two channels at its service link
-    #[arg(long, conflicts_with_all = ["mode", "adapt", "http", "Learning", "unit", "parity"])]
+    #[arg(long, help_heading = "Joint", conflicts_with_all = ["mode", "adapt", "http", "Learning", "unit", "parity"])]
     joint: bool,
-    /// Take a fault of the board of a joint for seen to
-    #[arg(long, requires = "joint")]
-    acknowledge: bool,
-    /// Limits and calibration that the board of a joint is given
-    #[arg(long, value_name = "SETTINGS.toml", requires = "joint")]
-    settings: Option<PathBuf>,
+    #[command(flatten)]
+    board: BoardArguments,
     #[command(flatten)]
     port: PortArguments,
 }
@@ -119,7 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let inputs: Vec<&Path> = match model {
         // It is read before anything is written.
         Some(model) if arguments.joint => {
-            inputs.into_iter().chain([model.as_path()]).chain(arguments.settings.as_deref()).collect()
+            inputs.into_iter().chain([model.as_path()]).chain(arguments.board.file()).collect()
         }
         _ => inputs,
     };
@@ -130,8 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
             reference: file,
             choice: reading.choice(),
             address: arguments.port.link(),
-            acknowledges: arguments.acknowledge,
-            settings: arguments.settings.as_deref(),
+            board: &arguments.board,
             every: arguments.every.unwrap_or(1),
             log: log.as_deref(),
             report: report.as_deref(),

@@ -1,7 +1,6 @@
 //! The model file of a joint, `joint.toml`, format 2. Keys carry their units, angles are degrees in
 //! it; reading is as strict as that of the model file of one muscle.
 
-use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use model_core::joint::PullParameters;
@@ -19,8 +18,6 @@ use crate::{Source, TOOL, input};
 pub const FORMAT: usize = 2;
 /// What the key `kind` says.
 const KIND: &str = "joint";
-/// Degrees in a radian.
-const DEGREES: f64 = 180.0 / PI;
 const ANGLES: [&str; 2] = ["angle_min_deg", "angle_max_deg"];
 const LOWEST: [&str; 2] = ["lowest_at_angle_min_bar", "lowest_at_angle_max_bar"];
 const HIGHEST: [&str; 2] = ["highest_at_angle_min_bar", "highest_at_angle_max_bar"];
@@ -103,25 +100,10 @@ impl JointFile {
 
     /// Its text.
     pub fn to_toml(&self) -> String {
-        let HostJointParameters { muscles, passive, viscosity, reaches, swing, angles } = &self.parameters;
         let mut top = Table::new();
         top.insert("format".into(), count(FORMAT));
         top.insert("kind".into(), KIND.into());
-        let [min, max] = ANGLES;
-        top.insert(
-            "validity".into(),
-            table([(min, (angles.0 * DEGREES).into()), (max, (angles.1 * DEGREES).into())]),
-        );
-        top.insert(
-            "stops".into(),
-            table([("reaches_deg", list(&degrees(reaches))), ("swing_deg", (swing * DEGREES).into())]),
-        );
-        let mut rest = keyed(&names(PASSIVE), passive);
-        rest.insert(VISCOSITY.name.into(), (*viscosity).into());
-        top.insert(REST.into(), Value::Table(rest));
-        for (name, muscle) in MUSCLES.iter().zip(muscles) {
-            top.insert((*name).into(), Value::Table(written(muscle)));
-        }
+        top.extend(to_table(&self.parameters));
         let JointIdentification { tool, recording, scored_rows, rmse_deg, heldout_rmse_deg } =
             &self.identification;
         top.insert(
@@ -139,8 +121,48 @@ impl JointFile {
     }
 }
 
-fn degrees(radians: &[f64]) -> Vec<f64> {
-    radians.iter().map(|radian| radian * DEGREES).collect()
+/// The parameters of a joint as tables, as they stand in its model file: from an angle, however it
+/// is rounded to single precision, the same bits come back.
+pub fn to_table(parameters: &HostJointParameters) -> Table {
+    let HostJointParameters { muscles, passive, viscosity, reaches, swing, angles } = parameters;
+    let mut tables = Table::new();
+    let [min, max] = ANGLES;
+    tables.insert(
+        "validity".into(),
+        table([(min, angles.0.to_degrees().into()), (max, angles.1.to_degrees().into())]),
+    );
+    let reaches: Vec<f64> = reaches.iter().map(|reach| reach.to_degrees()).collect();
+    tables.insert(
+        "stops".into(),
+        table([("reaches_deg", list(&reaches)), ("swing_deg", swing.to_degrees().into())]),
+    );
+    let mut rest = keyed(&names(PASSIVE), passive);
+    rest.insert(VISCOSITY.name.into(), (*viscosity).into());
+    tables.insert(REST.into(), Value::Table(rest));
+    for (name, muscle) in MUSCLES.iter().zip(muscles) {
+        tables.insert((*name).into(), Value::Table(written(muscle)));
+    }
+    tables
+}
+
+/// Takes the tables of [`to_table`] out of a section.
+///
+/// # Errors
+/// A key is missing, unknown or of another kind.
+pub fn of_section(top: &mut Section) -> Result<HostJointParameters, KeyError> {
+    let mut validity = top.section("validity")?;
+    let [low, high] = numbers(&mut validity, ANGLES)?.map(f64::to_radians);
+    validity.finish()?;
+    let mut stops = top.section("stops")?;
+    let reaches = listed(&mut stops, "reaches_deg")?.iter().map(|reach| reach.to_radians()).collect();
+    let swing = stops.number("swing_deg")?.to_radians();
+    stops.finish()?;
+    let mut rest = top.section(REST)?;
+    let (passive, viscosity) = (numbers(&mut rest, names(PASSIVE))?, rest.number(VISCOSITY.name)?);
+    rest.finish()?;
+    let [a, b] = MUSCLES;
+    let muscles = [muscle(top, a)?, muscle(top, b)?];
+    Ok(HostJointParameters { muscles, passive, viscosity, reaches, swing, angles: (low, high) })
 }
 
 fn keyed(keys: &[&str], values: &[f64]) -> Table {
@@ -162,28 +184,15 @@ fn parse(text: &str) -> Result<JointFile, Problem> {
     let table =
         text.parse::<Table>().map_err(|error| Problem::Syntax(error.message().replace('\n', ", ")))?;
     let mut top = Section::top(table);
-    let format = top.count("format")?;
-    if format != FORMAT {
-        return Err(Problem::Format(format));
-    }
     let kind = top.text("kind")?;
     if kind != KIND {
         return Err(top.error("kind", &format!("\"{kind}\" is no joint")).into());
     }
-    let mut validity = top.section("validity")?;
-    let [low, high] = numbers(&mut validity, ANGLES)?.map(|angle| angle / DEGREES);
-    validity.finish()?;
-    let mut stops = top.section("stops")?;
-    let radians = listed(&mut stops, "reaches_deg")?.iter().map(|reach| reach / DEGREES).collect();
-    let swing = stops.number("swing_deg")? / DEGREES;
-    stops.finish()?;
-    let mut rest = top.section(REST)?;
-    let (passive, viscosity) = (numbers(&mut rest, names(PASSIVE))?, rest.number(VISCOSITY.name)?);
-    rest.finish()?;
-    let [a, b] = MUSCLES;
-    let muscles = [muscle(&mut top, a)?, muscle(&mut top, b)?];
-    let parameters =
-        HostJointParameters { muscles, passive, viscosity, reaches: radians, swing, angles: (low, high) };
+    let format = top.count("format")?;
+    if format != FORMAT {
+        return Err(Problem::Format(format));
+    }
+    let parameters = of_section(&mut top)?;
     let mut section = top.section("identification")?;
     let identification = JointIdentification {
         recording: Source { file: section.text("recording")?, sha256: section.text("sha256")? },

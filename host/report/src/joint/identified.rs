@@ -10,7 +10,7 @@ use recording::numbers::{legible, significant};
 use super::super::page::{explained, page, reading};
 use super::super::plot::{Line, Style};
 use super::super::table::{Row, table};
-use super::{DEGREES, degrees, over_time, plot};
+use super::{degrees, over_time, plot};
 
 /// Angles at which the stiffness is drawn.
 const ANGLES: usize = 61;
@@ -28,7 +28,7 @@ pub fn to_html(found: &IdentifiedJoint, recording: &JointRecording) -> String {
     let error = |simulated: &[f64], counts: &[bool]| -> Vec<f64> {
         let rows = simulated.iter().zip(angle_rad).zip(counts);
         rows.map(
-            |((simulated, angle), counts)| if *counts { (angle - simulated) * DEGREES } else { f64::NAN },
+            |((simulated, angle), counts)| if *counts { (angle - simulated).to_degrees() } else { f64::NAN },
         )
         .collect()
     };
@@ -50,7 +50,7 @@ pub fn to_html(found: &IdentifiedJoint, recording: &JointRecording) -> String {
 
     let (first, last) = file.parameters.angles;
     let at = |place: usize| first + (last - first) * place as f64 / (ANGLES - 1) as f64;
-    let angles: Vec<f64> = (0..ANGLES).map(|place| at(place) * DEGREES).collect();
+    let angles: Vec<f64> = (0..ANGLES).map(|place| at(place).to_degrees()).collect();
     let (soft, stiff): (Vec<f64>, Vec<f64>) =
         (0..ANGLES).map(|place| file.joint.stiffness_range(at(place))).unzip();
     let measured = Style::Measured;
@@ -118,7 +118,7 @@ pub fn to_html(found: &IdentifiedJoint, recording: &JointRecording) -> String {
     ];
     let JointIdentification { rmse_deg, heldout_rmse_deg, scored_rows, recording: from, .. } =
         &file.identification;
-    let range_deg = (last - first) * DEGREES;
+    let range_deg = (last - first).to_degrees();
     let row = |(name, rmse): (&str, f64)| -> Row {
         vec![name.to_owned(), legible(rmse, 4), format!("{:.2}", 100.0 * rmse / range_deg)].into()
     };
@@ -153,7 +153,7 @@ pub fn to_html(found: &IdentifiedJoint, recording: &JointRecording) -> String {
         p.verdict { "Simulated, the angle is off by " (legible(*heldout_rmse_deg, 3)) " degrees, "
             (format!("{:.2}", 100.0 * heldout_rmse_deg / range_deg)) " % of its range, in rows that the model has not seen." }
         (table(&FIGURES.map(str::to_owned), &figures))
-        p { (scored_rows) " rows count, at angles of " (format!("{:.2} to {:.2}", first * DEGREES, last * DEGREES)) " degrees." }
+        p { (scored_rows) " rows count, at angles of " (format!("{:.2} to {:.2}", first.to_degrees(), last.to_degrees())) " degrees." }
         ul { @for (which, (value, error)) in stiffness {
             li { "In the middle of the angles the " (which) " stiffness is " (legible(value, 2)) " N m/rad"
                 @match error {

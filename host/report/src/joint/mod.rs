@@ -4,15 +4,10 @@ pub mod identified;
 #[cfg(feature = "runs")]
 pub mod tracked;
 
-use std::f64::consts::PI;
-
 use super::plot::{Line, Plot, Style};
 
-/// Degrees in a radian.
-const DEGREES: f64 = 180.0 / PI;
-
 fn degrees(radians: &[f64]) -> Vec<f64> {
-    radians.iter().map(|radian| radian * DEGREES).collect()
+    radians.iter().map(|radian| radian.to_degrees()).collect()
 }
 
 fn plot<'a>(title: &str, x: &str, y: &str, lines: Vec<Line<'a>>) -> Plot<'a> {

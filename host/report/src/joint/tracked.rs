@@ -7,7 +7,7 @@ use recording::numbers::legible;
 
 use super::super::page::{explained, page};
 use super::super::plot::{Height, Plot, Style};
-use super::{DEGREES, over_time};
+use super::over_time;
 
 /// The report as an HTML file, for a run; `range_deg`: what percentages refer to, the model's range
 /// of angles; `source`: what was tracked, with what.
@@ -15,7 +15,7 @@ pub fn to_html(samples: &[JointSample], range_deg: f64, source: &str) -> String 
     let of = |value: fn(&JointSample) -> f64| -> Vec<f64> { samples.iter().map(value).collect() };
     let time_s = of(|sample| sample.time_s);
     let wanted = of(|sample| sample.wanted.angle_deg);
-    let due = of(|sample| f64::from(sample.reply.due_rad) * DEGREES);
+    let due = of(|sample| f64::from(sample.reply.due_rad).to_degrees());
     let angle = of(|sample| sample.measured.angle_deg);
     let error = of(|sample| sample.wanted.angle_deg - sample.measured.angle_deg);
     let (asked, stiffness) =

@@ -59,7 +59,7 @@ mod app {
     use firmware::watchdog::{Task, Watchdog};
     use rtic::Mutex;
     use stm32f4::stm32f405::USART2;
-    use wire::joint::{JOINT_VERSION, JointBoardState, JointRequest};
+    use wire::joint::{BoardJointParameters, JOINT_VERSION, JointBoardState, JointRequest};
     use wire::{FRAME_BYTES, Fault, Protection, Receiver};
 
     use super::CHECK_INS;
@@ -106,6 +106,10 @@ mod app {
             let Some(changed) = self.kept.parameters().changed_by(request) else { return Ok(()) };
             let state = self.joint.lock(|joint| joint.state());
             self.kept.keep(state, changed)
+        }
+
+        fn control(&self) -> Option<&BoardJointParameters> {
+            self.kept.parameters().control.as_ref()
         }
     }
 

@@ -8,8 +8,7 @@
 //! the simulated model, and the search on blocks of time that no fit has seen or beyond what placebos gain.
 //!
 //! Only these, since next to nothing else looks like them: without any a warm-up takes away up to a sixth of the model's error,
-//! a mass, a delay, a lag or a width up to a twentieth. Where the command alone was recorded a regulator's ordinary lag is nothing that is
-//! named, and what else there is is asked beside it; but no fast cause, since a regulator of a higher order looks like one.
+//! a mass, a delay, a lag or a width up to a twentieth.
 
 use std::sync::OnceLock;
 
@@ -39,7 +38,7 @@ pub struct Overlooked {
     pub evidence: String,
 }
 
-/// The overlooked cause, if there is one. `base`: the set without it, in which nothing is named: no cause, or a regulator's ordinary lag.
+/// The overlooked cause, if there is one. `base`: the set without it, which has no cause.
 pub fn overlooked(
     search: &Search<'_>,
     (base, sizes): (&Candidate, &[Vec<Candidate>]),

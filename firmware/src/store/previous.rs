@@ -145,7 +145,8 @@ impl From<Lines> for Calibration {
     }
 }
 
-/// Reads what a muscle of these layouts does beside hysteresis. Never inlined: it is long, and every layout has it.
+/// Reads what a muscle of these layouts does beside hysteresis. Never inlined: it is long, and
+/// every layout has it.
 #[inline(never)]
 fn extensions<'de, D: Deserializer<'de>>(bytes: D) -> Result<ExtensionParameters<f32>, D::Error> {
     let old = Extensions::deserialize(bytes)?;

@@ -103,7 +103,7 @@ impl Search<'_> {
         let mut effects: Vec<Effect> =
             set.fit.effects.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, e)| e.clone()).collect();
         if !effects.iter().any(|effect| effect.form == Form::Delay) {
-            effects.insert(0, Effect::small_delay(self.signals, self.regulator.is_some()));
+            effects.insert(0, Effect::small_delay(self.signals));
         }
         if regulator::of(&effects).is_none() {
             effects.splice(0..0, self.regulator.clone());

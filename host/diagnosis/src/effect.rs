@@ -13,9 +13,6 @@
 pub use super::rates::Rate;
 use super::signals::{Signals, TENTS};
 
-/// The longest dead time of a regulator's own, half of what its lags and that may be together: a choice. Unit: s.
-const LONGEST_DELAY_S: f64 = 0.035;
-
 /// A nonlinear parameter with its bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
@@ -166,16 +163,14 @@ impl Effect {
     /// input's span, and this regulator, if there is one.
     pub fn nuisances(signals: &Signals, radius: f64, regulator: Option<&Self>) -> Vec<Self> {
         let envelope = Self::new(Form::Envelope, [Parameter::new(0.5, 0.0, 1.2, 1e-3)]);
-        let delay = Self::small_delay(signals, regulator.is_some());
-        let all = [envelope, delay, Self::static_width(signals, radius)];
+        let all = [envelope, Self::small_delay(signals), Self::static_width(signals, radius)];
         all.into_iter().chain(regulator.cloned()).collect()
     }
 
-    /// A delay of at most half a row, which no recording is free of; behind a regulator also what that may have of its own.
-    pub fn small_delay(signals: &Signals, is_behind_regulator: bool) -> Self {
+    /// A delay of at most half a row, which no recording is free of.
+    pub fn small_delay(signals: &Signals) -> Self {
         let half_s = 0.5 * signals.step_s;
-        let own_s = if is_behind_regulator { LONGEST_DELAY_S } else { 0.0 };
-        Self::new(Form::Delay, [Parameter::new(0.0, -half_s, half_s + own_s, 0.1 * signals.step_s)])
+        Self::new(Form::Delay, [Parameter::new(0.0, -half_s, half_s, 0.1 * signals.step_s)])
     }
 
     /// A width that does not depend on the rate, its radius a share of the input's span.

@@ -8,9 +8,11 @@ use std::cell::OnceCell;
 use super::basis::Basis;
 use super::effect::{Effect, Form};
 use super::fit::Fit;
+use super::regulator;
 use super::series;
 use super::signals::{Signals, TENTS, hats};
 use super::turn::Loop;
+use super::valve::Valve;
 
 /// A parameter's name, unit included, and its value.
 pub type Parameters = Vec<(&'static str, f64)>;
@@ -72,6 +74,11 @@ impl Fitted<'_> {
     /// What it does.
     pub fn form(&self) -> Form {
         self.effect.form
+    }
+
+    /// The regulator before it, where the input is the command.
+    pub fn regulator(&self) -> Option<Valve> {
+        regulator::of(&self.set.fit.effects)
     }
 
     /// What the set leaves, a value a scored row. Output unit.

@@ -8,7 +8,8 @@
 //! the simulated model, and the search on blocks of time that no fit has seen or beyond what placebos gain.
 //!
 //! Only these, since next to nothing else looks like them: without any a warm-up takes away up to a sixth of the model's error,
-//! a mass, a delay, a lag or a width up to a twentieth.
+//! a mass, a delay, a lag or a width up to a twentieth. Where the command alone was recorded no fast cause is asked again: no regulator is
+//! quite of our form, and what is left of it looks like one.
 
 use std::sync::OnceLock;
 
@@ -45,7 +46,8 @@ pub fn overlooked(
     extender: &Extender<'_>,
 ) -> Option<Overlooked> {
     let alone = || clearly(search, sizes.first()?, extender);
-    let (set, others, [with, without]) = alone().or_else(|| found(search, (base, sizes), extender))?;
+    let alone = search.regulator.is_none().then(alone).flatten();
+    let (set, others, [with, without]) = alone.or_else(|| found(search, (base, sizes), extender))?;
     Some(Overlooked {
         alternatives: others.iter().map(Candidate::names).collect(),
         set,
@@ -87,7 +89,7 @@ fn found(
     (base, sizes): (&Candidate, &[Vec<Candidate>]),
     extender: &Extender<'_>,
 ) -> Option<Found> {
-    let is_asked = |cause: &Cause| cause.acts_at_once();
+    let is_asked = |cause: &Cause| cause.acts_at_once() && (search.regulator.is_none() || !cause.is_fast());
     let asked: Vec<Cause> = search.examinable.iter().copied().filter(is_asked).collect();
     beyond_chance(search, (&asked, &search.examinable), (base, sizes), extender)
 }

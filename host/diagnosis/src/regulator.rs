@@ -38,11 +38,6 @@ pub fn of(effects: &[Effect]) -> Option<Valve> {
     effects.iter().find_map(valve)
 }
 
-/// The dead time of these effects. Unit: s.
-pub fn delay_s(effects: &[Effect]) -> f64 {
-    effects.iter().filter(|effect| effect.form == Form::Delay).map(Effect::late_s).sum()
-}
-
 /// What an effect makes of the input if it is a regulator.
 pub fn valve(effect: &Effect) -> Option<Valve> {
     let value = |place: usize| effect.parameters.get(place).map(|parameter| parameter.value);

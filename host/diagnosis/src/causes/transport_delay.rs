@@ -7,11 +7,11 @@ use super::kind::{About, Kind, Law, RECORD_FAST, Stage};
 use super::needs::{Judge, Judged, Lack};
 use crate::carrier::Carrier;
 use crate::effect::{Effect, Form, Parameter};
-use crate::fitted::{Fitted, Parameters};
+use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
 use crate::signals::Signals;
 use crate::simulated::Simulated;
-use crate::valve::ValvePart;
+use crate::valve::{ORDINARY_LAG_S, ValvePart};
 
 /// The name of its parameter.
 const DELAY: &str = "delay_s";
@@ -56,6 +56,12 @@ impl Kind for TransportDelay {
 
     fn parameters(&self, fitted: &Fitted<'_>) -> Parameters {
         vec![(DELAY, fitted.parameter(0))]
+    }
+
+    /// A delay that is as short, with the lag of the regulator before it, as any regulator's lag and half a row are.
+    fn doubt(&self, fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
+        let late_s = fitted.regulator()?.lag_s + fitted.parameter(0);
+        (late_s <= ORDINARY_LAG_S + 0.5 * fitted.signals.step_s).then_some(Doubt::Unseen)
     }
 
     fn extend(&self, carrier: &Carrier<'_>, all: &mut ExtensionParameters<f64>) {

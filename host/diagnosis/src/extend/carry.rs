@@ -3,7 +3,7 @@
 use model_core::ExtensionParameters;
 use model_core::extension::{
     DeadbandForm, RateDependentThresholdsParameters, RateDependentWidthParameters,
-    SupplySaturationParameters, TransportDelayParameters, ValveDeadbandParameters,
+    SupplySaturationParameters, ValveDeadbandParameters,
 };
 
 use super::jump::Jump;
@@ -30,10 +30,6 @@ pub fn extensions(columns: &Columns, search: &Search<'_>, set: &Candidate) -> Ex
     }
     if let Some(regulator) = regulator::of(&set.fit.effects) {
         all.valve_lag = Some(regulator.lag());
-        let delay_s = regulator::delay_s(&set.fit.effects[..first]);
-        if delay_s > 0.5 * search.signals.step_s {
-            all.transport_delay.get_or_insert(TransportDelayParameters { delay_s });
-        }
     }
     all
 }

@@ -151,11 +151,11 @@ pub fn to_table(parameters: &HostJointParameters) -> Table {
 /// A key is missing, unknown or of another kind.
 pub fn of_section(top: &mut Section) -> Result<HostJointParameters, KeyError> {
     let mut validity = top.section("validity")?;
-    let [low, high] = numbers(&mut validity, ANGLES)?.map(f64::to_radians);
+    let [low, high] = numbers(&mut validity, ANGLES)?.map(radians);
     validity.finish()?;
     let mut stops = top.section("stops")?;
-    let reaches = listed(&mut stops, "reaches_deg")?.iter().map(|reach| reach.to_radians()).collect();
-    let swing = stops.number("swing_deg")?.to_radians();
+    let reaches = listed(&mut stops, "reaches_deg")?.iter().copied().map(radians).collect();
+    let swing = radians(stops.number("swing_deg")?);
     stops.finish()?;
     let mut rest = top.section(REST)?;
     let (passive, viscosity) = (numbers(&mut rest, names(PASSIVE))?, rest.number(VISCOSITY.name)?);
@@ -219,6 +219,12 @@ fn muscle(top: &mut Section, name: &str) -> Result<PullParameters<f64, STOPS>, K
     };
     section.finish()?;
     Ok(muscle)
+}
+
+/// Radians, by the number that [`f64::to_degrees`] multiplies by: a file that is read and written again is
+/// the same, which with the reciprocal of [`f64::to_radians`] it is not.
+fn radians(degrees: f64) -> f64 {
+    degrees / 1f64.to_degrees()
 }
 
 fn numbers<const N: usize>(section: &mut Section, keys: [&str; N]) -> Result<[f64; N], KeyError> {

@@ -221,8 +221,8 @@ fn muscle(top: &mut Section, name: &str) -> Result<PullParameters<f64, STOPS>, K
     Ok(muscle)
 }
 
-/// Radians, by the number that [`f64::to_degrees`] multiplies by: a file that is read and written again is
-/// the same, which with the reciprocal of [`f64::to_radians`] it is not.
+/// Radians, by the number that [`f64::to_degrees`] multiplies by: a file that is read and written
+/// again is the same, which with the reciprocal of [`f64::to_radians`] it is not.
 fn radians(degrees: f64) -> f64 {
     degrees / 1f64.to_degrees()
 }

@@ -4,7 +4,7 @@ use super::Columns;
 use recording::numbers::range;
 use recording::unit::Unit;
 
-/// The standard atmosphere. Unit: bar.
+/// The standard atmosphere (ISO 2533); the weather moves it by a twentieth, a kilometre of height by a tenth. Unit: bar.
 const OUTSIDE_BAR: f64 = 1.01325;
 
 /// What is known of a command.

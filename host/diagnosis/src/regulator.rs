@@ -11,7 +11,8 @@ use super::command::Command;
 use super::effect::{Effect, Form, Parameter};
 use super::valve::{BEFORE, BEGUN, DAMPING, ORDINARY_LAG_S, Orifice, Valve};
 
-/// The shortest lag that is looked for, in steps of the recording: a shorter one is over before the next sample.
+/// The shortest lag that is looked for, in steps of the recording: of a shorter one less than 1 % of a jump (exp(-5)) is left at the next
+/// sample. Unit: 1.
 pub const LEAST_LAG: f64 = 0.2;
 
 /// Regulators of each form that are so late, between these. Unit: s.

@@ -16,7 +16,7 @@ use recording::noise::steps;
 /// samples.
 const WINDOW_S: f64 = 0.25;
 const SAMPLES: usize = 8;
-/// A window that lasts longer than so many times that has a gap in it, and is left out: a choice. Unit: 1.
+/// A window is left out, because rows are missing in it, if it lasts longer than this many times its usual length: a choice. Unit: 1.
 const LONGEST: f64 = 1.5;
 /// Windows that tell a mean.
 const WINDOWS: usize = 20;

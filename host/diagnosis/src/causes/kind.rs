@@ -127,8 +127,8 @@ pub trait Kind: Sync {
     /// What it needs of a recording to be seen, met or not.
     fn needs(&self, judge: &Judge<'_>) -> Judged;
 
-    /// How many things it may be that have little to do with each other, as a jump at one time with a jump at another: the luckiest of them is
-    /// what is found.
+    /// In how many independent ways it may fit by chance: a jump at one time has little to do with a jump at another, and the one that fits best
+    /// is what is found.
     fn hypotheses(&self) -> usize {
         1
     }

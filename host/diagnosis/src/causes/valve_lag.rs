@@ -19,7 +19,7 @@ use crate::valve::{ORDINARY_LAG_S, ValvePart};
 
 /// The name of its parameter.
 const TIME_CONSTANT: &str = "time_constant_s";
-/// Where the search begins. Unit: s.
+/// Where the search begins: choices, a factor of two apart, which is near enough for the fit to find the rest. Unit: s.
 const BEGIN_S: [f64; 3] = [0.1, 0.2, 0.4];
 /// The longest lag that is looked for. Unit: s.
 const LONGEST_S: f64 = 10.0;

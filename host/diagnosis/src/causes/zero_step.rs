@@ -13,7 +13,7 @@ use crate::simulated::Simulated;
 /// How near the ends of the recording no jump is looked for, as a share of its duration: a jump at the beginning is one with the
 /// unknown memory of the muscle. A choice.
 const END: f64 = 0.05;
-/// Times between these that are tried first.
+/// Times between these that are tried first: a choice. As many jumps are counted as asked for, since they have little to do with each other.
 const TIMES: usize = 40;
 /// Beside the most promising time, and beside the one that is it then, so many more on either side, until they are samples: those of
 /// a grid that is finer by one more than that.

@@ -30,11 +30,10 @@ const APART: f64 = 8.0;
 const CLOSELY: [(i32, f64); 3] = [(60, 0.05), (60, 0.01), (60, 0.002)];
 /// How far to either side of the best a band that drags is looked for. Unit: place.
 const FINER: [f64; 8] = [6.0, 3.6, 2.0, 1.2, 0.72, 0.4, 0.24, 0.14];
-/// The absolute pressure before an orifice is between the highest command's and so many times that, and the search begins at so many times
-/// it: choices, a bound and a start. It is not below that command, since a supply that is too low is a part of
-/// its own.
+/// The absolute pressure before an orifice is at most this many times that of the highest command: a choice, a bound. It is not below that
+/// command, since a supply that is too low is a part of its own. Unit: 1.
 pub const BEFORE: f64 = 4.0;
-/// See [`BEFORE`].
+/// The search for it begins at this many times that of the highest command: a choice, a start. Unit: 1.
 pub const BEGUN: f64 = 1.2;
 /// Iterations for lag, damping, delay and limit.
 const ITERATIONS: usize = 12;

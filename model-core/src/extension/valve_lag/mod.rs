@@ -21,7 +21,7 @@ use first_order::FirstOrderStep;
 use orifice::OrificeStep;
 use second_order::SecondOrderStep;
 
-/// The lead limit where nothing is known. Input unit (bar).
+/// The lead limit where nothing is known: a choice. Input unit (bar).
 pub const LEAD_LIMIT: f64 = 2.0;
 
 /// How the pressure goes to its set point.

@@ -43,7 +43,7 @@ fn no_air_flows_into_a_chamber_at_the_supply_and_the_lead_stays_within_its_limit
     assert_eq!(step.pressure(&mut memory, 9.0), 7.0);
     let set_point = step.set_point(&memory, 7.5);
     assert_eq!(set_point, 7.0 + LEAD_LIMIT);
-    // A vacuum that no chamber has is no number that is none.
+    // A pressure below a vacuum, which only a wrong recording has, still leads to a finite number.
     let mut memory = ValveLagMemory::resting(-2.0);
     assert!(step.pressure(&mut memory, -2.5).is_finite());
 }

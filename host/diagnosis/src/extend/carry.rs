@@ -24,12 +24,11 @@ const LEAST_WIDTH: f64 = 0.01;
 pub fn extensions(columns: &Columns, search: &Search<'_>, set: &Candidate) -> ExtensionParameters<f64> {
     let fitted = FittedSet::new(search.signals, &search.basis, &set.fit);
     let first = set.fit.effects.len() - set.causes.len();
-    let mut all = ExtensionParameters::default();
+    // Where the valve is a cause, that takes the place of the ordinary regulator.
+    let valve_lag = regulator::of(&set.fit.effects[..first]).map(|regulator| regulator.lag());
+    let mut all = ExtensionParameters { valve_lag, ..ExtensionParameters::default() };
     for (i, cause) in set.causes.iter().enumerate() {
         cause.extend(&Carrier { columns, fitted: fitted.as_fitted(first + i) }, &mut all);
-    }
-    if let Some(regulator) = regulator::of(&set.fit.effects) {
-        all.valve_lag = Some(regulator.lag());
     }
     all
 }

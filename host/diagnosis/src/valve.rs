@@ -13,21 +13,21 @@
 //! had a dead time.
 
 mod examine;
+mod set_points;
+mod steps;
 
-use model_core::extension::{ValveLag, ValveLagForm, ValveLagMemory, ValveLagParameters};
+use model_core::extension::{ValveLagForm, ValveLagParameters};
 
-use super::delay::delayed;
 pub use examine::{BEFORE, BEGUN, examine};
-use recording::simulation::SAME_STEP_S;
 use recording::unit::Unit;
+use set_points::SetPoints;
+use steps::{follow, steps};
 
 /// Lags and a delay up to here, together, are those of any proportional regulator, and not named. Unit: s.
 pub const ORDINARY_LAG_S: f64 = 0.07;
 /// Damping ratios of a lag of the second order: from one that rings on and on to one whose shorter lag is 0.0006 of the longer one.
 pub const DAMPING: (f64, f64) = (0.1, 20.0);
-/// A command jumps where it moves more than so many times as fast as to the row before and to the next one: a choice. A sine of more than
-/// six rows a period never does.
-const JUMP: f64 = 2.0;
+
 /// How a dead band works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BandForm {
@@ -103,45 +103,9 @@ impl Valve {
     /// The pressure that it makes of a command, from rest at the pressure at the `start`: a recording may begin before the valve has come
     /// to its first command. Unit: bar.
     pub fn simulate(&self, start: f64, time_s: &[f64], command: &[f64]) -> Vec<f64> {
-        let mut values = match self.delay_s {
-            Some(delay_s) => delayed(command, time_s, delay_s),
-            None => command.to_vec(),
-        };
-        if let Some((form, band)) = self.band {
-            let jumps = if form == BandForm::HoldBetween { jumps(time_s, &values) } else { Vec::new() };
-            let mut held = values.first().copied().unwrap_or(0.0);
-            let mut before = held;
-            for (row, value) in values.iter_mut().enumerate() {
-                let command = *value;
-                let off = command - held;
-                (held, *value) = match form {
-                    BandForm::Hold | BandForm::HoldBetween if off.abs() < band => (held, held),
-                    BandForm::HoldBetween if !jumps[row] => passed(held, band, (before, command)),
-                    BandForm::Hold | BandForm::HoldBetween => (command, command),
-                    BandForm::Backlash => {
-                        let follows = held.clamp(command - 0.5 * band, command + 0.5 * band);
-                        (follows, follows)
-                    }
-                };
-                before = command;
-            }
-        }
-        if let Some(supply_bar) = self.supply_bar {
-            values.iter_mut().for_each(|value| *value = value.min(supply_bar));
-        }
-        // What is no lag of a model makes no pressure.
-        let Ok(lag) = ValveLag::try_new(&self.lag()) else { return vec![f64::NAN; values.len()] };
-        let mut memory = ValveLagMemory::resting(start);
-        let (mut last_s, mut known) = (time_s.first().copied().unwrap_or(0.0), (0.0, None));
-        for (value, &time_s) in values.iter_mut().zip(time_s) {
-            let step_s = time_s - last_s;
-            last_s = time_s;
-            if (step_s - known.0).abs() > SAME_STEP_S {
-                known = (step_s, Some(lag.step(step_s)));
-            }
-            *value = known.1.map_or(start, |step| step.pressure(&mut memory, *value));
-        }
-        values
+        let mut pressure = SetPoints::of(time_s, command, self.delay_s).through(self.band, self.supply_bar);
+        follow(steps(time_s, &self.lag()), start, &mut pressure);
+        pressure
     }
 
     /// Its lag as a model has it.
@@ -215,29 +179,6 @@ impl Valve {
             ..*self
         }
     }
-}
-
-/// What a band holds behind a row in which the command goes straight from one value to the other, and its mean over the row.
-fn passed(held: f64, band: f64, (before, command): (f64, f64)) -> (f64, f64) {
-    let step = band.copysign(command - held);
-    let levels = ((command - held) / step) as usize;
-    // What is left of the row when the command comes to a level.
-    let left = |level: f64| ((command - level) / (command - before)).clamp(0.0, 1.0);
-    let mean = held + (1..=levels).map(|level| step * left(held + level as f64 * step)).sum::<f64>();
-    (held + levels as f64 * step, mean)
-}
-
-/// Whether a command comes to each row by a jump: it moves far faster than before and behind.
-fn jumps(time_s: &[f64], command: &[f64]) -> Vec<bool> {
-    let speed = |row: usize| {
-        let last = row.checked_sub(1)?;
-        Some((command.get(row)? - command[last]).abs() / (time_s[row] - time_s[last]))
-    };
-    let beside = |row: usize| {
-        let before = row.checked_sub(1).and_then(speed).unwrap_or(0.0);
-        before.max(speed(row + 1).unwrap_or(0.0))
-    };
-    (0..command.len()).map(|row| speed(row).is_some_and(|speed| speed > JUMP * beside(row))).collect()
 }
 
 #[cfg(test)]

@@ -83,7 +83,7 @@ pub use site::{Site, Sites};
 pub use supply_saturation::SupplySaturationParameters;
 pub use transport_delay::TransportDelayParameters;
 pub use valve_deadband::{DeadbandForm, ValveDeadbandParameters};
-pub use valve_lag::{ValveLag, ValveLagForm, ValveLagMemory, ValveLagParameters};
+pub use valve_lag::{ValveLag, ValveLagForm, ValveLagMemory, ValveLagParameters, ValveLagStep};
 pub use warm_up::WarmUpParameters;
 
 /// Raw parameters of the effects that a model is extended by, each by the name of its cause.

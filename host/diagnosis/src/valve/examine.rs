@@ -2,12 +2,14 @@
 
 use rayon::prelude::*;
 
+use super::set_points::SetPoints;
+use super::steps::{Alike, follow, steps};
 use super::{BandForm, ORDINARY_LAG_S, Orifice, Valve, ValveFit, ValvePart};
 use crate::Columns;
 use crate::command::outside;
 use crate::delay::delayed;
 use crate::low_pass::low_pass;
-use recording::noise::steps;
+use recording::noise;
 use recording::numbers::range;
 
 /// Logarithm of the ratio of errors that an effect has to gain.
@@ -21,7 +23,8 @@ const ROWS: usize = 20_000;
 const BANDS: (usize, f64, f64) = (480, 0.003, 0.3);
 /// Lags that they are tried with, beside the one found without: that stands in for the band. Unit: s.
 const LAGS_S: [f64; 3] = [0.02, 0.05, 0.12];
-/// How many of the best bands are refined.
+/// How many of the best bands by the quick ranking are looked at with the valve's own lag, and how many of these are refined: choices.
+const LOOKED_AT: usize = 12;
 const BEGINNINGS: usize = 4;
 /// The least distance between two of them. Unit: place.
 const APART: f64 = 8.0;
@@ -62,7 +65,7 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
         command: &command[..rows],
         pressure: &columns.input[..rows],
         scored: &columns.scored[..rows],
-        step_s: steps(&columns.time_s).0,
+        step_s: noise::steps(&columns.time_s).0,
         noise,
         outside: outside(columns.input_unit),
         highest: range(command).1,
@@ -111,8 +114,12 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
 impl Task<'_> {
     /// What a valve makes of the command, from the first pressure on.
     fn simulated(&self, valve: &Valve) -> Vec<f64> {
-        let start = self.pressure.first().copied().unwrap_or(0.0);
-        valve.simulate(start, self.time_s, self.command)
+        valve.simulate(self.start(), self.time_s, self.command)
+    }
+
+    /// The pressure that it begins with.
+    fn start(&self) -> f64 {
+        self.pressure.first().copied().unwrap_or(0.0)
     }
 
     /// Root mean square of the difference, never less than the pressure's noise.
@@ -181,38 +188,55 @@ impl Task<'_> {
     /// it: so bands are tried closely, each with several lags, and the best few are refined.
     ///
     /// They are ranked by their mean absolute error: near the right band few commands are wrongly accepted, but what each of them does to
-    /// the squares is by chance.
+    /// the squares is by chance. All are ranked with lags of the first order, the best of these with the valve's own.
     fn banded(&self, valve: &Valve, form: BandForm) -> Option<(Valve, f64)> {
         let (low, high) = range(self.command);
-        let at = |place: f64, lag_s: f64| {
+        let set_points = SetPoints::of(self.time_s, self.command, valve.delay_s);
+        let band = |place: f64| {
             let share = BANDS.1 * (BANDS.2 / BANDS.1).powf(place / (BANDS.0 - 1) as f64);
-            Valve { band: Some((form, share * (high - low))), lag_s, ..*valve }
+            Some((form, share * (high - low)))
         };
-        let mean_error = |place: f64, lag_s: f64| {
-            let error = self.mean_error(&self.simulated(&at(place, lag_s)));
-            (error, place, lag_s)
+        let at = |place: f64, lag_s: f64| Valve { band: band(place), lag_s, ..*valve };
+        let error = |lag: &[Alike], place: f64| {
+            let mut pressure = set_points.through(band(place), valve.supply_bar);
+            follow(lag.iter().copied(), self.start(), &mut pressure);
+            self.mean_error(&pressure)
         };
-        let lags = LAGS_S.into_iter().chain([valve.lag_s]);
-        let mut tried: Vec<(f64, f64, f64)> = (0..BANDS.0)
-            .into_par_iter()
-            .flat_map_iter(|place| lags.clone().map(move |lag_s| mean_error(place as f64, lag_s)))
-            .collect();
-        tried.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let mut begun: Vec<(f64, f64)> = Vec::new();
-        for (_, place, lag_s) in tried {
-            if begun.iter().all(|(other, _)| (other - place).abs() > APART) {
-                begun.push((place, lag_s));
+        let steps_of = |valve: Valve| steps(self.time_s, &valve.lag()).collect::<Vec<Alike>>();
+        let lags_s: Vec<f64> = LAGS_S.into_iter().chain([valve.lag_s]).collect();
+        let with = |of: &dyn Fn(f64) -> Valve| -> Vec<(f64, Vec<Alike>)> {
+            lags_s.iter().map(|&lag_s| (lag_s, steps_of(of(lag_s)))).collect()
+        };
+        // The best of the places that are apart, with the lags that they are best with.
+        let ranked = |places: &[f64], lags: &[(f64, Vec<Alike>)], most: usize| {
+            let nearest = |&place: &f64| {
+                let errors = lags.iter().map(|(lag_s, lag)| (error(lag, place), place, *lag_s));
+                errors.min_by(|one, other| one.0.total_cmp(&other.0))
+            };
+            let mut tried: Vec<(f64, f64, f64)> = places.par_iter().filter_map(nearest).collect();
+            tried.sort_by(|one, other| one.0.total_cmp(&other.0));
+            let mut begun: Vec<(f64, f64)> = Vec::new();
+            for (_, place, lag_s) in tried {
+                if begun.iter().all(|(other, _)| (other - place).abs() > APART) {
+                    begun.push((place, lag_s));
+                }
             }
-        }
-        begun.truncate(BEGINNINGS);
+            begun.truncate(most);
+            begun
+        };
+        let places: Vec<f64> = (0..BANDS.0).map(|place| place as f64).collect();
+        let quick = ranked(&places, &with(&Valve::slow), LOOKED_AT);
+        let places: Vec<f64> = quick.into_iter().map(|(place, _)| place).collect();
+        let begun = ranked(&places, &with(&|lag_s| Valve { lag_s, ..*valve }), BEGINNINGS);
         let polished = |(place, lag_s)| (place, self.polished(at(place, lag_s)));
         let ends = begun.into_par_iter().map(polished).map(|mut end| {
             if form != BandForm::Backlash {
                 for (count, apart) in CLOSELY {
-                    let lag_s = end.1.0.lag_s;
-                    let near = (-count..=count).map(|i| mean_error(end.0 + f64::from(i) * apart, lag_s));
+                    let lag = steps_of(end.1.0);
+                    let near = (-count..=count).map(|i| end.0 + f64::from(i) * apart);
+                    let near = near.map(|place| (error(&lag, place), place));
                     let nearest = near.min_by(|one, other| one.0.total_cmp(&other.0));
-                    let nearest = nearest.map(|(_, place, lag_s)| polished((place, lag_s)));
+                    let nearest = nearest.map(|(_, place)| polished((place, end.1.0.lag_s)));
                     end = nearest.filter(|near| near.1.1 < end.1.1).unwrap_or(end);
                 }
             }

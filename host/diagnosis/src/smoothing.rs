@@ -5,7 +5,8 @@
 //! grows while the intervals of all smaller ones, [`confidence`] standard errors wide on each side, have a value in common
 //! (intersection of confidence intervals: Goldenshluger and Nemirovski 1997, Katkovnik 1999): up to there the line departs from
 //! the signal by no more than the noise shows. In a quarter of that window its standard error is twice as large, and what it departs
-//! by, which grows with the square of the width, a sixteenth: small beside it. Before and after the sample the lines may differ, so
+//! by, which grows with the square of the width, a sixteenth: small beside it. Where the widest window is so small that it has no quarter,
+//! as where rows are so far apart that the signal turns within a few of them, nothing is smoothed. Before and after the sample the lines may differ, so
 //! that corners and jumps stay; what is taken is the window on both sides, where it agrees with the other two, or their mean,
 //! whichever has the smaller standard error.
 //!
@@ -34,12 +35,7 @@ pub fn smoothed(values: &[f64], noise: f64) -> Smoothed {
     let one = |at: usize| {
         let [before, after, both] = [Side::Before, Side::After, Side::Both]
             .map(|side| sums.quarter_of_widest(at, side, values[at], reach * noise));
-        let weight = |estimate: Estimate| estimate.error.powi(-2);
-        let total = weight(before) + weight(after);
-        let mean = Estimate {
-            value: (before.value * weight(before) + after.value * weight(after)) / total,
-            error: total.sqrt().recip(),
-        };
+        let mean = before.and(after);
         // Across a jump the two sides balance: the line on both sides has to be what each of them shows.
         let agrees =
             |one: Estimate| (one.value - both.value).abs() <= reach * noise * (one.error + both.error);
@@ -58,6 +54,24 @@ pub fn smoothed(values: &[f64], noise: f64) -> Smoothed {
 struct Estimate {
     value: f64,
     error: f64,
+}
+
+impl Estimate {
+    /// Two lines that end at one sample, in the best mean of both: what they share is that sample, of which either has as much in it as its
+    /// squared error (the leverage of the end of a line).
+    fn and(self, other: Self) -> Self {
+        let (one, two) = (self.error.powi(2), other.error.powi(2));
+        let [of_self, of_other] = [two * (1.0 - one), one * (1.0 - two)];
+        let total = of_self + of_other;
+        if total <= 0.0 {
+            // Both are the sample itself.
+            return self;
+        }
+        Self {
+            value: (self.value * of_self + other.value * of_other) / total,
+            error: (one * two * (1.0 - one * two) / total).sqrt(),
+        }
+    }
 }
 
 /// Where a window lies from its sample.
@@ -99,6 +113,7 @@ impl Sums {
     /// `reach`: half the width of the interval of one sample.
     fn quarter_of_widest(&self, at: usize, side: Side, own: f64, reach: f64) -> Estimate {
         let (mut low, mut high) = (own - reach, own + reach);
+        // Of a sample, of the sample, and of the windows of 2, 4, 8: the quarter of 4 is the sample.
         let mut last = [Estimate { value: own, error: 1.0 }; 3];
         for power in 1..usize::BITS {
             let Some(estimate) = self.line(at, side, 1 << power) else { break };
@@ -107,7 +122,7 @@ impl Sums {
             if low > high {
                 break;
             }
-            last = if power == 1 { [estimate; 3] } else { [last[1], last[2], estimate] };
+            last = [last[1], last[2], estimate];
         }
         last[0]
     }
@@ -182,11 +197,49 @@ mod tests {
     }
 
     #[test]
+    fn what_turns_within_a_few_samples_stays() {
+        // Arcs of seven samples between rests, of less than the noise's reach from one sample to the next.
+        let arc = |row: usize| if row % 40 < 7 { 0.06 * (row % 40 * (6 - row % 40)) as f64 } else { 0.0 };
+        let truth: Vec<f64> = (0..4_000).map(arc).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let noisy: Vec<f64> = truth
+            .iter()
+            .map(|value| {
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                value + NOISE * noise
+            })
+            .collect();
+        let Smoothed { values, .. } = smoothed(&noisy, NOISE);
+        let tops = (3..4_000).step_by(40);
+        let lost = tops.clone().map(|row| truth[row] - values[row]).sum::<f64>() / tops.count() as f64;
+        assert!(lost.abs() < 0.6 * NOISE, "{lost}");
+    }
+
+    #[test]
+    fn two_lines_through_one_sample_are_no_better_than_what_they_do_not_share() {
+        // Least squares of lines through four and five samples on either side of one that they share: by a simulation of the noise.
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let (mut square, mut promised) = (0.0, 0.0);
+        const DRAWS: usize = 20_000;
+        for _ in 0..DRAWS {
+            let values: Vec<f64> = (0..12).map(|_| StandardNormal.sample(&mut rng)).collect();
+            let sums = Sums::new(&values);
+            let line = |side, count| sums.line(5, side, count).expect("samples enough");
+            let both = line(Side::Before, 4).and(line(Side::After, 5));
+            square += both.value.powi(2) / DRAWS as f64;
+            promised = both.error.powi(2);
+        }
+        assert!((square / promised - 1.0).abs() < 0.03, "{square} {promised}");
+        let own = Estimate { value: 2.0, error: 1.0 };
+        assert_eq!(own.and(own).error, 1.0);
+    }
+
+    #[test]
     fn without_noise_nothing_changes() {
         let truth: Vec<f64> = (0..3_000).map(|row| (0.01 * row as f64).sin()).collect();
         let Smoothed { values, error } = smoothed(&truth, 1e-9);
         assert!(values.iter().zip(&truth).all(|(one, other)| (one - other).abs() < 1e-6));
-        assert!(error < 1e-9);
+        assert!(error <= 1e-9);
         assert!(smoothed(&[], 0.1).values.is_empty());
         assert_eq!(smoothed(&[2.0], 0.1).values, [2.0]);
     }

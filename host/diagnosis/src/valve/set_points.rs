@@ -100,3 +100,18 @@ fn jumps(time_s: &[f64], command: &[f64]) -> Vec<bool> {
     };
     (0..command.len()).map(|row| speed(row).is_some_and(|speed| speed > JUMP * beside(row))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_jumps_where_it_moves_far_faster_than_before_and_behind() {
+        let time_s = [0.0, 0.01, 0.02, 0.05, 0.06, 0.07, 0.08, 0.09];
+        // A row is lost between the third and the fourth; the jump is at the sixth; the triangle turns at the end.
+        let command = [0.0, 0.1, 0.2, 0.5, 0.6, 1.2, 1.3, 1.2];
+        let at: Vec<usize> =
+            jumps(&time_s, &command).iter().enumerate().filter(|(_, j)| **j).map(|(row, _)| row).collect();
+        assert_eq!(at, [5]);
+    }
+}

@@ -111,16 +111,6 @@ fn a_held_band_is_named_and_measured_where_commands_between_rows_were_accepted()
 }
 
 #[test]
-fn a_command_jumps_where_it_moves_far_faster_than_before_and_behind() {
-    let time_s = [0.0, 0.01, 0.02, 0.05, 0.06, 0.07, 0.08, 0.09];
-    // A row is lost between the third and the fourth; the jump is at the sixth; the triangle turns at the end.
-    let command = [0.0, 0.1, 0.2, 0.5, 0.6, 1.2, 1.3, 1.2];
-    let at: Vec<usize> =
-        super::jumps(&time_s, &command).iter().enumerate().filter(|(_, j)| **j).map(|(row, _)| row).collect();
-    assert_eq!(at, [5]);
-}
-
-#[test]
 fn a_valve_that_has_not_come_to_its_first_command_is_no_farther_off() {
     let time_s: Vec<f64> = (0..6000).map(|row| 0.01 * f64::from(row)).collect();
     let commands: Vec<f64> = time_s.iter().map(|&time_s| 1.0 + command(time_s)).collect();

@@ -13,6 +13,12 @@ pub fn mask(leverage: &[f64]) -> Vec<bool> {
     leverage.iter().map(|&leverage| leverage <= LEVERAGE).collect()
 }
 
+/// Whether the squared error of a rival exceeds that of a set by less than the set's own squared error exceeds the noise's. All are
+/// root mean squares of one unit.
+pub fn differ_less_than_misfit(set: f64, rival: f64, noise: f64) -> bool {
+    rival.powi(2) - set.powi(2) < set.powi(2) - noise.powi(2)
+}
+
 /// Held-out error of each block. Output unit.
 #[derive(Clone, Debug)]
 pub struct Score {
@@ -55,5 +61,18 @@ impl Score {
             self.blocks.iter().zip(&after.blocks).map(|(before, after)| ratio * before - after).collect();
         let squares: f64 = differences.iter().map(|d| d * d).sum();
         (squares / (count * (count - 1.0).max(1.0))).sqrt() / after.mean().max(1e-12)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn within_the_misfit_that_is_left_a_simpler_form_is_not_refuted() {
+        assert!(differ_less_than_misfit(0.19, 0.21, 0.03));
+        assert!(!differ_less_than_misfit(0.19, 0.35, 0.03));
+        // Where the set leaves nothing but noise, any difference decides.
+        assert!(!differ_less_than_misfit(0.03, 0.031, 0.03));
     }
 }

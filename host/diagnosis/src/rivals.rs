@@ -21,6 +21,7 @@ use super::candidate::Candidate;
 use super::causes::Cause;
 use super::chance::{FOUND, standard_errors};
 use super::extend::{Extender, Extension};
+use super::gain::differ_less_than_misfit;
 use super::race::is_same;
 use super::search::Search;
 use super::valve::ValvePart;
@@ -236,12 +237,6 @@ fn is_larger((set, named): (&Candidate, &[Cause]), larger: &Candidate) -> bool {
         && !is_same(&set.causes, &larger.causes)
 }
 
-/// Whether the squared error of a rival exceeds that of a set by less than the set's own squared error exceeds the noise's. All are
-/// root mean squares, output unit.
-fn differ_less_than_misfit(set: f64, rival: f64, noise: f64) -> bool {
-    rival.powi(2) - set.powi(2) < set.powi(2) - noise.powi(2)
-}
-
 /// What the operator model makes of a set, of those alike, and of a larger one; None where there are no others, or where the model is
 /// not as near with the first or the best of them as the search has come: its form is then too far from the muscle's to decide.
 fn running_free(
@@ -352,14 +347,6 @@ mod tests {
     fn of_sets_near_each_other_the_one_is_left_that_the_free_running_model_errs_less_with() {
         let costs = [total(0.0, 0.155), total(0.05, 0.087)];
         assert_eq!(decided(&costs, &[0.155, 0.087]), Some(1));
-    }
-
-    #[test]
-    fn within_the_misfit_that_is_left_a_simpler_form_is_not_refuted() {
-        assert!(differ_less_than_misfit(0.19, 0.21, 0.03));
-        assert!(!differ_less_than_misfit(0.19, 0.35, 0.03));
-        // Where the set leaves nothing but noise, any difference decides.
-        assert!(!differ_less_than_misfit(0.03, 0.031, 0.03));
     }
 
     #[test]

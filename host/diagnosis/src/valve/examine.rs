@@ -8,6 +8,7 @@ use super::{BandForm, ORDINARY_LAG_S, Orifice, Valve, ValveFit, ValvePart};
 use crate::Columns;
 use crate::command::outside;
 use crate::delay::delayed;
+use crate::gain::differ_less_than_misfit;
 use crate::low_pass::low_pass;
 use recording::noise;
 use recording::numbers::range;
@@ -94,13 +95,16 @@ pub fn examine(columns: &Columns, noise: f64) -> Option<ValveFit> {
             without = without.min(Task { command: &later, ..task }.polished(poorer).1);
             without = without.min(task.polished(poorer.of_second_order()).1);
         }
-        let mut gain = (without / rmse_bar).ln();
+        let (mut with, mut gain) = (rmse_bar, (without / rmse_bar).ln());
         if part == ValvePart::Band {
             // What the command does between two rows nobody knows: where it turns there a band stands in for that.
-            let [with, without] = [valve, fewer].map(|valve| task.beyond_rows(&valve));
+            [with, without] = [valve, fewer].map(|valve| task.beyond_rows(&valve));
             gain = gain.min((without / with).ln());
         }
-        if gain > GAIN {
+        // What is within the misfit of the valve's form may be that form's: a lag that is not quite the valve's looks like a delay, and at one
+        // speed like a band.
+        let is_of_form = part != ValvePart::Supply && differ_less_than_misfit(with, without, noise);
+        if gain > GAIN && !is_of_form {
             named.push((part, gain));
         }
     }

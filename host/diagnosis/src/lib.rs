@@ -133,7 +133,7 @@ use extend::{Extended, Extender, Operator, Plain, likely};
 use identification::IdentificationError;
 use measured::measure;
 pub use noisy_input::Smoothing;
-use overlooked::{Overlooked, overlooked};
+use overlooked::overlooked;
 use poor::{Better, Poor, poor};
 use proven::{Proven, proven};
 use race::is_same;
@@ -352,23 +352,30 @@ fn among(
     let ((valve, plain), searched) = rayon::join(beside, searched);
     let (search, (best, sizes)) = searched.ok_or(DiagnosisError::NoBaseline)?;
     let extender = Extender::new(columns, &search, plain.map_err(DiagnosisError::NoModel)?);
-    let Settled { set: best, alternatives, evidence } = settled(&search, (&best, &sizes), &extender);
+    let mut found = settled(&search, (&best, &sizes), &extender);
     // No choice of the search, so its rivals are those of the width alone.
-    let best = best.with_viscosity(&sizes).unwrap_or(best);
+    found.set = found.set.with_viscosity(&sizes).unwrap_or(found.set);
     progress(0.8, "what is left");
-    let unexplained = unexplained_by(&search, &best);
-    let is_silent = best.causes.is_empty() && unexplained.is_none();
-    let look = || overlooked(&search, (&best, &sizes), &extender);
-    let (best, alternatives, evidence) = match is_silent.then(look).flatten() {
-        Some(Overlooked { set, alternatives, evidence }) => (set, alternatives, Some(evidence)),
-        None => (best, alternatives, evidence),
-    };
-    // Where nothing is named, nothing of the muscle extends the model.
+    let unexplained = unexplained_by(&search, &found.set);
+    let unexplained = beside_model(&search, &found.set, unexplained, || extender.errors_without());
     let is_named = unexplained.is_none();
-    let named = if is_named { &best } else { &search.baseline };
+    let look = |base: &Candidate| overlooked(&search, (base, &sizes), &extender);
+    let is_silent = found.set.causes.is_empty() && is_named;
+    if let Some(overlooked) = is_silent.then(|| look(&found.set)).flatten() {
+        found = overlooked;
+    }
     let simulating = |share| progress(0.8 + 0.2 * share, "the extended model");
-    let Proven { set, wider, mut extended, refuted, is_needless } =
-        proven(&extender, (named, valve.as_ref()), &sizes, given, &simulating)?;
+    let prove = |set| proven(&extender, (set, valve.as_ref()), &sizes, given, &simulating);
+    // Where nothing is named, nothing of the muscle extends the model.
+    let mut proof = prove(if is_named { &found.set } else { &search.baseline })?;
+    // What the search has found is nothing to the simulated model: what that finds has not been asked.
+    if let Some(overlooked) = proof.is_needless.then(|| look(&search.baseline)).flatten() {
+        proof = prove(&overlooked.set)?;
+        found = overlooked;
+    }
+    let Settled { set: best, alternatives, evidence } = found;
+    let named = if is_named { &best } else { &search.baseline };
+    let Proven { set, wider, mut extended, refuted, is_needless } = proof;
     // What is left of the causes may leave something unexplained.
     let is_less = set.causes.len() < named.causes.len();
     let unexplained = if is_less { unexplained_by(&search, &set) } else { unexplained };
@@ -393,11 +400,7 @@ fn among(
     }
     let named = if is_named { &best } else { &search.baseline };
     let errors = || extended.errors(columns, &scored_rows);
-    let is_alike = || errors().is_some_and(|errors| is_repeatable(&search, &errors));
-    let unexplained = match unexplained {
-        Some(Unexplained::NotRepeatable { .. }) if best.causes.is_empty() && is_alike() => None,
-        seen => seen,
-    };
+    let unexplained = beside_model(&search, &best, unexplained, errors);
     let unexplained = unexplained.or(refuted);
     let is_third_order = !is_needless && named.is_third_order();
     let beyond = || unexamined(&search, (&best, &sizes), unexplained.as_ref(), &examinable);
@@ -449,6 +452,21 @@ fn among(
         Verdict::Explained | Verdict::Confounded => {}
     }
     Ok((diagnosis, extended))
+}
+
+/// What is unexplained beside a set, where a model with its causes is off by these `errors`: without causes, visits to the same state that
+/// are alike in that model are so.
+fn beside_model(
+    search: &Search<'_>,
+    set: &Candidate,
+    unexplained: Option<Unexplained>,
+    errors: impl FnOnce() -> Option<Vec<f64>>,
+) -> Option<Unexplained> {
+    let is_alike = || errors().is_some_and(|errors| is_repeatable(search, &errors));
+    match unexplained {
+        Some(Unexplained::NotRepeatable { .. }) if set.causes.is_empty() && is_alike() => None,
+        seen => seen,
+    }
 }
 
 /// Whether the model that is written is too poor. Where a hysteresis of any form is better than the model without extensions, operators

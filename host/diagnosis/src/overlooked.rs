@@ -20,7 +20,7 @@ use super::causes::Cause;
 use super::chance::{FOUND, standard_errors};
 use super::extend::{Extender, Extension};
 use super::placebo::{Placebos, is_large};
-use super::rivals::TRUSTED;
+use super::rivals::{Settled, TRUSTED};
 use super::search::Search;
 use recording::numbers::legible;
 
@@ -29,34 +29,24 @@ const LEAVES: f64 = 0.8;
 /// Causes that leave less than so many times the best one's are not told apart from it.
 const ALIKE: f64 = 1.05;
 
-/// What was overlooked.
-pub struct Overlooked {
-    /// The set with the cause.
-    pub set: Candidate,
-    /// Others that do as well.
-    pub alternatives: Vec<Vec<Cause>>,
-    /// What speaks for it, in words.
-    pub evidence: String,
-}
-
 /// The overlooked cause, if there is one. `base`: the set without it, which has no cause.
 pub fn overlooked(
     search: &Search<'_>,
     (base, sizes): (&Candidate, &[Vec<Candidate>]),
     extender: &Extender<'_>,
-) -> Option<Overlooked> {
+) -> Option<Settled> {
     let alone = || clearly(search, sizes.first()?, extender);
     let alone = search.regulator.is_none().then(alone).flatten();
     let (set, others, [with, without]) = alone.or_else(|| found(search, (base, sizes), extender))?;
-    Some(Overlooked {
+    Some(Settled {
         alternatives: others.iter().map(Candidate::names).collect(),
         set,
-        evidence: format!(
+        evidence: Some(format!(
             "simulated, the operator model with it is off by {} instead of {} {} over all rows",
             legible(with, 3),
             legible(without, 3),
             extender.output_unit()
-        ),
+        )),
     })
 }
 

@@ -451,6 +451,12 @@ impl<'a> Extender<'a> {
         heldout::on_all(self.columns, (one, other))
     }
 
+    /// What the plain model is off by at the scored rows; None where it does not run through them. Output unit.
+    pub fn errors_without(&self) -> Option<Vec<f64>> {
+        let simulated = self.plain.whole.answer(self.columns)?;
+        Some(self.scored.iter().map(|&row| self.columns.output[row] - simulated[row]).collect())
+    }
+
     /// What a model of the muscle gains over another one that has less, if that is clear: from the pressure where that was recorded, since
     /// what the valve is off by would hide it.
     pub fn gain_of_muscle(&self, extended: &Extended, less: &Extended) -> Option<HeldOutGain> {

@@ -2,8 +2,9 @@
 //!
 //! As a rule the last third: that is prediction. Where the rows before it have not taken the input
 //! both ways, as in one rise, a long hold and one fall at the end, or have not been where the rest
-//! goes, they cannot teach what the rest asks, and the recording is held out in stretches all through
-//! it.
+//! goes, they cannot teach what the rest asks; and where one of both hardly moves beside the other,
+//! as in a rest at the end, that one says next to nothing. Then the recording is held out in
+//! stretches all through it.
 
 use super::start::KNOTS;
 use crate::Columns;
@@ -13,8 +14,9 @@ use recording::numbers::range;
 const TAUGHT: f64 = 2.0 / 3.0;
 /// Stretches of equally many rows, where they are held out all through: the middle one of each three.
 const STRETCHES: usize = 30;
-/// The share of the input's span that rows have to move through, by convention: a loop over less than
-/// half of the span says little about the whole one.
+/// The share of the input's span that rows have to move through, and of the travel of as many rows of
+/// the recording that they have to travel, by convention: a loop over less than half of the span says
+/// little about the whole one.
 const MOVES: f64 = 0.5;
 /// How far the rest may go beyond the inputs of the rows that teach, as a share of the input's span: half
 /// the distance between two knots of a piecewise-linear envelope. A choice; no error level is
@@ -51,7 +53,11 @@ impl Split {
         let (lowest, highest) = range(&input(scored));
         let beyond = (low - lowest).max(highest - high);
         let has_been_there = beyond <= BEYOND * (highest - lowest);
-        let at_end = goes_both_ways(taught) && span(untaught) >= least && has_been_there;
+        let step = BEYOND * (highest - lowest);
+        let travel_of_row = |rows: &[usize]| travel(&input(rows), step) / rows.len().max(1) as f64;
+        let usual = MOVES * travel_of_row(scored);
+        let both_move = travel_of_row(taught).min(travel_of_row(untaught)) >= usual;
+        let at_end = goes_both_ways(taught) && span(untaught) >= least && has_been_there && both_move;
         if at_end || !goes_both_ways(scored) {
             return Self {
                 taught: taught.to_vec(),
@@ -83,6 +89,19 @@ fn both_ways(values: &[f64]) -> f64 {
         (rise, fall) = (rise.max(value - low), fall.max(high - value));
     }
     rise.min(fall)
+}
+
+/// The way that a signal goes, in steps of at least so much: less is its noise.
+fn travel(values: &[f64], step: f64) -> f64 {
+    let mut at = values.first().copied().unwrap_or(0.0);
+    let mut way = 0.0;
+    for &value in values {
+        if (value - at).abs() > step {
+            way += (value - at).abs();
+            at = value;
+        }
+    }
+    way
 }
 
 #[cfg(test)]
@@ -118,6 +137,16 @@ mod tests {
         assert_eq!(within.from_s, Some(600.0));
         let beyond = split(|t| if t < 600.0 { 0.8 * (0.05 * t).sin() } else { (0.05 * t).sin() });
         assert_eq!((beyond.from_s, beyond.is_test), (None, true));
+    }
+
+    #[test]
+    fn where_the_recording_rests_at_the_end_stretches_all_through_are_held_out() {
+        // The last third swings once, and rests.
+        let rests =
+            split(|t| if t < 700.0 { (0.05 * t).sin() } else { (0.05_f64 * 700.0).sin() + 1e-3 * t.sin() });
+        assert_eq!((rests.from_s, rests.is_test), (None, true));
+        let slower = split(|t| if t < 600.0 { (0.05 * t).sin() } else { (0.03 * t).sin() });
+        assert_eq!(slower.from_s, Some(600.0));
     }
 
     #[test]

@@ -9,7 +9,6 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::causes::{Cause, Law};
-use super::chance::{FOUND, standard_errors};
 use super::effect::{Effect, Form};
 use super::fit::fit;
 use super::pure_error::pure_error;
@@ -263,15 +262,8 @@ impl Search<'_> {
         let last = set.causes.iter().find(|cause| !without.causes.contains(cause));
         let much = if last.is_some_and(is_distinct) { MUCH_OF_FAST } else { MUCH };
         let gain = without.score.gain(&set.score);
-        // The evidence that is asked is that of one way to fit; of many ways the luckiest has more.
-        let is_beyond_chance = |last: &Cause| {
-            let ways = self.examinable.len() * last.hypotheses();
-            last.hypotheses() == 1
-                || gain > standard_errors(FOUND, ways, 1) * without.score.gain_error(&set.score)
-        };
-        last.is_some_and(|last| {
-            without.evidence(set) >= self.needed(*last, without) && is_beyond_chance(last)
-        }) && gain >= GAIN
+        last.is_some_and(|last| without.evidence(set) >= self.needed(*last, without))
+            && gain >= GAIN
             && (without.causes.is_empty() || share >= SHARE || gain >= much)
     }
 
@@ -280,7 +272,7 @@ impl Search<'_> {
         set.causes.par_iter().map(|&cause| self.without(set, cause, sizes)).collect()
     }
 
-    /// The set without its most needless cause, if that is not worth its place.
+    /// A set without its most needless cause, if that is not worth its place.
     fn dropped<'b>(&self, set: &Candidate, without: &'b [Option<Candidate>]) -> Option<&'b Candidate> {
         let least = without.iter().flatten().min_by(|one, other| one.cost().total_cmp(&other.cost()))?;
         (!self.is_worth(least, set)).then_some(least)

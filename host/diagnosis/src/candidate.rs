@@ -65,14 +65,19 @@ impl Candidate {
         };
         let leaning = if self.leans() { LEANING } else { 0.0 };
         let fading = if self.doubts.contains(&Doubt::Fading) { FADING } else { 0.0 };
-        let over = if self.outlasts() { 0.0 } else { NEVER };
-        let form = ALIKE * dynamic as f64 + unseen + leaning + fading + over;
+        let never = if self.outlasts() && !self.is_absent() { 0.0 } else { NEVER };
+        let form = ALIKE * dynamic as f64 + unseen + leaning + fading + never;
         self.score.mean().max(1e-12).ln() + pure + complexity + self.containment() + form
     }
 
     /// Whether the motion that its causes name shows.
     pub fn shows(&self) -> bool {
-        !self.doubts.contains(&Doubt::Unseen)
+        !self.doubts.contains(&Doubt::Unseen) && !self.is_absent()
+    }
+
+    /// Whether something that its causes name is not there.
+    fn is_absent(&self) -> bool {
+        self.doubts.contains(&Doubt::Absent)
     }
 
     /// Whether what it names as slow goes on beyond the longest hold.

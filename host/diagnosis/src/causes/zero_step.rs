@@ -3,12 +3,14 @@
 use super::kind::{About, Fits, Kind, Law, Stage};
 use super::needs::{Judge, Judged};
 use crate::carrier::Carrier;
+use crate::chance::{FOUND, standard_errors};
 use crate::effect::{Effect, Form, Parameter};
 use crate::extend::jump::Jump;
 use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
 use crate::signals::Signals;
 use crate::simulated::Simulated;
+use recording::numbers::root_mean_square;
 
 /// How near the ends of the recording no jump is looked for, as a share of its duration: a jump at the beginning is one with the
 /// unknown memory of the muscle. A choice.
@@ -103,13 +105,21 @@ impl Kind for ZeroStep {
         named(jump(fitted))
     }
 
-    /// What comes slowly is no jump.
+    /// What comes slowly is no jump, nor what is no larger than other changes of the error that come as suddenly may be by chance.
     fn doubt(&self, fitted: &Fitted<'_>, _longest_hold_s: f64) -> Option<Doubt> {
         let Jump { time_s: at_s, height } = jump(fitted);
         let signals = fitted.signals;
         let time_s: Vec<f64> = signals.rows.iter().map(|row| signals.time_s[row.at]).collect();
         let change = height + change_at(&time_s, fitted.residual(), at_s)?;
-        (change * height.signum() < SUDDEN * height.abs()).then_some(Doubt::Unseen)
+        let (first_s, last_s) = (*time_s.first()?, *time_s.last()?);
+        let others =
+            (1..).map(|place| first_s + f64::from(place) * AT_ONCE_S).take_while(|&other_s| other_s < last_s);
+        let others: Vec<f64> =
+            others.filter_map(|other_s| change_at(&time_s, fitted.residual(), other_s)).collect();
+        let usual = root_mean_square(&others);
+        let least = standard_errors(FOUND, others.len(), 1) * usual;
+        let is_sudden = change * height.signum() >= SUDDEN * height.abs();
+        (!is_sudden || change.abs() <= least).then_some(Doubt::Absent)
     }
 
     fn jump(&self, carrier: &Carrier<'_>) -> Option<Jump> {

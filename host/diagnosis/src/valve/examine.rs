@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::set_points::SetPoints;
-use super::steps::{Alike, follow, steps};
+use super::steps::Following;
 use super::{BandForm, ORDINARY_LAG_S, Orifice, Valve, ValveFit, ValvePart};
 use crate::Columns;
 use crate::command::outside;
@@ -24,8 +24,7 @@ const ROWS: usize = 20_000;
 const BANDS: (usize, f64, f64) = (480, 0.003, 0.3);
 /// Lags that they are tried with, beside the one found without: that stands in for the band. Unit: s.
 const LAGS_S: [f64; 3] = [0.02, 0.05, 0.12];
-/// How many of the best bands by the quick ranking are looked at with the valve's own lag, and how many of these are refined: choices.
-const LOOKED_AT: usize = 12;
+/// How many of the best bands are refined.
 const BEGINNINGS: usize = 4;
 /// The least distance between two of them. Unit: place.
 const APART: f64 = 8.0;
@@ -192,7 +191,7 @@ impl Task<'_> {
     /// it: so bands are tried closely, each with several lags, and the best few are refined.
     ///
     /// They are ranked by their mean absolute error: near the right band few commands are wrongly accepted, but what each of them does to
-    /// the squares is by chance. All are ranked with lags of the first order, the best of these with the valve's own.
+    /// the squares is by chance.
     fn banded(&self, valve: &Valve, form: BandForm) -> Option<(Valve, f64)> {
         let (low, high) = range(self.command);
         let set_points = SetPoints::of(self.time_s, self.command, valve.delay_s);
@@ -201,44 +200,36 @@ impl Task<'_> {
             Some((form, share * (high - low)))
         };
         let at = |place: f64, lag_s: f64| Valve { band: band(place), lag_s, ..*valve };
-        let error = |lag: &[Alike], place: f64| {
-            let mut pressure = set_points.through(band(place), valve.supply_bar);
-            follow(lag.iter().copied(), self.start(), &mut pressure);
+        let following = |lag_s: f64| Following::of(self.time_s, &at(0.0, lag_s).lag(), self.pressure);
+        let error = |lag: &Following, given: &[f64]| {
+            let mut pressure = given.to_vec();
+            lag.follow(self.start(), &mut pressure);
             self.mean_error(&pressure)
         };
-        let steps_of = |valve: Valve| steps(self.time_s, &valve.lag()).collect::<Vec<Alike>>();
-        let lags_s: Vec<f64> = LAGS_S.into_iter().chain([valve.lag_s]).collect();
-        let with = |of: &dyn Fn(f64) -> Valve| -> Vec<(f64, Vec<Alike>)> {
-            lags_s.iter().map(|&lag_s| (lag_s, steps_of(of(lag_s)))).collect()
+        let lags: Vec<(f64, Following)> =
+            LAGS_S.into_iter().chain([valve.lag_s]).map(|lag_s| (lag_s, following(lag_s))).collect();
+        let given = |place: f64| set_points.through(band(place), valve.supply_bar);
+        let nearest = |place: usize| {
+            let given = given(place as f64);
+            let errors = lags.iter().map(|(lag_s, lag)| (error(lag, &given), place as f64, *lag_s));
+            errors.min_by(|one, other| one.0.total_cmp(&other.0))
         };
-        // The best of the places that are apart, with the lags that they are best with.
-        let ranked = |places: &[f64], lags: &[(f64, Vec<Alike>)], most: usize| {
-            let nearest = |&place: &f64| {
-                let errors = lags.iter().map(|(lag_s, lag)| (error(lag, place), place, *lag_s));
-                errors.min_by(|one, other| one.0.total_cmp(&other.0))
-            };
-            let mut tried: Vec<(f64, f64, f64)> = places.par_iter().filter_map(nearest).collect();
-            tried.sort_by(|one, other| one.0.total_cmp(&other.0));
-            let mut begun: Vec<(f64, f64)> = Vec::new();
-            for (_, place, lag_s) in tried {
-                if begun.iter().all(|(other, _)| (other - place).abs() > APART) {
-                    begun.push((place, lag_s));
-                }
+        let mut tried: Vec<(f64, f64, f64)> = (0..BANDS.0).into_par_iter().filter_map(nearest).collect();
+        tried.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let mut begun: Vec<(f64, f64)> = Vec::new();
+        for (_, place, lag_s) in tried {
+            if begun.iter().all(|(other, _)| (other - place).abs() > APART) {
+                begun.push((place, lag_s));
             }
-            begun.truncate(most);
-            begun
-        };
-        let places: Vec<f64> = (0..BANDS.0).map(|place| place as f64).collect();
-        let quick = ranked(&places, &with(&Valve::slow), LOOKED_AT);
-        let places: Vec<f64> = quick.into_iter().map(|(place, _)| place).collect();
-        let begun = ranked(&places, &with(&|lag_s| Valve { lag_s, ..*valve }), BEGINNINGS);
+        }
+        begun.truncate(BEGINNINGS);
         let polished = |(place, lag_s)| (place, self.polished(at(place, lag_s)));
         let ends = begun.into_par_iter().map(polished).map(|mut end| {
             if form != BandForm::Backlash {
                 for (count, apart) in CLOSELY {
-                    let lag = steps_of(end.1.0);
+                    let lag = following(end.1.0.lag_s);
                     let near = (-count..=count).map(|i| end.0 + f64::from(i) * apart);
-                    let near = near.map(|place| (error(&lag, place), place));
+                    let near = near.map(|place| (error(&lag, &given(place)), place));
                     let nearest = near.min_by(|one, other| one.0.total_cmp(&other.0));
                     let nearest = nearest.map(|(_, place)| polished((place, end.1.0.lag_s)));
                     end = nearest.filter(|near| near.1.1 < end.1.1).unwrap_or(end);

@@ -180,7 +180,7 @@ pub fn tune(
         }),
         slew_per_s: (lag_s > 0.0).then(|| (high - low) / lag_s),
         lag_s: knowledge.lag_s,
-        delay_s: knowledge.delay_s,
+        delay_s: knowledge.dynamics.ahead_s,
         maximum_sensitivity: margins.maximum_sensitivity,
         gain_margin: margins.gain.min(1e3),
         phase_margin_deg: margins.phase_deg,
@@ -210,8 +210,7 @@ pub fn learning_hz(file: &ModelFile, feedback: &Feedback, period_s: f64) -> Resu
     if file.tuning.is_none() {
         let of = &mut view.dynamics;
         (of.led_lag_s, of.unled_lag_s) = (of.led_lag_s - knowledge.lag_s, of.unled_lag_s + knowledge.lag_s);
-        (of.delay_s, of.unled_delay_s) =
-            (of.delay_s - knowledge.delay_s, of.unled_delay_s + knowledge.delay_s);
+        of.ahead_s = 0.0;
     }
     Ok(search::learning_hz(&view.dynamics, &view.corners(), feedback))
 }

@@ -171,8 +171,7 @@ pub fn tune(
         ki: feedback.ki,
         kd: feedback.kd,
         derivative_filter_s: feedback.filter_s,
-        // The integral time, as is usual (Åström and Hägglund, section 3.5).
-        tracking_time_s: (feedback.kp / feedback.ki).max(2.0 * period_s),
+        tracking_time_s: tracking_time_s(&feedback, task.steepest()).max(2.0 * period_s),
         observer: feedback.observer.map(|Growth { slope, reach }| Observer {
             slope,
             reach,
@@ -190,6 +189,16 @@ pub fn tune(
         period_s,
     };
     Ok(Tuned { tuning, assumptions: knowledge.assumptions, limit, view })
+}
+
+/// Time constant of the anti-windup. Unit: s; `steepest`: the model's slope, output unit/input unit.
+///
+/// The integral time is usual (Åström and Hägglund, section 3.5). Of a feedback that is nearly an
+/// integral alone it is shorter than the loop takes to put anything right, and what limits take
+/// off a short peak of the feed-forward would move the integral by more than the error moves it
+/// back. So it is at least the time of the loop where that is the quickest.
+fn tracking_time_s(feedback: &Feedback, steepest: f64) -> f64 {
+    (feedback.kp / feedback.ki).max(1.0 / (feedback.ki * steepest))
 }
 
 /// How near the edge gains are that a user gives.
@@ -213,4 +222,18 @@ pub fn learning_hz(file: &ModelFile, feedback: &Feedback, period_s: f64) -> Resu
         of.ahead_s = 0.0;
     }
     Ok(search::learning_hz(&view.dynamics, &view.corners(), feedback))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_limits_cut_off_is_taken_back_no_faster_than_the_loop_puts_an_error_right() {
+        let steepest = 40.0;
+        let integral = Feedback { kp: 0.001, ki: 0.5, ..Feedback::default() };
+        assert!((tracking_time_s(&integral, steepest) - 0.05).abs() < 1e-9);
+        let proportional = Feedback { kp: 0.1, ki: 0.5, ..Feedback::default() };
+        assert!((tracking_time_s(&proportional, steepest) - 0.2).abs() < 1e-9);
+    }
 }

@@ -121,8 +121,7 @@ pub struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// The steepest slope. Output unit/input unit.
-    pub fn steepest(&self) -> f64 {
+    fn steepest(&self) -> f64 {
         self.slopes.iter().map(|slope| slope.driven).fold(0.0, f64::max)
     }
 

@@ -1,5 +1,7 @@
 //! How well a run went.
 
+use recording::numbers::range;
+
 use super::course::Tick;
 use crate::PERIOD_S;
 
@@ -13,6 +15,9 @@ const MEAN_TICKS: usize = 20;
 /// between following it and an own swing at twice its frequency. A convention, not measured.
 const SWING: f64 = 0.05;
 const FASTER: f64 = 1.5;
+/// What a swing is at least in the second half of those seconds, as a share of the first half's,
+/// for it to last: less, and it is what rings of a jump. A convention, not measured.
+const LASTING: f64 = 0.5;
 /// Unit: tick.
 const LAST: usize = 2900;
 
@@ -63,14 +68,14 @@ fn settling_s(ticks: &[Tick], within_mm: f64) -> f64 {
     outside.map_or(0.0, |last| (last + MEAN_TICKS) as f64 * PERIOD_S)
 }
 
-/// Whether the error of the last seconds goes to and fro quickly and far.
+/// Whether the error of the last seconds goes to and fro quickly and far, and does not die away.
 fn swings(ticks: &[Tick], far_mm: f64, highest_hz: f64) -> bool {
     let last = &ticks[ticks.len().saturating_sub(LAST)..];
     let errors: Vec<f64> = last.iter().map(|tick| tick.contraction_mm - tick.reference_mm).collect();
     let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
     // Crossings of a band, so that no noise counts: half of what is called far.
     let (mut side, mut turns) = (0.0, 0);
-    for error in errors {
+    for error in &errors {
         let off = error - mean;
         if off.abs() > 0.5 * far_mm && off.signum() != side {
             side = off.signum();
@@ -78,7 +83,15 @@ fn swings(ticks: &[Tick], far_mm: f64, highest_hz: f64) -> bool {
         }
     }
     let whole_s = LAST as f64 * PERIOD_S;
-    f64::from(turns) > 2.0 * FASTER * highest_hz.max(whole_s.recip()) * whole_s
+    let is_quick = f64::from(turns) > 2.0 * FASTER * highest_hz.max(whole_s.recip()) * whole_s;
+    is_quick && {
+        let (first, second) = errors.split_at(errors.len() / 2);
+        let way = |errors: &[f64]| {
+            let (low, high) = range(errors);
+            high - low
+        };
+        way(second) >= LASTING * way(first)
+    }
 }
 
 #[cfg(test)]
@@ -101,6 +114,24 @@ mod tests {
         let score = score(&run, 0, 100.0, &[1000], 0.0);
         assert!((score.settling_s.expect("disturbed") - 0.1 * 10.0_f64.ln()).abs() < 0.03, "{score:?}");
         assert!(score.is_stable && score.largest > 9.9);
+    }
+
+    #[test]
+    fn what_rings_of_a_jump_and_dies_away_is_no_swing_and_what_grows_or_lasts_is_one() {
+        // A mass of 2.8 Hz whose reference jumps a tenth of a second before the last seconds.
+        let ringing = |damping_ratio: f64| {
+            ticks(move |time_s| {
+                let (since_s, omega) = (time_s - 3.0, std::f64::consts::TAU * 2.8);
+                if since_s < 0.0 {
+                    0.0
+                } else {
+                    30.0 * (-damping_ratio * omega * since_s).exp() * (omega * since_s).cos()
+                }
+            })
+        };
+        assert!(score(&ringing(0.1), 0, 100.0, &[], 0.0).is_stable);
+        assert!(!score(&ringing(0.0), 0, 100.0, &[], 0.0).is_stable);
+        assert!(!score(&ringing(-0.02), 0, 100.0, &[], 0.0).is_stable);
     }
 
     #[test]

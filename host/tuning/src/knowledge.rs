@@ -27,8 +27,6 @@ pub struct Knowledge {
     pub unknown: Unknown,
     /// Lag of the valve that is known, and not in the model. Unit: s.
     pub lag_s: f64,
-    /// Dead time that is known, and not in the model. Unit: s.
-    pub delay_s: f64,
     /// Standard deviation of the contraction's noise. Output unit.
     pub noise: f64,
     /// What had to be assumed, a sentence each.
@@ -89,10 +87,18 @@ impl Knowledge {
                 UNSEEN_S
             }
         };
-        let (mut delay_s, mut lag_s, mut late_s) = (0.0, 0.0, crept_s + seen_s);
+        let (mut lag_s, mut late_s) = (0.0, crept_s + seen_s);
         match file.recorded.as_ref().and_then(|recorded| recorded.valve) {
-            Some(SeenValve { late, .. }) if has_lag => {
-                delay_s += known(&late);
+            Some(SeenValve { late, shares }) if has_lag => {
+                // A longer lag, not a dead time: `orders` is what the recording shows of a valve
+                // of the whole lag, and a dead time would show as an order.
+                dynamics.behind_s = known(&late);
+                // A valve of second order is as late in small moves. One that is not, and later
+                // than the lag that fits it, is so in large moves, which its flow limits: small
+                // ones of a reference that is given ahead would come too early.
+                if shares.0 > 0.0 {
+                    dynamics.ahead_s = dynamics.behind_s;
+                }
                 late_s += open(&late).min(UNSEEN_VALVE_S);
             }
             Some(SeenValve { late, .. }) => {
@@ -112,10 +118,9 @@ impl Knowledge {
             },
         }
         dynamics.led_lag_s += lag_s;
-        dynamics.delay_s += delay_s;
         let seen = file.recorded.as_ref().and_then(|recorded| recorded.valve);
         let orders = seen.map_or((0.0, FLAT), |valve| valve.shares);
-        if dynamics.led_lag_s + dynamics.unled_lag_s > 0.0 && orders.1 >= FLAT && orders.0 < FLAT {
+        if dynamics.known_lag_s() + dynamics.unled_lag_s > 0.0 && orders.1 >= FLAT && orders.0 < FLAT {
             assumptions.push(
                 "the recording does not show whether the valve answers as one lag or as two (of second order): tuned for \
                  both; a command that jumps, beside the pressure and at short intervals, shows it"
@@ -133,9 +138,57 @@ impl Knowledge {
                 viscosity: SHARE,
             },
             lag_s,
-            delay_s,
             noise: file.recorded.map_or(0.0, |recorded| recorded.noise),
             assumptions,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::tune;
+
+    const PAPER: &str = include_str!("../../../examples/paper-tables-1-2.toml");
+
+    /// The paper's model with a valve of a lag of 0.03 s that its recording shows as 0.03 s later,
+    /// of these shares of the second order, and a dead time of the muscle.
+    fn later(shares: (f64, f64), delay_s: f64) -> ModelFile {
+        let (least, most) = shares;
+        let delay = if delay_s > 0.0 {
+            format!("[extensions.transport_delay]\ndelay_s = {delay_s}\n")
+        } else {
+            String::new()
+        };
+        let late_s = 0.03 - delay_s;
+        let text = format!(
+            "{PAPER}\n[extensions.valve_lag]\ntime_constant_s = 0.03\n{delay}[recorded]\nstep_s = 0.005\nnoise_mm = 0.01\n\
+             steeper = 1.2\nlate_s = 0.0\nlate_error_s = 0.0005\nvalve_late_s = {late_s}\n\
+             valve_late_error_s = 0.0005\nvalve_second_order_least = {least:?}\nvalve_second_order_most = {most:?}\n"
+        );
+        ModelFile::parse(Path::new("model.toml"), &text).expect("valid")
+    }
+
+    #[test]
+    fn a_valve_that_is_later_than_its_lag_has_a_longer_lag_and_not_a_dead_time() {
+        let of = |file: &ModelFile| tune(file, 1e-3, None, false).expect("safe").tuning;
+        let (lag, dead_time) = (of(&later((0.0, 0.0), 0.0)), of(&later((0.0, 0.0), 0.03)));
+        assert!(lag.ki > 2.0 * dead_time.ki, "{} and {} bar/(mm s)", lag.ki, dead_time.ki);
+        let of = |file: &ModelFile| {
+            let dynamics = Dynamics::of(&file.extensions, 1e-3).expect("valid");
+            Knowledge::of(file, dynamics, None).dynamics
+        };
+        let dynamics = of(&later((0.0, 0.0), 0.0));
+        assert!((dynamics.known_lag_s() - 0.06).abs() < 1e-9 && dynamics.delay_s == 0.0, "{dynamics:?}");
+    }
+
+    #[test]
+    fn a_reference_is_given_ahead_of_a_later_valve_where_that_is_of_second_order_alone() {
+        let ahead_s = |shares| tune(&later(shares, 0.0), 1e-3, None, false).expect("safe").tuning.delay_s;
+        assert_eq!(ahead_s((0.0, 0.0)), 0.0);
+        assert_eq!(ahead_s((0.0, FLAT)), 0.0);
+        assert!((ahead_s((0.25, FLAT)) - 0.03).abs() < 1e-9);
     }
 }

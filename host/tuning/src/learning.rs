@@ -63,7 +63,9 @@ impl Learner {
 
     /// One that goes on from a correction.
     pub fn from(correction: Vec<f64>, period_s: f64, corner_hz: f64) -> Self {
-        Self { correction, best: None, passes: Vec::new(), period_s, corner_hz, has_ended: false }
+        // Up to 0 Hz nothing is learnt.
+        let has_ended = corner_hz <= 0.0;
+        Self { correction, best: None, passes: Vec::new(), period_s, corner_hz, has_ended }
     }
 
     /// What the next pass adds to the reference, a value a tick. Output unit.
@@ -165,5 +167,13 @@ mod tests {
         learner.learn(&[1.0; 100]);
         assert_eq!(learner.learn(&[f64::NAN; 100]), Next::Ended);
         assert!(learner.correction().iter().all(|added| *added == 0.0));
+    }
+
+    #[test]
+    fn where_no_frequency_may_be_learnt_from_nothing_is_learnt() {
+        let mut learner = Learner::new(100, 1e-3, 0.0);
+        assert_eq!(learner.learn(&[1.0; 100]), Next::Ended);
+        assert!(learner.correction().iter().all(|added| *added == 0.0));
+        assert_eq!(learner.passes().len(), 1);
     }
 }

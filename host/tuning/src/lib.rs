@@ -171,8 +171,8 @@ pub fn tune(
         ki: feedback.ki,
         kd: feedback.kd,
         derivative_filter_s: feedback.filter_s,
-        // The integral time, as is usual (Åström and Hägglund, section 3.5).
-        tracking_time_s: (feedback.kp / feedback.ki).max(2.0 * period_s),
+        tracking_time_s: tracking_time_s(&feedback, &view.slopes, view.dynamics.has_mass())
+            .max(2.0 * period_s),
         observer: feedback.observer.map(|Growth { slope, reach }| Observer {
             slope,
             reach,
@@ -180,7 +180,7 @@ pub fn tune(
         }),
         slew_per_s: (lag_s > 0.0).then(|| (high - low) / lag_s),
         lag_s: knowledge.lag_s,
-        delay_s: knowledge.delay_s,
+        delay_s: knowledge.dynamics.ahead_s,
         maximum_sensitivity: margins.maximum_sensitivity,
         gain_margin: margins.gain.min(1e3),
         phase_margin_deg: margins.phase_deg,
@@ -190,6 +190,21 @@ pub fn tune(
         period_s,
     };
     Ok(Tuned { tuning, assumptions: knowledge.assumptions, limit, view })
+}
+
+/// Time constant of the anti-windup. Unit: s. `has_mass`: whether the inverse leads one.
+///
+/// The integral time, as is usual (Åström and Hägglund, section 3.5). But the inverse of a mass asks
+/// for a peak at each knot of the model, and what limits take off it would move the integral by
+/// more than the error moves it back, where the loop takes longer than that time to put anything
+/// right. So beside a mass it is at least the time of the loop where that is the slowest.
+fn tracking_time_s(feedback: &Feedback, slopes: &[Slope], has_mass: bool) -> f64 {
+    let integral_s = feedback.kp / feedback.ki;
+    if has_mass {
+        slopes.iter().map(|slope| 1.0 / (feedback.ki * slope.driven)).fold(integral_s, f64::max)
+    } else {
+        integral_s
+    }
 }
 
 /// How near the edge gains are that a user gives.
@@ -210,8 +225,25 @@ pub fn learning_hz(file: &ModelFile, feedback: &Feedback, period_s: f64) -> Resu
     if file.tuning.is_none() {
         let of = &mut view.dynamics;
         (of.led_lag_s, of.unled_lag_s) = (of.led_lag_s - knowledge.lag_s, of.unled_lag_s + knowledge.lag_s);
-        (of.delay_s, of.unled_delay_s) =
-            (of.delay_s - knowledge.delay_s, of.unled_delay_s + knowledge.delay_s);
+        of.ahead_s = 0.0;
     }
     Ok(search::learning_hz(&view.dynamics, &view.corners(), feedback))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Its slowest loop takes 1/(0.5 4) s, its integral time is 0.001/0.5 s.
+    const INTEGRAL: Feedback = Feedback { kp: 0.001, ki: 0.5, kd: 0.0, filter_s: 0.0, observer: None };
+    const SLOPES: [Slope; 2] = [
+        Slope { contraction: 20.0, turned: 10.0, driven: 40.0 },
+        Slope { contraction: 80.0, turned: 1.0, driven: 4.0 },
+    ];
+
+    #[test]
+    fn beside_a_mass_what_limits_cut_off_is_taken_back_no_faster_than_the_slowest_loop_works() {
+        assert!((tracking_time_s(&INTEGRAL, &SLOPES, true) - 0.5).abs() < 1e-9);
+        assert!((tracking_time_s(&INTEGRAL, &SLOPES, false) - 0.002).abs() < 1e-9);
+    }
 }

@@ -61,12 +61,14 @@ impl Feedback {
 pub struct Dynamics {
     /// Lag of the valve that the inverse leads. Unit: s.
     pub led_lag_s: f64,
+    /// Lag of the valve beside that, which the inverse does not lead. Unit: s.
+    pub behind_s: f64,
+    /// How far ahead of the delay the reference is given for it. Unit: s.
+    pub ahead_s: f64,
     /// Lag of the valve that it does not know of. Unit: s.
     pub unled_lag_s: f64,
-    /// Dead time ahead of which the reference is given. Unit: s.
+    /// Dead time, ahead of which the reference is given. Unit: s.
     pub delay_s: f64,
-    /// Dead time beside that. Unit: s.
-    pub unled_delay_s: f64,
     /// Elements of creep: share, and time constant (s).
     pub creep: Vec<(f64, f64)>,
     viscosity: Option<(Profile<f64>, Site)>,
@@ -86,7 +88,7 @@ pub struct Corner {
     pub ratio: f64,
     /// Dead time that nobody has seen. Unit: s.
     pub late_s: f64,
-    /// The valve's lag over the known one.
+    /// The valve's lag over the known one, led or not.
     pub lag: f64,
     /// The valve's lag that nobody has seen, over the longest that is allowed for.
     pub unseen_lag: f64,
@@ -118,9 +120,10 @@ impl Dynamics {
             .flat_map(|creep| creep.fractions.iter().copied().zip(creep.time_constants_s.iter().copied()));
         Ok(Self {
             led_lag_s: extensions.valve_lag.map_or(0.0, |lag| lag.time_constant_s),
+            behind_s: 0.0,
+            ahead_s: 0.0,
             unled_lag_s: 0.0,
             delay_s: extensions.transport_delay.map_or(0.0, |delay| delay.delay_s),
-            unled_delay_s: 0.0,
             creep: creep.collect(),
             viscosity: profile(&extensions.viscous_lag, extensions.sites.viscous_lag, "viscous_lag")?,
             mass: profile(&extensions.inertia, extensions.sites.inertia, "inertia")?,
@@ -133,13 +136,18 @@ impl Dynamics {
         self.mass.is_some()
     }
 
+    /// The lag of the valve that is known. Unit: s.
+    pub fn known_lag_s(&self) -> f64 {
+        self.led_lag_s + self.behind_s
+    }
+
     fn smoothed_s(&self) -> f64 {
         SMOOTHED_S.max(SMOOTHED_PERIODS * self.period_s)
     }
 
     /// How far ahead the reference is given. Unit: s.
     fn preview_s(&self) -> f64 {
-        self.delay_s + if self.has_mass() { SQRT_2 * self.smoothed_s() } else { 0.0 }
+        self.delay_s + self.ahead_s + if self.has_mass() { SQRT_2 * self.smoothed_s() } else { 0.0 }
     }
 
     /// Coefficients of s and s² that the balance of forces has at a slope. Unit: s, s².
@@ -165,9 +173,9 @@ impl Dynamics {
         let faster = corner.frequency;
         let motion = 1.0 + viscous * corner.viscosity / faster * s + mass / (faster * faster) * s * s;
         // A command is held until the next one.
-        let late_s = self.delay_s + self.unled_delay_s + corner.late_s + 0.5 * self.period_s;
+        let late_s = self.delay_s + corner.late_s + 0.5 * self.period_s;
         let lag = |lag_s: f64| 1.0 + s * lag_s + corner.order * lag_s * lag_s * s * s;
-        let lags = lag(self.led_lag_s * corner.lag) * lag(self.unled_lag_s * corner.unseen_lag);
+        let lags = lag(self.known_lag_s() * corner.lag) * lag(self.unled_lag_s * corner.unseen_lag);
         corner.slope * (-s * late_s).exp() * self.crept(s) / (lags * motion)
     }
 
@@ -271,7 +279,15 @@ pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<
     let unseen_lags = if dynamics.unled_lag_s > 0.0 { vec![0.0, 1.0] } else { vec![1.0] };
     let lates = if unknown.late_s > 0.0 { vec![0.0, unknown.late_s] } else { vec![0.0] };
     let (least, most) = unknown.orders;
-    let has_lag = dynamics.led_lag_s + dynamics.unled_lag_s > 0.0;
+    let known_lag_s = dynamics.known_lag_s();
+    let has_lag = known_lag_s + dynamics.unled_lag_s > 0.0;
+    // Small moves may be no later than the model's lag: what is beside it may belong to large ones.
+    let quickest = if known_lag_s > 0.0 { dynamics.led_lag_s / known_lag_s } else { 1.0 };
+    let lags = if known_lag_s > 0.0 && unknown.lag > 0.0 {
+        vec![quickest * (1.0 - unknown.lag), 1.0 + unknown.lag]
+    } else {
+        vec![1.0]
+    };
     let orders = if has_lag && most > least { vec![least, most] } else { vec![least] };
     let factor = unknown.slope;
     // Beside a mass the loop swings more with less viscosity; without one it is later with more.
@@ -285,7 +301,7 @@ pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<
         }
         for (slope, ratio) in ways {
             for &late_s in &lates {
-                for lag in both(unknown.lag, dynamics.led_lag_s > 0.0) {
+                for &lag in &lags {
                     for &unseen_lag in &unseen_lags {
                         for &order in &orders {
                             for frequency in both(unknown.frequency, has_mass) {
@@ -335,5 +351,22 @@ mod tests {
         assert_eq!((steep.slope, steep.ratio), (60.0, 2.0));
         let follows = dynamics.tracking(&steep, &Feedback::default(), 20.0);
         assert!((follows.norm() - 2.0).abs() < 0.01, "{follows}");
+    }
+
+    #[test]
+    fn a_valve_that_is_later_than_what_is_led_may_be_as_quick_as_that() {
+        let extensions = ExtensionParameters {
+            valve_lag: Some(ValveLagParameters::new(0.03)),
+            ..ExtensionParameters::default()
+        };
+        let mut dynamics = Dynamics::of(&extensions, 1e-3).expect("valid");
+        dynamics.behind_s = 0.03;
+        let slope = Slope { contraction: 50.0, turned: 10.0, driven: 30.0 };
+        let unknown = Unknown { lag: 0.1, ..Unknown::NOTHING };
+        let lags_s = corners(&[slope], &unknown, &dynamics)
+            .iter()
+            .map(|corner| corner.lag * dynamics.known_lag_s())
+            .fold((f64::INFINITY, 0.0_f64), |(least, most), lag_s| (least.min(lag_s), most.max(lag_s)));
+        assert!((lags_s.0 - 0.027).abs() < 1e-9 && (lags_s.1 - 0.066).abs() < 1e-9, "{lags_s:?}");
     }
 }

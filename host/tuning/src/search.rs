@@ -180,7 +180,7 @@ impl Task<'_> {
         let is_good = |feedback: &Feedback| {
             holds(&plants, feedback, SENSITIVITY) && self.command_noise(&exact, feedback) <= noisiest
         };
-        let lag_s = dynamics.led_lag_s + dynamics.unled_lag_s;
+        let lag_s = dynamics.known_lag_s() + dynamics.unled_lag_s;
         let mut best: Option<Feedback> = None;
         for share in DERIVATIVES {
             let derivative_s = share * lag_s;
@@ -253,17 +253,13 @@ impl Task<'_> {
             Task { knowledge: &knowledge, ..*self }.best(observer).map_or(0.0, |best| best.ki / ki)
         };
         let mut all = vec![
-            (
-                Limit::Delay,
-                larger(&|knowledge| {
-                    (knowledge.dynamics.delay_s, knowledge.dynamics.unled_delay_s) = (0.0, 0.0);
-                }),
-            ),
+            (Limit::Delay, larger(&|knowledge| knowledge.dynamics.delay_s = 0.0)),
             (Limit::UnseenDelay, larger(&|knowledge| knowledge.unknown.late_s = 0.0)),
             (
                 Limit::Valve,
                 larger(&|knowledge| {
-                    (knowledge.dynamics.led_lag_s, knowledge.dynamics.unled_lag_s) = (0.0, 0.0);
+                    let of = &mut knowledge.dynamics;
+                    (of.led_lag_s, of.behind_s, of.unled_lag_s) = (0.0, 0.0, 0.0);
                 }),
             ),
             (Limit::Slope, larger(&|knowledge| knowledge.unknown.slope = 1.0)),

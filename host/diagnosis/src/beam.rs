@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::causes::{Cause, Law};
+use super::chance::{FOUND, standard_errors};
 use super::effect::{Effect, Form};
 use super::fit::fit;
 use super::pure_error::pure_error;
@@ -262,8 +263,15 @@ impl Search<'_> {
         let last = set.causes.iter().find(|cause| !without.causes.contains(cause));
         let much = if last.is_some_and(is_distinct) { MUCH_OF_FAST } else { MUCH };
         let gain = without.score.gain(&set.score);
-        last.is_some_and(|last| without.evidence(set) >= self.needed(*last, without))
-            && gain >= GAIN
+        // The evidence that is asked is that of one way to fit. Of many the luckiest has more, where nothing but that speaks for it.
+        let is_beyond_chance = |last: &Cause| {
+            let ways = self.examinable.len() * last.hypotheses();
+            let least = || standard_errors(FOUND, ways, 1) * without.score.gain_error(&set.score);
+            last.hypotheses() == 1 || !set.is_faint() || gain > least()
+        };
+        last.is_some_and(|last| {
+            without.evidence(set) >= self.needed(*last, without) && is_beyond_chance(last)
+        }) && gain >= GAIN
             && (without.causes.is_empty() || share >= SHARE || gain >= much)
     }
 

@@ -59,7 +59,7 @@ impl Candidate {
         let dynamic = self.causes.iter().filter(|cause| cause.resists_motion()).count().saturating_sub(alone);
         let complexity: f64 = self.causes.iter().map(|cause| cause.about().complexity).sum();
         let unseen = match &self.causes[..] {
-            _ if self.shows() => 0.0,
+            _ if !self.doubts.contains(&Doubt::Unseen) => 0.0,
             [one] if one.law() == Law::Mass => UNSEEN_ALONE,
             _ => UNSEEN,
         };
@@ -72,7 +72,12 @@ impl Candidate {
 
     /// Whether the motion that its causes name shows.
     pub fn shows(&self) -> bool {
-        !self.doubts.contains(&Doubt::Unseen) && !self.is_absent()
+        !self.doubts.contains(&Doubt::Unseen) && !self.is_faint() && !self.is_absent()
+    }
+
+    /// Whether a time that one of its causes names does not show by itself.
+    pub fn is_faint(&self) -> bool {
+        self.doubts.contains(&Doubt::Faint)
     }
 
     /// Whether something that its causes name is not there.

@@ -27,8 +27,10 @@ pub fn value(parameters: &[(&'static str, f64)], wanted: &str) -> Option<f64> {
 pub enum Doubt {
     /// The motion that it names does not show: it stands for something else that comes late, or slowly.
     Unseen,
-    /// What it names is not in the recording, or may be there by chance.
+    /// What it names is not in the recording.
     Absent,
+    /// It does not show by itself at the time that it names, only in what it makes of all that comes before and after.
+    Faint,
     /// It is over long before the longest hold ends: the tail of a faster effect.
     Over,
     /// It takes strokes away with travel instead of bringing them.

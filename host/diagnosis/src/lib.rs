@@ -368,7 +368,7 @@ fn among(
     let prove = |set| proven(&extender, (set, valve.as_ref()), &sizes, given, &simulating);
     // Where nothing is named, nothing of the muscle extends the model.
     let mut proof = prove(if is_named { &found.set } else { &search.baseline })?;
-    // What the search has found is nothing to the simulated model: what that finds has not been asked.
+    // Where the simulated model gains nothing from what the search has found, it is asked what it finds itself.
     if let Some(overlooked) = proof.is_needless.then(|| look(&search.baseline)).flatten() {
         proof = prove(&overlooked.set)?;
         found = overlooked;

@@ -33,8 +33,8 @@ pub fn follow(steps: impl IntoIterator<Item = Alike>, start: f64, values: &mut [
     rest.fill(f64::NAN);
 }
 
-/// A lag that many set points are tried with. That of an orifice takes its time constants from the measured pressure instead of its own, which
-/// is near it for any set points that are worth a look, and costs a tenth.
+/// A lag that many set points are tried with. That of an orifice takes its time constants from the measured pressure instead of its own: for
+/// any set points that are worth a look the two are near each other, and no flow has to be calculated.
 pub enum Following {
     /// As it is.
     Own(Vec<Alike>),

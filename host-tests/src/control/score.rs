@@ -15,8 +15,9 @@ const MEAN_TICKS: usize = 20;
 /// between following it and an own swing at twice its frequency. A convention, not measured.
 const SWING: f64 = 0.05;
 const FASTER: f64 = 1.5;
-/// What a swing is at least in the second half of those seconds, as a share of the first half's,
-/// for it to last: less, and it is what rings of a jump. A convention, not measured.
+/// A swing lasts if it is at least this share as large in the second half of those seconds as in
+/// the first; one that dies away faster is the ringing after a jump. A convention, not measured: it
+/// halves in half of `LAST`. Unit: 1.
 const LASTING: f64 = 0.5;
 /// Unit: tick.
 const LAST: usize = 2900;
@@ -84,14 +85,12 @@ fn swings(ticks: &[Tick], far_mm: f64, highest_hz: f64) -> bool {
     }
     let whole_s = LAST as f64 * PERIOD_S;
     let is_quick = f64::from(turns) > 2.0 * FASTER * highest_hz.max(whole_s.recip()) * whole_s;
-    is_quick && {
-        let (first, second) = errors.split_at(errors.len() / 2);
-        let way = |errors: &[f64]| {
-            let (low, high) = range(errors);
-            high - low
-        };
-        way(second) >= LASTING * way(first)
-    }
+    let (first, second) = errors.split_at(errors.len() / 2);
+    let way = |errors: &[f64]| {
+        let (low, high) = range(errors);
+        high - low
+    };
+    is_quick && way(second) >= LASTING * way(first)
 }
 
 #[cfg(test)]

@@ -263,7 +263,8 @@ impl Search<'_> {
         let last = set.causes.iter().find(|cause| !without.causes.contains(cause));
         let much = if last.is_some_and(is_distinct) { MUCH_OF_FAST } else { MUCH };
         let gain = without.score.gain(&set.score);
-        // The evidence that is asked is that of one way to fit. Of many the luckiest has more, where nothing but that speaks for it.
+        // The evidence that is needed was set for a cause that fits in one way. Of many ways the luckiest gains more by chance: that has to be
+        // excluded where the cause does not show by itself.
         let is_beyond_chance = |last: &Cause| {
             let ways = self.examinable.len() * last.hypotheses();
             let least = || standard_errors(FOUND, ways, 1) * without.score.gain_error(&set.score);
@@ -280,7 +281,7 @@ impl Search<'_> {
         set.causes.par_iter().map(|&cause| self.without(set, cause, sizes)).collect()
     }
 
-    /// A set without its most needless cause, if that is not worth its place.
+    /// The set without its most needless cause, if that is not worth its place.
     fn dropped<'b>(&self, set: &Candidate, without: &'b [Option<Candidate>]) -> Option<&'b Candidate> {
         let least = without.iter().flatten().min_by(|one, other| one.cost().total_cmp(&other.cost()))?;
         (!self.is_worth(least, set)).then_some(least)

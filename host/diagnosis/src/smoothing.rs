@@ -74,6 +74,12 @@ impl Estimate {
     }
 }
 
+/// The straight line through `count` values x, at one end of it: Σ w x with w = 2 (2 n - 1 - 3 k) / (n (n + 1)), k values from that end.
+/// `sum`: Σ x; `moment`: Σ k x.
+pub fn end_of_line(count: f64, sum: f64, moment: f64) -> f64 {
+    2.0 * ((2.0 * count - 1.0) * sum - 3.0 * moment) / (count * (count + 1.0))
+}
+
 /// Where a window lies from its sample.
 #[derive(Clone, Copy)]
 enum Side {
@@ -146,10 +152,10 @@ impl Sums {
         if let Side::Both = side {
             return Some(Estimate { value: self.mean + sum / n, error: n.sqrt().recip() });
         }
-        // About the sample, which is one end: Σ w x with w = 2 (2 n - 1 - 3 k) / (n (n + 1)), k samples from it.
+        // About the sample, which is one end.
         let moment = self.moments[to] - self.moments[from] - at as f64 * sum;
         let apart = if let Side::Before = side { -moment } else { moment };
-        let value = 2.0 * ((2.0 * n - 1.0) * sum - 3.0 * apart) / (n * (n + 1.0));
+        let value = end_of_line(n, sum, apart);
         let error = (2.0 * (2.0 * n - 1.0) / (n * (n + 1.0))).sqrt();
         Some(Estimate { value: self.mean + value, error })
     }

@@ -10,6 +10,7 @@ use crate::fitted::{Doubt, Fitted, Parameters};
 use crate::plan::part::Part;
 use crate::signals::Signals;
 use crate::simulated::Simulated;
+use crate::smoothing::end_of_line;
 use recording::numbers::root_mean_square;
 
 /// How near the ends of the recording no jump is looked for, as a share of its duration: a jump at the beginning is one with the
@@ -59,14 +60,16 @@ fn change_at(time_s: &[f64], values: &[f64], at_s: f64) -> Option<f64> {
 /// What a series jumps by from one row to the next: the distance there of the straight lines through [`AT_ONCE_ROWS`] before and as many
 /// behind. `row`: the first behind.
 fn jump_at(values: &[f64], row: usize) -> Option<f64> {
-    let end_of_line = |nearest_first: &mut dyn Iterator<Item = &f64>| {
-        let count = AT_ONCE_ROWS as f64;
-        let weight = |place: usize| 2.0 * (2.0 * count - 1.0 - 3.0 * place as f64) / (count * (count + 1.0));
-        nearest_first.enumerate().map(|(place, value)| weight(place) * value).sum::<f64>()
+    let near_end = |nearest_first: &mut dyn Iterator<Item = &f64>| {
+        let sums = |(sum, moment): (f64, f64), (place, value): (usize, &f64)| {
+            (sum + value, moment + place as f64 * value)
+        };
+        let (sum, moment) = nearest_first.enumerate().fold((0.0, 0.0), sums);
+        end_of_line(AT_ONCE_ROWS as f64, sum, moment)
     };
     let before = values.get(row.checked_sub(AT_ONCE_ROWS)?..row)?;
     let behind = values.get(row..row + AT_ONCE_ROWS)?;
-    Some(end_of_line(&mut behind.iter()) - end_of_line(&mut before.iter().rev()))
+    Some(near_end(&mut behind.iter()) - near_end(&mut before.iter().rev()))
 }
 
 /// Whether a series with a jump of this height before a row jumps there by more than anywhere else, and than the largest of these would by

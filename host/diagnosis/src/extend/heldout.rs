@@ -75,11 +75,7 @@ fn on_rows(
     noise_floor: f64,
 ) -> Option<HeldOutGain> {
     scored.get(..BLOCKS)?;
-    let errors = |model: &Extension| -> Option<Vec<f64>> {
-        let simulated = model.answer(columns)?;
-        Some(scored.iter().map(|&row| columns.output[row] - simulated[row]).collect())
-    };
-    let (before, after) = (errors(before)?, errors(after)?);
+    let (before, after) = (before.errors(columns, scored)?, after.errors(columns, scored)?);
     let gain_error = standard_error(&before, &after);
     let figures = |errors: &[f64]| Figures::of(errors, &vec![0.0; errors.len()], &vec![true; errors.len()]);
     Some(HeldOutGain {

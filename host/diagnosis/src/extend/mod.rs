@@ -189,6 +189,12 @@ impl Extension {
         Some(answer)
     }
 
+    /// Measured less simulated at some rows of a recording; None where the model refuses a row. Output unit.
+    pub(super) fn errors(&self, columns: &Columns, rows: &[usize]) -> Option<Vec<f64>> {
+        let simulated = self.answer(columns)?;
+        Some(rows.iter().map(|&row| columns.output[row] - simulated[row]).collect())
+    }
+
     /// The model of the muscle alone, with the sensor's zero as it was at the end: for other recordings, and for the board.
     pub fn of_muscle(&self) -> Self {
         let Some(jump) = self.jump else { return self.clone() };
@@ -258,8 +264,7 @@ impl Extended {
     /// What the model of the muscle is off by at some rows of a recording, from the pressure where that was recorded; None where it does
     /// not run through it. Output unit.
     pub(super) fn errors(&self, columns: &Columns, rows: &[usize]) -> Option<Vec<f64>> {
-        let simulated = self.model.answer(columns)?;
-        Some(rows.iter().map(|&row| columns.output[row] - simulated[row]).collect())
+        self.model.errors(columns, rows)
     }
 
     /// What other extensions gain in the place of those that were found, the operator fitted anew beside them, counted as
@@ -453,8 +458,7 @@ impl<'a> Extender<'a> {
 
     /// What the plain model is off by at the scored rows; None where it does not run through them. Output unit.
     pub fn errors_without(&self) -> Option<Vec<f64>> {
-        let simulated = self.plain.whole.answer(self.columns)?;
-        Some(self.scored.iter().map(|&row| self.columns.output[row] - simulated[row]).collect())
+        self.plain.whole.errors(self.columns, &self.scored)
     }
 
     /// What a model of the muscle gains over another one that has less, if that is clear: from the pressure where that was recorded, since

@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 use super::BandForm;
 use crate::delay::delayed;
 
-/// A command jumps where it moves more than so many times as fast as to the row before and to the next one: a choice. A sine of more than
-/// six rows a period never does.
+/// How many times as fast as in the rows beside it a command moves where it jumps. A choice: a sine with more than six rows a period stays
+/// below it. Unit: 1.
 const JUMP: f64 = 2.0;
 
 /// A command behind a delay, from which the set points with any dead band are made.

@@ -6,7 +6,7 @@ use recording::simulation::SAME_STEP_S;
 /// Rows that are as far behind the row before: how many, and what a lag makes of that.
 pub type Alike = (usize, ValveLagStep<f64>);
 
-/// The steps between rows at these times (s), for a lag; none where it is none of a model.
+/// What a lag makes of the steps between rows at these times (s). There are no steps if its parameters are not valid.
 pub fn steps(time_s: &[f64], lag: &ValveLagParameters<f64>) -> impl Iterator<Item = Alike> {
     let lag = ValveLag::try_new(lag).ok();
     let mut left = if lag.is_some() { time_s } else { &[] };
@@ -20,7 +20,7 @@ pub fn steps(time_s: &[f64], lag: &ValveLagParameters<f64>) -> impl Iterator<Ite
     })
 }
 
-/// Makes the pressure of set points, a value a row, from rest at the pressure at the `start`; not a number where no steps are left.
+/// Turns set points, a value a row, into the pressure, which rests at `start` first; rows for which there is no step get NaN.
 pub fn follow(steps: impl IntoIterator<Item = Alike>, start: f64, values: &mut [f64]) {
     let Some((first, mut rest)) = values.split_first_mut() else { return };
     *first = start;

@@ -5,6 +5,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | [`slopes`] | how steeply the model answers, everywhere on its loop, driven on and just turned round |
+//! | `rates` | how much later it answers where its width depends on the rate |
 //! | `knowledge` | what is known of a plant, and what has to be assumed |
 //! | [`response`] | the loop in the frequency domain, for every way in which the plant may be |
 //! | [`margins`] | gain margin, phase margin, largest sensitivity |
@@ -25,6 +26,7 @@
 mod knowledge;
 pub mod learning;
 pub mod margins;
+mod rates;
 pub mod response;
 mod search;
 pub mod slopes;
@@ -106,11 +108,9 @@ impl View {
         valve_lag_s: Option<f64>,
     ) -> Result<(Self, Knowledge), ParameterError> {
         let knowledge = Knowledge::of(file, Dynamics::of(&file.extensions, period_s)?, valve_lag_s);
-        let view = Self {
-            dynamics: knowledge.dynamics.clone(),
-            slopes: slopes::slopes(&file.model),
-            unknown: knowledge.unknown,
-        };
+        let mut slopes = slopes::slopes(&file.model);
+        rates::add(file, &mut slopes)?;
+        let view = Self { dynamics: knowledge.dynamics.clone(), slopes, unknown: knowledge.unknown };
         Ok((view, knowledge))
     }
 
@@ -237,8 +237,8 @@ mod tests {
     /// Its slowest loop takes 1/(0.5 4) s, its integral time is 0.001/0.5 s.
     const INTEGRAL: Feedback = Feedback { kp: 0.001, ki: 0.5, kd: 0.0, filter_s: 0.0, observer: None };
     const SLOPES: [Slope; 2] = [
-        Slope { contraction: 20.0, turned: 10.0, driven: 40.0 },
-        Slope { contraction: 80.0, turned: 1.0, driven: 4.0 },
+        Slope { contraction: 20.0, turned: 10.0, driven: 40.0, sliding_s: [0.0; 3] },
+        Slope { contraction: 80.0, turned: 1.0, driven: 4.0, sliding_s: [0.0; 3] },
     ];
 
     #[test]

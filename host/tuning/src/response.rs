@@ -14,6 +14,7 @@ use model_core::extension::profile::{Profile, ProfileParameters};
 use model_core::extension::{ExtensionParameters, Site};
 use num_complex::Complex;
 
+use crate::rates;
 use crate::slopes::Slope;
 
 /// The PID, as the board has it.
@@ -73,6 +74,8 @@ pub struct Dynamics {
     pub creep: Vec<(f64, f64)>,
     viscosity: Option<(Profile<f64>, Site)>,
     mass: Option<(Profile<f64>, Site)>,
+    /// Filter of the rate that the width depends on; 0 where it does not. Unit: s.
+    rate_filter_s: f64,
     /// From tick to tick. Unit: s.
     pub period_s: f64,
 }
@@ -98,6 +101,8 @@ pub struct Corner {
     pub frequency: f64,
     /// Its viscosity over the known one.
     pub viscosity: f64,
+    /// By how much it is later for a width that depends on the rate. Unit: s.
+    pub sliding_s: f64,
 }
 
 /// Time constant of the smoother that goes before a mass (`model_core::extension`). Unit: s.
@@ -127,6 +132,7 @@ impl Dynamics {
             creep: creep.collect(),
             viscosity: profile(&extensions.viscous_lag, extensions.sites.viscous_lag, "viscous_lag")?,
             mass: profile(&extensions.inertia, extensions.sites.inertia, "inertia")?,
+            rate_filter_s: rates::filter_s(extensions).unwrap_or(0.0),
             period_s,
         })
     }
@@ -166,6 +172,11 @@ impl Dynamics {
         1.0 - late.sum::<Complex<f64>>()
     }
 
+    /// What a width that depends on the rate asks for beside a move.
+    fn slid(&self, corner: &Corner, s: Complex<f64>) -> Complex<f64> {
+        1.0 + corner.sliding_s * s / (1.0 + self.rate_filter_s * s)
+    }
+
     /// From a command to the contraction. Unit: output unit/input unit; `omega`: rad/s.
     pub fn plant(&self, corner: &Corner, omega: f64) -> Complex<f64> {
         let s = Complex::new(0.0, omega);
@@ -176,7 +187,7 @@ impl Dynamics {
         let late_s = self.delay_s + corner.late_s + 0.5 * self.period_s;
         let lag = |lag_s: f64| 1.0 + s * lag_s + corner.order * lag_s * lag_s * s * s;
         let lags = lag(self.known_lag_s() * corner.lag) * lag(self.unled_lag_s * corner.unseen_lag);
-        corner.slope * (-s * late_s).exp() * self.crept(s) / (lags * motion)
+        corner.slope * (-s * late_s).exp() * self.crept(s) / (lags * motion * self.slid(corner, s))
     }
 
     /// From the reference to the feed-forward, which is what the inverse leads, and what is
@@ -189,7 +200,7 @@ impl Dynamics {
         let smoothed_s = if self.has_mass() { self.smoothed_s() } else { 0.0 };
         let smoother = 1.0 + SQRT_2 * smoothed_s * s + smoothed_s * smoothed_s * s * s;
         let ahead = (s * self.preview_s()).exp();
-        ahead * (1.0 + s * self.led_lag_s) * (1.0 + viscous * s + mass * s * s)
+        ahead * (1.0 + s * self.led_lag_s) * (1.0 + viscous * s + mass * s * s) * self.slid(corner, s)
             / (smoother * slope * self.crept(s))
     }
 
@@ -295,11 +306,20 @@ pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<
     let mut all = Vec::new();
     for at in slopes {
         let (driven, turned) = (at.driven, at.turned);
-        let mut ways = vec![(driven, 1.0), (turned, 1.0)];
+        // What has turned round does not slide; what is driven on may do so at any speed.
+        let mut speeds = vec![0.0];
+        speeds.extend(at.sliding_s.into_iter().filter(|late_s| *late_s > 0.0));
+        let mut ways = vec![(turned, 1.0, 0.0)];
         if factor > 1.0 {
-            ways.extend([(driven * factor, factor), (turned / factor, 1.0 / factor)]);
+            ways.push((turned / factor, 1.0 / factor, 0.0));
         }
-        for (slope, ratio) in ways {
+        for sliding_s in speeds {
+            ways.push((driven, 1.0, sliding_s));
+            if factor > 1.0 {
+                ways.push((driven * factor, factor, sliding_s));
+            }
+        }
+        for (slope, ratio, sliding_s) in ways {
             for &late_s in &lates {
                 for &lag in &lags {
                     for &unseen_lag in &unseen_lags {
@@ -315,6 +335,7 @@ pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<
                                     order,
                                     frequency,
                                     viscosity,
+                                    sliding_s,
                                 });
                             }
                         }
@@ -340,17 +361,36 @@ mod tests {
             ..ExtensionParameters::default()
         };
         let dynamics = Dynamics::of(&extensions, 1e-3).expect("valid");
-        let slope = Slope { contraction: 50.0, turned: 10.0, driven: 30.0 };
+        let slope = Slope { contraction: 50.0, turned: 10.0, driven: 30.0, sliding_s: [0.0; 3] };
         for corner in corners(&[slope], &Unknown::NOTHING, &dynamics) {
             let follows = dynamics.tracking(&corner, &Feedback::default(), 20.0);
             // But for half a tick.
             assert!((follows - 1.0).norm() < 20.0 * 0.6e-3, "{follows}");
         }
         let wide = Unknown { slope: 2.0, ..Unknown::NOTHING };
-        let steep = corners(&[slope], &wide, &dynamics)[2];
+        let steep = corners(&[slope], &wide, &dynamics)[3];
         assert_eq!((steep.slope, steep.ratio), (60.0, 2.0));
         let follows = dynamics.tracking(&steep, &Feedback::default(), 20.0);
         assert!((follows.norm() - 2.0).abs() < 0.01, "{follows}");
+    }
+
+    #[test]
+    fn what_a_width_by_the_rate_makes_later_is_led_by_the_inverse_and_is_in_the_loop_of_what_slides() {
+        let mut dynamics = Dynamics::of(&ExtensionParameters::default(), 1e-3).expect("valid");
+        dynamics.rate_filter_s = 0.01;
+        let slope = Slope { contraction: 50.0, turned: 10.0, driven: 30.0, sliding_s: [0.1, 0.2, 0.4] };
+        let corners = corners(&[slope], &Unknown::NOTHING, &dynamics);
+        let late = |corner: &&Corner| corner.sliding_s > 0.0;
+        assert_eq!(corners.iter().filter(late).count(), 3);
+        for corner in corners.iter().filter(late) {
+            assert_eq!(corner.slope, 30.0);
+            let follows = dynamics.tracking(corner, &Feedback::default(), 20.0);
+            assert!((follows - 1.0).norm() < 20.0 * 0.6e-3, "{follows}");
+            // 1 + c s/(1 + f s), by which a command's answer is less.
+            let s = Complex::new(0.0, 20.0);
+            let less = 30.0 / (1.0 + corner.sliding_s * s / (1.0 + 0.01 * s));
+            assert!((dynamics.plant(corner, 20.0).norm() - less.norm()).abs() < 1e-9);
+        }
     }
 
     #[test]
@@ -361,7 +401,7 @@ mod tests {
         };
         let mut dynamics = Dynamics::of(&extensions, 1e-3).expect("valid");
         dynamics.behind_s = 0.03;
-        let slope = Slope { contraction: 50.0, turned: 10.0, driven: 30.0 };
+        let slope = Slope { contraction: 50.0, turned: 10.0, driven: 30.0, sliding_s: [0.0; 3] };
         let unknown = Unknown { lag: 0.1, ..Unknown::NOTHING };
         let lags_s = corners(&[slope], &unknown, &dynamics)
             .iter()

@@ -10,7 +10,9 @@ use model_core::Hysteresis;
 use recording::model::HostModel;
 
 /// Places on each branch of the loop.
-const PLACES: usize = 8;
+pub(crate) const PLACES: usize = 8;
+/// Speeds at which a driven muscle is looked at.
+pub(crate) const SWEEPS: usize = 3;
 /// What a driven slope is taken over, as a share of the input's range: wider than a knot.
 const DRIVEN: f64 = 0.02;
 /// What a turned slope is taken over: less than any play is wide.
@@ -25,6 +27,9 @@ pub struct Slope {
     pub turned: f64,
     /// While it goes on.
     pub driven: f64,
+    /// Time constant by which it is later while it goes on at several speeds, for what its loop is
+    /// wider by at each. Unit: s.
+    pub sliding_s: [f64; SWEEPS],
 }
 
 /// The slopes on both branches of the major loop, between its ends.
@@ -45,7 +50,12 @@ pub fn slopes(model: &HostModel) -> Vec<Slope> {
             let back = TURNED * range * ahead.signum();
             let turned = contraction - model.step(&mut turned, x - back).unwrap_or_default();
             let after = model.step(&mut state, x + 0.5 * ahead).unwrap_or_default();
-            all.push(Slope { contraction, turned: turned / back, driven: (after - before) / ahead });
+            all.push(Slope {
+                contraction,
+                turned: turned / back,
+                driven: (after - before) / ahead,
+                sliding_s: [0.0; SWEEPS],
+            });
         }
         let end = if is_rising { high } else { low };
         model.step(&mut state, end).unwrap_or_default();

@@ -19,6 +19,10 @@ const FASTER: f64 = 1.5;
 /// the first; one that dies away faster is the ringing after a jump. A convention, not measured: it
 /// halves in half of `LAST`. Unit: 1.
 const LASTING: f64 = 0.5;
+/// Samples of which the median is looked at, so that outliers of the sensor are no swing: of five in
+/// a row, where one in a hundred is off, three are in one window of 100,000. A swing faster than
+/// a period of twice as many ticks would be lost; loops of valve and muscle have none.
+const MEDIAN: usize = 5;
 /// Unit: tick.
 const LAST: usize = 2900;
 
@@ -72,7 +76,15 @@ fn settling_s(ticks: &[Tick], within_mm: f64) -> f64 {
 /// Whether the error of the last seconds goes to and fro quickly and far, and does not die away.
 fn swings(ticks: &[Tick], far_mm: f64, highest_hz: f64) -> bool {
     let last = &ticks[ticks.len().saturating_sub(LAST)..];
-    let errors: Vec<f64> = last.iter().map(|tick| tick.contraction_mm - tick.reference_mm).collect();
+    let errors: Vec<f64> = last
+        .windows(MEDIAN)
+        .map(|window| {
+            let mut errors: Vec<f64> =
+                window.iter().map(|tick| tick.contraction_mm - tick.reference_mm).collect();
+            errors.sort_by(f64::total_cmp);
+            errors[MEDIAN / 2]
+        })
+        .collect();
     let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
     // Crossings of a band, so that no noise counts: half of what is called far.
     let (mut side, mut turns) = (0.0, 0);
@@ -140,5 +152,18 @@ mod tests {
         assert!(!score(&swing(1.0, 5.0), 0, 100.0, &[], 0.05).is_stable);
         assert!(score(&swing(1.0, 5.0), 0, 100.0, &[], 1.0).is_stable);
         assert!(score(&swing(6.0, 1.0), 0, 100.0, &[], 2.0).is_stable);
+    }
+
+    #[test]
+    fn outliers_are_no_swing_and_hide_none() {
+        // One sample in a hundred, to either side in turn.
+        let outlier = |time_s: f64| match (time_s / PERIOD_S).round() as usize % 200 {
+            50 => 20.0,
+            150 => -20.0,
+            _ => 0.0,
+        };
+        assert!(score(&ticks(outlier), 0, 100.0, &[], 0.0).is_stable);
+        let swing = |time_s: f64| 5.0 * (std::f64::consts::TAU * 6.0 * time_s).sin() + outlier(time_s);
+        assert!(!score(&ticks(swing), 0, 100.0, &[], 0.0).is_stable);
     }
 }

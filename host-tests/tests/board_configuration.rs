@@ -348,3 +348,13 @@ fn a_muscle_that_does_not_follow_is_said_in_words_and_in_the_figures() {
     assert_eq!(figures["tracking"]["followed"], false);
     assert!(said.contains(figures["tracking"]["not_followed_because"].as_str().expect("words")));
 }
+
+#[test]
+fn a_backup_from_before_a_calibration_is_not_called_another_board_s() {
+    let bench = Bench::new();
+    bench.succeeds("backup -o board.toml");
+    bench.succeeds("calibrate pressure --low 0 --high 4 --readings 0.1,4.3");
+    let dry = bench.succeeds("restore board.toml --dry-run");
+    assert!(dry.contains("is from before this board was calibrated"), "{dry}");
+    assert!(dry.contains("pressure_codes_per_unit") && !dry.contains("is of another board"), "{dry}");
+}

@@ -93,6 +93,14 @@ impl Origin {
     pub fn differences(&self, other: &Self) -> Vec<String> {
         between("", &of_origin(other), &of_origin(self))
     }
+
+    /// Whether it differs from another in nothing but its scalings, as a board does from itself
+    /// before it was calibrated.
+    pub fn is_but_for_calibration(&self, other: &Self) -> bool {
+        let Identity { pressure, contraction, command, .. } = other.identity;
+        let identity = Identity { pressure, contraction, command, ..self.identity.clone() };
+        Self { number: self.number, identity } == *other
+    }
 }
 
 fn content(mut top: Section) -> Result<BackupFile, Problem> {

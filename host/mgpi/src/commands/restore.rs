@@ -70,7 +70,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     demand_rest(&mut board)?;
     let here = Origin { number: port.number(), identity: board.identity().clone() };
     if origin != here {
-        say!("{} is of another board: {}", file.display(), origin.differences(&here).join(", "));
+        let whose = if origin.is_but_for_calibration(&here) {
+            "from before this board was calibrated, or of another one of the same number and firmware"
+        } else {
+            "of another board, or of this one with another number or firmware"
+        };
+        say!("{} is {whose}: {}", file.display(), origin.differences(&here).join(", "));
     }
     let current = read(&mut board)?;
     if !is_to_be_done(file, &backup.differences(&current), *dry_run) {

@@ -169,7 +169,8 @@ const OF_JOINTS: [(Fault, Advice); 11] = [
 ];
 
 /// What helps where nothing, or not all, of what was stored is left.
-const DEPLOY: &str = "acknowledge, then `mgpi deploy --joint` with the settings";
+const DEPLOY: &str =
+    "acknowledge, then `mgpi deploy --joint` with the settings, or `mgpi restore --joint` with a backup";
 
 const SUPPLY: Advice = Advice {
     cause: "the transducer's wire; a supply that is off or too small for two muscles at once",

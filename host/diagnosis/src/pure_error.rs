@@ -28,20 +28,15 @@ const MATCHED: f64 = 0.1;
 const CHANCE: f64 = 0.05;
 
 /// What visits to the same state differ by.
-///
-/// What few of them differ by is told from those alone where what the operators see, and the output, move from row to row by less of their
-/// ranges than two states may be apart: a jump goes through many states within a row, and a clock does not say when in it. So does a
-/// recording that begins with a command that the muscle has yet to follow.
 #[derive(Clone, Copy, Debug)]
 pub struct PureError {
     /// Mean square. Unit: square of the output unit.
     pub square: f64,
     /// Share of the rows whose state is visited again.
     pub matched: f64,
-    /// What nine of ten pairs outside of jumps differ by less than, or eight times what half of them do if that is less; 0 where there are too
-    /// few. Output unit.
+    /// What nine of ten pairs differ by less than, or eight times what half of them do if that is less. Output unit.
     pub usual: f64,
-    /// What all but two of a hundred of these differ by less than. Output unit.
+    /// What all but two of a hundred differ by less than. Output unit.
     pub rare: f64,
 }
 
@@ -66,15 +61,7 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
     let mut by_input: Vec<usize> = (0..states.len()).step_by(every).collect();
     by_input.sort_by(|&i, &j| states[i][0].total_cmp(&states[j][0]));
     let near = |i: usize, j: usize| INPUT_WEIGHT * (states[i][0] - states[j][0]).abs() < SAME;
-    let moves = |values: &[f64], at: usize, span: f64| {
-        let around = &values[at.saturating_sub(1)..(at + 2).min(values.len())];
-        around.windows(2).any(|pair| INPUT_WEIGHT * (pair[1] - pair[0]).abs() >= SAME * span)
-    };
-    let jumps = |i: usize| {
-        let at = signals.rows[i].at;
-        moves(&seen.input, at, signals.input_span) || moves(&signals.output, at, signals.stroke())
-    };
-    let (mut differences, mut calm) = (Vec::new(), Vec::new());
+    let mut differences = Vec::new();
     for (place, &i) in by_input.iter().enumerate() {
         let (before, after) = by_input.split_at(place);
         let before = before.iter().rev().take_while(|&&j| near(i, j));
@@ -87,11 +74,7 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
             }
         }
         if let Some(there) = residual.get(nearest.1) {
-            let difference = (residual[i] - there).powi(2);
-            differences.push(difference);
-            if !jumps(i) && !jumps(nearest.1) {
-                calm.push(difference);
-            }
+            differences.push((residual[i] - there).powi(2));
         }
     }
     let matched = differences.len() as f64 / by_input.len() as f64;
@@ -99,11 +82,7 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
         return None;
     }
     differences.sort_by(f64::total_cmp);
-    calm.sort_by(f64::total_cmp);
-    let at = |share: f64| match calm.len() < PAIRS {
-        true => 0.0,
-        false => (0.5 * calm[(share * (calm.len() - 1) as f64) as usize]).sqrt(),
-    };
+    let at = |share: f64| (0.5 * differences[(share * (differences.len() - 1) as f64) as usize]).sqrt();
     // A few pairs of a coarse match do not count for more than ten times the middle ones.
     let most = 20.0 * differences[differences.len() / 2];
     let mean = differences.iter().map(|&d| d.min(most)).sum::<f64>() / differences.len() as f64;
@@ -120,50 +99,4 @@ fn distance<const K: usize>(one: &[f64; K], other: &[f64; K], enough: f64) -> f6
         largest = largest.max((a - b).abs());
     }
     largest
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Columns;
-    use crate::row::Row;
-    use recording::numbers::range;
-
-    /// Rows of a step, steps up or down, and what a step is high. Unit of the last: input unit.
-    const HOLD: usize = 20;
-    const STEPS: usize = 5;
-    const HIGH: f64 = 1.0;
-
-    /// What few visits differ by in stairs up and down from below, where rows are off by so much more than a little noise: rows by their place behind
-    /// the last step, the first row of all by itself.
-    fn rare(behind: &[usize], of_first: f64) -> f64 {
-        let step = |row: usize| HIGH * ((row / HOLD + STEPS) % (2 * STEPS)).abs_diff(STEPS) as f64;
-        let input: Vec<f64> = (0..4000).map(step).collect();
-        let mut output: Vec<f64> = input.iter().map(|u| 10.0 * u).collect();
-        output[0] -= of_first;
-        let time_s = (0..4000).map(|row| 0.02 * f64::from(row)).collect();
-        let columns = Columns { time_s, input, output, scored: vec![true; 4000], ..Columns::default() };
-        let signals = Signals::new(&columns);
-        let (low, high) = range(&signals.input);
-        let seen = Seen { input: signals.input.clone(), ..Seen::default() };
-        let off = |(i, row): (usize, &Row)| {
-            let by = if behind.contains(&(row.at % HOLD)) { 5.0 * f64::sin(7.0 * i as f64) } else { 0.0 };
-            let first = if row.at == 0 { of_first } else { 0.0 };
-            0.01 * f64::sin(i as f64) + by - first
-        };
-        let residual: Vec<f64> = signals.rows.iter().enumerate().map(off).collect();
-        pure_error(&signals, &Basis::new(low, high, true), &seen, &residual).expect("visits").rare
-    }
-
-    #[test]
-    fn what_is_off_in_a_jump_says_nothing_about_visits_and_what_is_off_in_a_hold_does() {
-        let (in_jump, in_hold) = (rare(&[0, HOLD - 1], 0.0), rare(&[8], 0.0));
-        assert!(in_jump < 0.1 && in_hold > 1.0, "{in_jump} {in_hold}");
-    }
-
-    #[test]
-    fn a_first_row_that_has_yet_to_follow_its_command_is_no_visit() {
-        let yet_to_follow = rare(&[], 30.0);
-        assert!(yet_to_follow < 0.1, "{yet_to_follow}");
-    }
 }

@@ -1,10 +1,10 @@
 //! How much later a driven muscle answers whose loop is wider the faster it moves.
 //!
-//! What the friction takes of the pressure grows with the speed of sliding, so a small command finds
-//! a muscle that is driven on as late as a viscosity makes it: by the rate at which the pressure
-//! that is needed grows with the speed, times the slope. Where it grows by a power below 1 that is
-//! the more, the slower the muscle moves; a muscle that has just turned round does not slide, and
-//! is not late by it.
+//! The faster the muscle slides, the more pressure its friction takes. To a small change of the
+//! command it then answers as a viscous muscle does, with a lag: the change of the pressure that is
+//! needed over the change of the speed of that pressure. Where the friction grows by a power of the
+//! speed below 1, this lag is the longer, the slower the muscle moves. A muscle that has just turned
+//! round does not slide, and has no such lag.
 //!
 //! It is taken from the model itself, by ramps through its range at two speeds that are near each
 //! other, so that it holds for any way in which a model depends on the rate.
@@ -35,7 +35,7 @@ pub fn filter_s(extensions: &ExtensionParameters<f64>) -> Option<f64> {
 /// Adds to the slopes of a model how late it is at each speed.
 ///
 /// # Errors
-/// The model is none.
+/// The parameters or the extensions of the file are not valid.
 pub fn add(file: &ModelFile, slopes: &mut [Slope]) -> Result<(), ParameterError> {
     if filter_s(&file.extensions).is_none() {
         return Ok(());

@@ -101,7 +101,7 @@ pub struct Corner {
     pub frequency: f64,
     /// Its viscosity over the known one.
     pub viscosity: f64,
-    /// By how much it is later for a width that depends on the rate. Unit: s.
+    /// Its lag at a speed, where its width depends on the rate. Unit: s.
     pub sliding_s: f64,
 }
 
@@ -172,7 +172,7 @@ impl Dynamics {
         1.0 - late.sum::<Complex<f64>>()
     }
 
-    /// What a width that depends on the rate asks for beside a move.
+    /// The pressure that a move needs where the width depends on the rate, over that without.
     fn slid(&self, corner: &Corner, s: Complex<f64>) -> Complex<f64> {
         1.0 + corner.sliding_s * s / (1.0 + self.rate_filter_s * s)
     }

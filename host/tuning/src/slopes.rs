@@ -27,8 +27,8 @@ pub struct Slope {
     pub turned: f64,
     /// While it goes on.
     pub driven: f64,
-    /// Time constant by which it is later while it goes on at several speeds, for what its loop is
-    /// wider by at each. Unit: s.
+    /// The lag that it has while it goes on at each of several speeds, where its width depends on the
+    /// rate; 0 where it does not. Unit: s.
     pub sliding_s: [f64; SWEEPS],
 }
 

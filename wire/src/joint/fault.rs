@@ -125,13 +125,13 @@ const OF_JOINTS: [(Fault, Advice); 11] = [
     ),
     (
         Fault::ConfigurationCorrupt,
-        Advice { cause: "flash worn out, or written by something else", cure: DEPLOY },
+        Advice { cause: "flash worn out, or written by something else", cure: GIVE_AGAIN },
     ),
     (
         Fault::ConfigurationVersion,
         Advice {
             cause: "the firmware was exchanged for a much older or newer one, or was one for a single muscle",
-            cure: DEPLOY,
+            cure: GIVE_AGAIN,
         },
     ),
     (
@@ -169,7 +169,7 @@ const OF_JOINTS: [(Fault, Advice); 11] = [
 ];
 
 /// What helps where nothing, or not all, of what was stored is left.
-const DEPLOY: &str =
+const GIVE_AGAIN: &str =
     "acknowledge, then `mgpi deploy --joint` with the settings, or `mgpi restore --joint` with a backup";
 
 const SUPPLY: Advice = Advice {

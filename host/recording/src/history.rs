@@ -6,6 +6,10 @@
 //! branches of the loop, until the input has been at both ends: by then it has wiped out whatever
 //! came before. What it is scored on until then would teach the model a past that it has not had.
 //!
+//! A recording that begins in the moment of a step has an input at its place and a muscle still on
+//! its way there, most often from rest behind a regulator of which only the command is recorded.
+//! Until it has come there it follows a step that is not in the recording.
+//!
 //! # Limits
 //! Where that would take more than `MOST` of the scored samples, all stay: a doubtful past is worth
 //! less than many samples.
@@ -19,6 +23,9 @@ const NEAR: f64 = 0.05;
 const LARGEST: f64 = 4.0;
 /// The median of the size of a normal variable, in standard deviations.
 const NORMAL_MEDIAN: f64 = 0.6745;
+/// The muscle is at its place so many times later than it was within [`NEAR`] of it: what a lag of
+/// first order has left over by then is a hundredth of a percent.
+const SETTLED: usize = 3;
 /// The largest share of the scored samples whose past may be unknown.
 const MOST: f64 = 0.25;
 
@@ -28,8 +35,8 @@ const MOST: f64 = 0.25;
 /// use recording::history::UnknownPast;
 ///
 /// // An input that begins at an end of its range leaves no doubt about what was before.
-/// let (time_s, input) = ([0.0, 1.0, 2.0], [0.0, 6.0, 0.0]);
-/// assert_eq!(UnknownPast::take_out(&time_s, &input, &mut [true; 3]), None);
+/// let (time_s, input, output) = ([0.0, 1.0, 2.0], [0.0, 6.0, 0.0], [0.0, 30.0, 2.0]);
+/// assert_eq!(UnknownPast::take_out(&time_s, &input, &output, &mut [true; 3]), None);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnknownPast {
@@ -37,27 +44,53 @@ pub struct UnknownPast {
     pub samples: usize,
     /// The time of the first one after them. Unit: s.
     pub until_s: f64,
+    /// Why.
+    pub since: Since,
+}
+
+/// Why the past of first samples is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Since {
+    /// The recording begins within the range of the input.
+    WithinRange,
+    /// The muscle is on its way to where the input is.
+    OnItsWay,
 }
 
 impl UnknownPast {
-    /// Takes them out of the scored samples; None where there are none, or too many.
-    pub fn take_out(time_s: &[f64], input: &[f64], scored: &mut [bool]) -> Option<Self> {
-        let samples = known_from(input)?;
+    /// Takes them out of the scored samples, as many as there are reasons for; None where there are
+    /// none, or too many.
+    pub fn take_out(time_s: &[f64], input: &[f64], output: &[f64], scored: &mut [bool]) -> Option<Self> {
+        let within = known_from(input).map(|samples| (samples, Since::WithinRange));
+        let way = settled_from(input, output).map(|samples| (samples, Since::OnItsWay));
         let count = |scored: &[bool]| scored.iter().filter(|&&scored| scored).count();
-        let (unknown, all) = (count(&scored[..samples]), count(scored));
-        if unknown == 0 || unknown as f64 > MOST * all as f64 {
-            return None;
-        }
+        let all = count(scored);
+        let is_taken = |&(samples, _): &(usize, Since)| {
+            let unknown = count(&scored[..samples]);
+            unknown > 0 && unknown as f64 <= MOST * all as f64
+        };
+        let known = within.into_iter().chain(way).filter(is_taken);
+        let (samples, since) = known.max_by_key(|&(samples, _)| samples)?;
         scored[..samples].fill(false);
-        Some(Self { samples, until_s: time_s[samples] })
+        Some(Self { samples, until_s: time_s[samples], since })
     }
 
     /// A sentence without its full stop.
     pub fn in_words(&self) -> String {
+        let (until, since) = match self.since {
+            Since::WithinRange => (
+                format!("{:.1} s", self.until_s),
+                "the recording begins within the range of the input, and until that has been at both ends its past is \
+                 unknown",
+            ),
+            Since::OnItsWay => (
+                format!("{:.3} s", self.until_s),
+                "the recording begins while the muscle is still on its way to where the input is already",
+            ),
+        };
         format!(
-            "what lies before {:.1} s: the first {} samples are history of the input only, since the recording begins \
-             within the range of the input, and until that has been at both ends its past is unknown",
-            self.until_s, self.samples
+            "what lies before {until}: the first {} samples are history of the input only, since {since}",
+            self.samples
         )
     }
 }
@@ -71,6 +104,18 @@ fn known_from(input: &[f64]) -> Option<usize> {
     let first = |is_there: &dyn Fn(&f64) -> bool| input.iter().position(is_there);
     let (at_low, at_high) = (first(&|&x| x <= low + near)?, first(&|&x| x >= high - near)?);
     (at_low.min(at_high) > 0).then(|| at_low.max(at_high))
+}
+
+/// The first sample at which the muscle has come to where the first hold of the input takes it; None
+/// where it begins there.
+fn settled_from(input: &[f64], output: &[f64]) -> Option<usize> {
+    let stays = 2.0 * LARGEST * noise(input);
+    let held = input.iter().take_while(|&x| (x - input[0]).abs() <= stays).count();
+    let place = median(&mut output.get(held - held.div_ceil(4)..held)?.to_vec());
+    let (low, high) = range(output);
+    let near = NEAR * (high - low) + LARGEST * noise(output);
+    let there = output[..held].iter().position(|y| (y - place).abs() <= near)?;
+    (there > 0).then(|| (SETTLED * there).min(held))
 }
 
 /// Standard deviation of white noise, by the median of the second differences: a ramp has none, and
@@ -92,7 +137,7 @@ mod tests {
             (from..from + samples).map(|sample| (sample as f64 % 20.0 - 10.0).abs()).collect();
         let time_s: Vec<f64> = (0..samples).map(|sample| sample as f64).collect();
         let mut scored: Vec<bool> = (0..samples).map(|sample| sample >= unscored).collect();
-        (UnknownPast::take_out(&time_s, &input, &mut scored), scored)
+        (UnknownPast::take_out(&time_s, &input, &input, &mut scored), scored)
     }
 
     #[test]
@@ -107,7 +152,8 @@ mod tests {
     #[test]
     fn one_that_begins_within_the_range_is_scored_once_the_input_has_been_at_both_ends() {
         let (past, scored) = triangle(5, 100, 0);
-        assert_eq!(past, Some(UnknownPast { samples: 15, until_s: 15.0 }));
+        let since = Since::WithinRange;
+        assert_eq!(past, Some(UnknownPast { samples: 15, until_s: 15.0, since }));
         assert_eq!(scored.iter().position(|&scored| scored), Some(15));
     }
 
@@ -118,7 +164,40 @@ mod tests {
             .iter()
             .map(|&time_s| 0.5 * triangles(time_s, 400.0) + noise.white(0.05))
             .collect();
-        assert_eq!(UnknownPast::take_out(&times(1600, 1.0), &input, &mut [true; 1600]), None);
+        assert_eq!(UnknownPast::take_out(&times(1600, 1.0), &input, &input, &mut [true; 1600]), None);
+    }
+
+    /// What is taken out of stairs of 100 samples between 4 and 0, whose output follows the first of
+    /// them from there, with a lag of so many samples.
+    fn stairs(from: f64, lag: f64) -> Option<UnknownPast> {
+        let input: Vec<f64> = (0..1000).map(|sample| 4.0 - f64::from(sample / 100 % 5)).collect();
+        let on_the_way = |sample: usize| (from - 40.0) * (-(sample as f64) / lag).exp();
+        let mut noise = Noise::new(5);
+        let output: Vec<f64> =
+            (0..1000).map(|sample| 10.0 * input[sample] + on_the_way(sample) + noise.white(0.01)).collect();
+        UnknownPast::take_out(&times(1000, 0.01), &input, &output, &mut [true; 1000])
+    }
+
+    #[test]
+    fn one_that_begins_in_the_moment_of_a_step_is_scored_once_the_muscle_has_come_to_its_place() {
+        let past = stairs(0.0, 2.0).expect("the muscle begins at rest");
+        assert_eq!(past.since, Since::OnItsWay);
+        assert!((13..=27).contains(&past.samples), "{past:?}");
+        assert_eq!(stairs(40.0, 2.0), None);
+    }
+
+    #[test]
+    fn it_is_so_too_where_the_input_is_at_both_ends_only_when_most_is_over() {
+        let input: Vec<f64> =
+            (0..1000).map(|sample| if sample < 600 { 3.0 } else { f64::from(sample / 100) - 5.0 }).collect();
+        let output: Vec<f64> = (0..1000).map(|sample| if sample < 5 { 0.0 } else { input[sample] }).collect();
+        let past = UnknownPast::take_out(&times(1000, 0.01), &input, &output, &mut [true; 1000]);
+        assert_eq!(past.map(|past| (past.samples, past.since)), Some((15, Since::OnItsWay)));
+    }
+
+    #[test]
+    fn a_slow_movement_within_the_first_hold_stays() {
+        assert_eq!(stairs(39.0, 60.0), None);
     }
 
     #[test]

@@ -197,7 +197,7 @@ impl Recording {
         let drop_outs = take_out(time_s, input, &mut output, line);
         drop_outs.iter().for_each(|drop_out| scored[drop_out.samples.clone()].fill(false));
         check_input(table, input, choice, rows)?;
-        let unknown_past = UnknownPast::take_out(time_s, &input.values, scored);
+        let unknown_past = UnknownPast::take_out(time_s, &input.values, &output.values, scored);
         Ok(Self { drive, output, left_out: LeftOut { drop_outs, unknown_past } })
     }
 

@@ -20,6 +20,8 @@ const USUAL: f64 = 0.9;
 const RARE: f64 = 0.98;
 /// What nine of ten differ by counts as at most so many times what half of them do: sound muscles come to 5, without any noise to 14.
 const TIMES: f64 = 8.0;
+/// The median of the size of a normal variable, in standard deviations.
+const NORMAL_MEDIAN: f64 = 0.6745;
 /// Fewest pairs that say something, and their least share of the rows.
 const PAIRS: usize = 60;
 const MATCHED: f64 = 0.1;
@@ -34,6 +36,10 @@ pub struct PureError {
     pub square: f64,
     /// Share of the rows whose state is visited again.
     pub matched: f64,
+    /// The standard deviation of the errors that half of the pairs speak of. Where a model's memory is not quite that of the muscle few
+    /// visits differ by far more than the others, in the states where it is wrong; what acts all the time is seen in most pairs. Output
+    /// unit.
+    pub typical: f64,
     /// What nine of ten pairs differ by less than, or eight times what half of them do if that is less. Output unit.
     pub usual: f64,
     /// What all but two of a hundred differ by less than. Output unit.
@@ -86,7 +92,14 @@ pub fn pure_error(signals: &Signals, basis: &Basis, seen: &Seen, residual: &[f64
     // A few pairs of a coarse match do not count for more than ten times the middle ones.
     let most = 20.0 * differences[differences.len() / 2];
     let mean = differences.iter().map(|&d| d.min(most)).sum::<f64>() / differences.len() as f64;
-    Some(PureError { square: mean / 2.0, matched, usual: at(USUAL).min(TIMES * at(0.5)), rare: at(RARE) })
+    let typical = at(0.5) / NORMAL_MEDIAN;
+    Some(PureError {
+        square: mean / 2.0,
+        matched,
+        typical,
+        usual: at(USUAL).min(TIMES * at(0.5)),
+        rare: at(RARE),
+    })
 }
 
 /// The largest difference; anything above `enough` where it is that.

@@ -4,17 +4,18 @@
 //! and over any window the mean of b − a is θ times how far a went, over the window's length. So θ
 //! is found by least squares of the first on the second, in windows that are long beside the noise.
 //! Beside it stand what a wrong model of the hysteresis leaves, which changes with the direction
-//! and with the place: a polynomial of the place for either direction. Under an input of one speed
-//! the direction and a delay look alike, but for what the model gets wrong from branch to branch:
-//! then the lateness of the muscle is open, and the standard error says so. It is that of the
-//! jackknife over blocks of time, since neighbouring windows are off alike.
+//! and with the place: a polynomial of the place for either direction. The standard error is that of
+//! the jackknife over blocks of time, since neighbouring windows are off alike. Under an input of
+//! one speed the direction and a delay look alike in such windows: then, and where they show less,
+//! the lateness of the muscle is what its turns show ([`crate::transients`]).
 
 use crate::model_file::ModelFile;
 use crate::model_file::control::{Late, Recorded, SeenValve};
 use crate::noise;
 use crate::numbers::range;
 use crate::simulation::Rows;
-use crate::valve_order;
+use crate::transients::Transients;
+use crate::{valve_order, viscosity};
 use model_core::ParameterError;
 use thiserror::Error;
 
@@ -72,7 +73,12 @@ pub fn recorded(file: &ModelFile, recording: &Recording<'_>) -> Result<Recorded,
     let kept = |values: &[f64]| -> Vec<f64> {
         values.iter().zip(scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
     };
+    let seen = Transients { time_s: rows.time_s, scored, output };
     let floor = noise::floor(&kept(rows.time_s), &kept(output));
+    let open = Late { mean_s: 0.0, error_s: OPEN_S };
+    let late_s = has_speeds(rows.time_s, scored, rows.input)
+        .then(|| late(rows.time_s, scored, &simulated, output, Between::Line));
+    let surer = |one: Late, other: Late| if other.error_s < one.error_s { other } else { one };
     let valve = command.map(|command| {
         let lag_s = file.extensions.valve_lag.map_or(0.0, |lag| lag.time_constant_s);
         let expected = lagged(rows.time_s, command, lag_s);
@@ -84,11 +90,8 @@ pub fn recorded(file: &ModelFile, recording: &Recording<'_>) -> Result<Recorded,
         step_s: noise::steps(rows.time_s).0,
         noise: floor.deviation,
         steeper: steeper((scored, &simulated, output), floor.deviation),
-        late: if has_speeds(rows.time_s, scored, rows.input) {
-            late(rows.time_s, scored, &simulated, output, Between::Line)
-        } else {
-            Late { mean_s: 0.0, error_s: OPEN_S }
-        },
+        late: late_s.into_iter().chain(seen.late(&simulated, floor.deviation)).fold(open, surer),
+        split: viscosity::split(file, &rows, &simulated, &seen)?,
         valve,
     })
 }

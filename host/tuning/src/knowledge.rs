@@ -127,11 +127,14 @@ impl Knowledge {
                     .to_owned(),
             );
         }
+        let split = file.recorded.and_then(|recorded| recorded.split);
+        let split = split.map_or((1.0, 0.0), |split| (split.share, split.late_s));
         Self {
             dynamics,
             unknown: Unknown {
                 slope: file.recorded.map_or(1.0, |recorded| recorded.steeper.max(1.0)),
                 late_s,
+                split,
                 orders,
                 lag: SHARE,
                 frequency: SHARE,
@@ -149,7 +152,8 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::tune;
+    use crate::margins::margins;
+    use crate::{SENSITIVITY, feedback, tune};
 
     const PAPER: &str = include_str!("../../../examples/paper-tables-1-2.toml");
 
@@ -182,6 +186,24 @@ mod tests {
         };
         let dynamics = of(&later((0.0, 0.0), 0.0));
         assert!((dynamics.known_lag_s() - 0.06).abs() < 1e-9 && dynamics.delay_s == 0.0, "{dynamics:?}");
+    }
+
+    #[test]
+    fn a_loop_keeps_its_margins_with_a_viscosity_that_may_be_a_dead_time() {
+        let of = |split: &str| {
+            let text = format!(
+                "{PAPER}\n[extensions.viscous_lag]\nknots_mm = [50.0]\nviscosity_bar_s_per_mm = [0.003]\n[recorded]\n\
+                 step_s = 0.005\nnoise_mm = 0.01\nsteeper = 1.2\nlate_s = 0.0\nlate_error_s = 0.0005\n{split}"
+            );
+            let file = ModelFile::parse(Path::new("model.toml"), &text).expect("valid");
+            tune(&file, 1e-3, Some(0.02), false).expect("safe")
+        };
+        let (viscous, open) = (of(""), of("viscosity_least = 0.5\nviscosity_late_s = 0.04\n"));
+        assert!(open.tuning.maximum_sensitivity <= SENSITIVITY, "{:?}", open.tuning);
+        let told = feedback(&viscous.tuning);
+        let found = margins(&open.view.plants(&told), &told);
+        assert!(found.maximum_sensitivity > SENSITIVITY, "{found:?}");
+        assert!(open.tuning.ki < viscous.tuning.ki, "{:?}, {:?}", open.tuning, viscous.tuning);
     }
 
     #[test]

@@ -254,7 +254,10 @@ impl Task<'_> {
         };
         let mut all = vec![
             (Limit::Delay, larger(&|knowledge| knowledge.dynamics.delay_s = 0.0)),
-            (Limit::UnseenDelay, larger(&|knowledge| knowledge.unknown.late_s = 0.0)),
+            (
+                Limit::UnseenDelay,
+                larger(&|knowledge| (knowledge.unknown.late_s, knowledge.unknown.split) = (0.0, (1.0, 0.0))),
+            ),
             (
                 Limit::Valve,
                 larger(&|knowledge| {

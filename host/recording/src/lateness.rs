@@ -321,6 +321,7 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synthetic::{Noise, times, triangles};
 
     /// Ten times 10 s, at speeds from one to four, as seen `late_s` later, in a loop that is
     /// `wider` and with even noise of 0.03.
@@ -365,6 +366,26 @@ mod tests {
         assert!(!has_speeds(&time_s, &scored, &triangles(1.0)));
         assert!(has_speeds(&time_s, &scored, &triangles(2.2)));
         assert_eq!(seen(0.02, 0.5, false).error_s, OPEN_S);
+    }
+
+    #[test]
+    fn at_one_speed_the_turns_of_a_recording_show_a_delay() {
+        let text = include_str!("../../../examples/paper-tables-1-2.toml");
+        let file = ModelFile::parse(std::path::Path::new("model.toml"), text).expect("valid");
+        let (time_s, mut noise) = (times(6000, 0.01), Noise::new(5));
+        let input = |late_s: f64| -> Vec<f64> {
+            time_s.iter().map(|time_s| triangles((time_s - late_s).max(0.0), 8.0)).collect()
+        };
+        let answer = |input: &[f64]| {
+            let rows = Rows { time_s: &time_s, input, load: None, temperature: None };
+            rows.answer(&file.extended().expect("valid")).expect("finite")
+        };
+        let output: Vec<f64> = answer(&input(0.03)).iter().map(|value| value + noise.white(0.03)).collect();
+        let (input, scored) = (input(0.0), vec![true; time_s.len()]);
+        let rows = Rows { time_s: &time_s, input: &input, load: None, temperature: None };
+        let recording = Recording { rows, scored: &scored, output: &output, command: None };
+        let Late { mean_s, error_s } = recorded(&file, &recording).expect("finite").late;
+        assert!((mean_s - 0.03).abs() < 0.002 && error_s < 0.002, "{mean_s} s, {error_s} s");
     }
 
     #[test]

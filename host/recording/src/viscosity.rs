@@ -113,6 +113,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::lateness::{Recording, recorded};
     use crate::synthetic::{Noise, times, triangles};
 
     const PAPER: &str = include_str!("../../../examples/paper-tables-1-2.toml");
@@ -147,7 +148,8 @@ mod tests {
                 at(whole as usize) * (1.0 - part) + at(whole as usize + 1) * part + noise.white(0.03)
             })
             .collect();
-        split(&model, &rows, &simulated, &seen(&output)).expect("valid")
+        let recording = Recording { rows, scored: &scored, output: &output, command: None };
+        recorded(&model, &recording).expect("finite").split
     }
 
     #[test]

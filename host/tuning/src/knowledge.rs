@@ -5,6 +5,7 @@ use recording::model_file::control::{Late, Recorded, SeenValve};
 use recording::valve_order::FLAT;
 
 use crate::response::{Dynamics, Unknown};
+use crate::slopes::DRIVEN;
 
 /// Share by which a valve's lag, a natural frequency or a viscosity may differ from what was found: the bound
 /// that the game of hidden causes holds the diagnosis to (docs/game.md).
@@ -29,6 +30,8 @@ pub struct Knowledge {
     pub lag_s: f64,
     /// Standard deviation of the contraction's noise. Output unit.
     pub noise: f64,
+    /// To what a slope of the model is known. Unit: output unit/input unit.
+    pub slope_error: f64,
     /// What had to be assumed, a sentence each.
     pub assumptions: Vec<String>,
 }
@@ -42,6 +45,15 @@ fn known(late: &Late) -> f64 {
 fn open(late: &Late) -> f64 {
     // Nothing comes earlier than its cause.
     (late.mean_s - known(late)).max(0.0) + ERRORS * late.error_s
+}
+
+/// What the model is off by, over the stretch that its slopes are taken over: where it answers less
+/// than that, as behind a turn in the dead band of a valve that nobody has named, nobody knows how
+/// flat the muscle is. Unit: output unit/input unit; 0 of a model without a recording.
+fn slope_error(file: &ModelFile) -> f64 {
+    let (low, high) = file.parameters.input();
+    let misfit = file.identification.as_ref().map_or(0.0, |identification| identification.training.rmse);
+    misfit / (DRIVEN * (high - low))
 }
 
 impl Knowledge {
@@ -141,6 +153,7 @@ impl Knowledge {
                 viscosity: SHARE,
             },
             lag_s,
+            slope_error: slope_error(file),
             noise: file.recorded.map_or(0.0, |recorded| recorded.noise),
             assumptions,
         }
@@ -204,6 +217,26 @@ mod tests {
         let found = margins(&open.view.plants(&told), &told);
         assert!(found.maximum_sensitivity > SENSITIVITY, "{found:?}");
         assert!(open.tuning.ki < viscous.tuning.ki, "{:?}, {:?}", open.tuning, viscous.tuning);
+    }
+
+    #[test]
+    fn an_observer_counts_on_no_slope_that_is_flatter_than_the_model_is_off() {
+        let reach = |rmse: f64| {
+            let text = format!(
+                "{PAPER}\n[identification]\nrecording = \"rec.csv\"\nsha256 = \"{}\"\ntool = \"mgpi\"\nscored_rows = 6000\n\
+                 stroke_mm = 120.0\nstarts = 8\ntermination = \"converged\"\n[identification.training]\n\
+                 rmse_mm = {rmse:?}\nmae_mm = {rmse:?}\nmax_error_mm = {rmse:?}\n[identification.standard_errors]\n\
+                 [recorded]\nstep_s = 0.005\nnoise_mm = 0.001\nsteeper = 1.2\nlate_s = 0.0\nlate_error_s = 0.02\n",
+                "0".repeat(64)
+            );
+            let file = ModelFile::parse(Path::new("model.toml"), &text).expect("valid");
+            let observer = tune(&file, 1e-3, Some(0.02), true).expect("safe").tuning.observer;
+            observer.map_or((1.0, 0.0), |observer| (observer.reach, observer.slope))
+        };
+        let ((well, _), (badly, slope)) = (reach(0.01), reach(1.0));
+        // 1 mm over 2 % of 6 bar.
+        assert!(badly > 1.0 && badly <= slope / (1.0 / 0.12), "{badly}, {slope} mm/bar");
+        assert!(well > 2.0 * badly, "{well}, {badly}");
     }
 
     #[test]

@@ -214,7 +214,9 @@ impl Task<'_> {
     /// The feedback with the observer by which a disturbance is taken back the fastest where that is
     /// slowest, and nowhere slower than without one; without one where that gains nothing.
     fn observed(&self) -> Option<Feedback> {
+        // No slope is counted on that is flatter than it is known.
         let flattest = self.slopes.iter().map(|slope| slope.turned).fold(f64::INFINITY, f64::min);
+        let flattest = flattest.max(self.knowledge.slope_error);
         let slope = self.steepest();
         let reaches = (0..REACHES).map(|step| slope / flattest * REACH_STEP.powi(step as i32));
         let growths = reaches.filter(|reach| *reach > 1.0).map(|reach| Growth { slope, reach });

@@ -214,12 +214,12 @@ impl Task<'_> {
     /// The feedback with the observer by which a disturbance is taken back the fastest where that is
     /// slowest, and nowhere slower than without one; without one where that gains nothing.
     fn observed(&self) -> Option<Feedback> {
-        // No slope is counted on that is flatter than it is known.
         let flattest = self.slopes.iter().map(|slope| slope.turned).fold(f64::INFINITY, f64::min);
-        let flattest = flattest.max(self.knowledge.slope_error);
         let slope = self.steepest();
         let reaches = (0..REACHES).map(|step| slope / flattest * REACH_STEP.powi(step as i32));
-        let growths = reaches.filter(|reach| *reach > 1.0).map(|reach| Growth { slope, reach });
+        // No slope is counted on that is flatter than slopes are known to.
+        let is_known = |reach: &f64| *reach > 1.0 && reach * self.knowledge.slope_error <= slope;
+        let growths = reaches.filter(is_known).map(|reach| Growth { slope, reach });
         let alone = self.best(None)?;
         let others = growths.filter_map(|growth| self.best(Some(growth)));
         let no_slower = others.filter(|other| LIMITS * other.ki >= alone.ki);

@@ -11,6 +11,9 @@ use crate::PERIOD_S;
 /// lowest to its highest point. Unit: s.
 const SWEEP_S: f64 = 20.0;
 
+/// Of so many samples the middle one counts: a twentieth of a second. Unit: tick.
+const MEDIAN: usize = 50;
+
 /// Where a model comes back to, and how far it goes. Unit: mm.
 pub fn of_model(model: &ModelFile) -> (f64, f64) {
     let (low, high) = ends(model);
@@ -26,17 +29,22 @@ pub fn of_model(model: &ModelFile) -> (f64, f64) {
 pub fn of_plant(subject: &Subject, model: &ModelFile) -> (f64, f64) {
     let (low, high) = ends(model);
     let mut plant = subject.plant(false);
-    let mut reached = (f64::INFINITY, f64::NEG_INFINITY);
-    for tick in 0..(4.0 * SWEEP_S / PERIOD_S) as usize {
-        let time_s = tick as f64 * PERIOD_S;
-        let share = 1.0 - ((time_s / SWEEP_S).rem_euclid(2.0) - 1.0).abs();
-        plant.step(low + share * (high - low), if tick == 0 { 0.0 } else { PERIOD_S });
-        if time_s > SWEEP_S {
-            let mm = plant.exact_mm();
-            reached = (reached.0.min(mm), reached.1.max(mm));
-        }
-    }
-    reached
+    let mut seen_mm: Vec<f64> = (0..(4.0 * SWEEP_S / PERIOD_S) as usize)
+        .map(|tick| {
+            let time_s = tick as f64 * PERIOD_S;
+            let share = 1.0 - ((time_s / SWEEP_S).rem_euclid(2.0) - 1.0).abs();
+            plant.step(low + share * (high - low), if tick == 0 { 0.0 } else { PERIOD_S });
+            plant.exact_mm()
+        })
+        .collect();
+    let contracted = seen_mm.split_off((SWEEP_S / PERIOD_S) as usize);
+    // An outlier of the sensor is no contraction.
+    let middles = contracted.chunks(MEDIAN).map(|chunk| {
+        let mut sorted = chunk.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        sorted[sorted.len() / 2]
+    });
+    middles.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), mm| (least.min(mm), most.max(mm)))
 }
 
 /// The ends of the command. Unit: bar.

@@ -4,10 +4,10 @@
 //! and over any window the mean of b − a is θ times how far a went, over the window's length. So θ
 //! is found by least squares of the first on the second, in windows that are long beside the noise.
 //! Beside it stand what a wrong model of the hysteresis leaves, which changes with the direction
-//! and with the place: a polynomial of the place for either direction. The standard error is that of
-//! the jackknife over blocks of time, since neighbouring windows are off alike. Under an input of
-//! one speed the direction and a delay look alike in such windows: then, and where they show less,
-//! the lateness of the muscle is what its turns show ([`crate::transients`]).
+//! and with the place: a polynomial of the place for either direction. The standard error is that
+//! of the jackknife over blocks of time, since neighbouring windows are off alike. Under an input
+//! of one speed the direction and a delay look alike in such windows: then, and where they show
+//! less, the lateness of the muscle is what its turns show ([`crate::transients`]).
 
 use crate::model_file::ModelFile;
 use crate::model_file::control::{Late, Recorded, SeenValve};

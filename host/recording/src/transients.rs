@@ -143,8 +143,8 @@ mod tests {
     /// Of all triangles. Unit: s.
     const PERIOD_S: f64 = 8.0;
 
-    /// What a minute of triangles of one speed shows of a muscle that answers so much later (s) than
-    /// a model with plays of the same weight, some of which are so much wider than the model's.
+    /// What a minute of triangles of one speed shows of a muscle that answers so much later (s)
+    /// than a model with plays of the same weight, one of which is so much wider in the muscle.
     fn seen(late_s: f64, wider: f64) -> Late {
         let time_s = times(6000, 0.01);
         let answer = |late_s: f64, wider: f64| -> Vec<f64> {

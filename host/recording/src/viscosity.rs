@@ -1,11 +1,12 @@
 //! How much of a model's viscosity, and of the mass beside it, may be a dead time in truth.
 //!
 //! A viscous muscle and one behind a line follow a steady move equally late, and differ where they
-//! turn round or begin to move ([`crate::transients`]); with a mass beside the viscosity they differ
-//! even less. A diagnosis that takes one for the other is right in the mean lateness, and a loop
-//! that is tuned for a lag swings with a dead time. So the recording is simulated with shares of
-//! viscosity and mass, each with the lateness that fits it best. What is not excluded is told: the least share whose squared error is not larger than the least
-//! one by more than two standard errors of the difference, over blocks of time.
+//! turn round or begin to move ([`crate::transients`]); with a mass beside the viscosity they
+//! differ even less. A diagnosis that takes one for the other is right in the mean lateness, and a
+//! loop that is tuned for a lag swings with a dead time. So the recording is simulated with shares
+//! of viscosity and mass, each with the lateness that fits it best. What is not excluded is told:
+//! the least share whose squared error is not larger than the least one by more than two standard
+//! errors of the difference, over blocks of time.
 
 use model_core::extension::profile::PROFILE_KNOTS;
 use model_core::{List, ParameterError};
@@ -24,8 +25,8 @@ const ERRORS: f64 = 2.0;
 /// parabola to parabola.
 const APART: [f64; 3] = [0.5, 0.2, 0.05];
 
-/// The least share of a model's viscosity and mass that a recording does not exclude, where it is less than
-/// the whole. `simulated` is what the model answers.
+/// The least share of a model's viscosity and mass that a recording does not exclude, where it is
+/// less than the whole. `simulated` is what the model answers.
 ///
 /// # Errors
 /// The model is none.
@@ -167,5 +168,18 @@ mod tests {
         let rows = Rows { time_s: &time_s, input: &time_s, load: None, temperature: None };
         let seen = Transients { time_s: &time_s, scored: &scored, output: &time_s };
         assert_eq!(split(&file(""), &rows, &time_s, &seen).expect("valid"), None);
+    }
+
+    #[test]
+    fn a_model_file_keeps_what_may_be_a_dead_time() {
+        let shown = "[recorded]\nstep_s = 0.005\nnoise_mm = 0.01\nsteeper = 1.2\nlate_s = 0.0\nlate_error_s = 0.001\n";
+        let split = |keys: &str| {
+            let read = file(&format!("{shown}{keys}"));
+            let again = ModelFile::parse(Path::new("model.toml"), &read.to_toml()).expect("valid");
+            again.recorded.expect("there").split
+        };
+        let kept = split("viscosity_least = 0.25\nviscosity_late_s = 0.03\n");
+        assert_eq!(kept, Some(Split { share: 0.25, late_s: 0.03 }));
+        assert_eq!(split(""), None, "files of earlier versions do not say it");
     }
 }

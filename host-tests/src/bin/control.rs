@@ -10,6 +10,7 @@ use host_tests::control::controller::{Controller, Tunings};
 use host_tests::control::course::{Converter, Setting, run};
 use host_tests::control::drift::{self, Drifted};
 use host_tests::control::known::{Desk, model};
+use host_tests::control::reach;
 use host_tests::control::reference::Course;
 use host_tests::control::score::{Score, score};
 use host_tests::control::sensitivity::largest;
@@ -114,9 +115,20 @@ impl Ready {
     }
 
     fn run(&self, controller: Controller, course: Course, correction_mm: &[f64]) -> Result<Scored> {
+        self.run_within(self.range_mm(), controller, course, correction_mm)
+    }
+
+    /// With a reference between these contractions (mm).
+    fn run_within(
+        &self,
+        range_mm: (f64, f64),
+        controller: Controller,
+        course: Course,
+        correction_mm: &[f64],
+    ) -> Result<Scored> {
         let parameters = controller.parameters(&self.model, &self.tunings)?;
         let tracking = Tracking::try_new(&parameters)?;
-        let reference_mm = course.points(self.range_mm());
+        let reference_mm = course.points(range_mm);
         let setting = Setting {
             tracking: &tracking,
             mode: controller.mode(),
@@ -337,6 +349,10 @@ struct Outcome {
     measured: f64,
     /// On each course, beside that with the fixed gains. Percent of stroke.
     rmse: Vec<(f64, f64)>,
+    /// The same on the first course between where the model comes back to and its highest.
+    within: (f64, f64),
+    /// What of the first course the plant does not reach, by whatever controller. Percent of stroke.
+    beyond: f64,
     /// What is left of the error of the first course after all passes, with the best of them.
     left: f64,
 }
@@ -405,17 +421,28 @@ fn summary(done: &[&Outcome]) {
         left[left.len() / 2],
         left[left.len() - 1]
     );
-    for (k, course) in COURSES.iter().enumerate() {
-        let mut ratios: Vec<f64> = done.iter().map(|outcome| outcome.rmse[k].0 / outcome.rmse[k].1).collect();
+    let beyond = done.iter().map(|outcome| outcome.beyond).fold(0.0, f64::max);
+    println!(
+        "beyond what the plant reaches, {}: in {} of {}, RMSE of at most {beyond:.2} % of stroke",
+        COURSES[0].name(),
+        count(&|outcome| outcome.beyond > 0.0),
+        done.len()
+    );
+    let ratios = |name: &str, of: &dyn Fn(&Outcome) -> (f64, f64)| {
+        let mut ratios: Vec<f64> =
+            done.iter().map(|outcome| of(outcome)).map(|(ours, fixed)| ours / fixed).collect();
         ratios.sort_by(f64::total_cmp);
         println!(
-            "RMSE over that of fixed gains, {}: median {:.3}, largest {:.3}; worse in {} of {}",
-            course.name(),
+            "RMSE over that of fixed gains, {name}: median {:.3}, largest {:.3}; worse in {} of {}",
             ratios[ratios.len() / 2],
             ratios[ratios.len() - 1],
             ratios.iter().filter(|ratio| **ratio > 1.0).count(),
             ratios.len()
         );
+    };
+    ratios(&format!("{} from where the model comes back to", COURSES[0].name()), &|outcome| outcome.within);
+    for (k, course) in COURSES.iter().enumerate() {
+        ratios(&course.name(), &|outcome| outcome.rmse[k]);
     }
 }
 
@@ -423,13 +450,15 @@ impl Outcome {
     fn line(&self) -> String {
         let ratios: Vec<String> =
             self.rmse.iter().map(|(ours, fixed)| format!("{ours:.3}/{fixed:.3}")).collect();
+        let (within, fixed) = self.within;
         format!(
-            "{} sensitivity {:.2} of {:.2} promised; RMSE beside that of fixed gains, % of stroke: {}; {:.2} of the first one \
-             after {PASSES} passes",
+            "{} sensitivity {:.2} of {:.2} promised; RMSE beside that of fixed gains, % of stroke: {}; the first one within \
+             reach {within:.3}/{fixed:.3}, beyond it {:.3}; {:.2} of the first one after {PASSES} passes",
             if self.is_stable { "stable," } else { "UNSTABLE," },
             self.measured,
             self.promised,
             ratios.join(" "),
+            self.beyond,
             self.left
         )
     }
@@ -449,5 +478,10 @@ fn outcome(ready: &Ready, controller: Controller) -> Result<Outcome> {
     let best = passes.iter().map(|pass| pass.rmse).fold(f64::INFINITY, f64::min);
     let left = best / passes[0].rmse;
     let promised = controller.tuning(&ready.tunings).maximum_sensitivity;
-    Ok(Outcome { is_stable, promised, measured, rmse, left })
+    let within = |controller| ready.run_within(reach::of_model(&ready.model), controller, COURSES[0], &[]);
+    let within = (within(controller)?.score.rmse, within(Controller::Fixed)?.score.rmse);
+    let reference_mm = &COURSES[0].points(ready.range_mm())[Course::from_tick()..];
+    let reached_mm = reach::of_plant(&ready.subject, &ready.model);
+    let beyond = 100.0 * reach::beyond_mm(reference_mm, reached_mm) / ready.model.stroke();
+    Ok(Outcome { is_stable, promised, measured, rmse, within, beyond, left })
 }

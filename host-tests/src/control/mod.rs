@@ -5,6 +5,7 @@
 //! | [`subject`] | the plants: the rig, and the zoo's |
 //! | [`known`] | what the desk makes of a plant's recording: a model, extended, with what it shows of time |
 //! | [`mod@reference`] | what is to be tracked |
+//! | [`reach`] | how much of that a muscle reaches |
 //! | [`course`] | one run of the control code with a plant, tick by tick |
 //! | [`controller`] | the controllers that are compared, from the paper's PID to learning |
 //! | [`drift`] | half an hour of a muscle that warms up, with and without adaptation |
@@ -19,6 +20,7 @@ pub mod controller;
 pub mod course;
 pub mod drift;
 pub mod known;
+pub mod reach;
 pub mod reference;
 pub mod score;
 pub mod sensitivity;

@@ -4,17 +4,18 @@
 //! and over any window the mean of b − a is θ times how far a went, over the window's length. So θ
 //! is found by least squares of the first on the second, in windows that are long beside the noise.
 //! Beside it stand what a wrong model of the hysteresis leaves, which changes with the direction
-//! and with the place: a polynomial of the place for either direction. Under an input of one speed
-//! the direction and a delay look alike, but for what the model gets wrong from branch to branch:
-//! then the lateness of the muscle is open, and the standard error says so. It is that of the
-//! jackknife over blocks of time, since neighbouring windows are off alike.
+//! and with the place: a polynomial of the place for either direction. The standard error is that
+//! of the jackknife over blocks of time, since neighbouring windows are off alike. Under an input
+//! of one speed the direction and a delay look alike in such windows: then, and where they show
+//! less, the lateness of the muscle is what its turns show ([`crate::transients`]).
 
 use crate::model_file::ModelFile;
 use crate::model_file::control::{Late, Recorded, SeenValve};
 use crate::noise;
 use crate::numbers::range;
 use crate::simulation::Rows;
-use crate::valve_order;
+use crate::transients::Transients;
+use crate::{valve_order, viscosity};
 use model_core::ParameterError;
 use thiserror::Error;
 
@@ -72,7 +73,12 @@ pub fn recorded(file: &ModelFile, recording: &Recording<'_>) -> Result<Recorded,
     let kept = |values: &[f64]| -> Vec<f64> {
         values.iter().zip(scored).filter(|(_, scored)| **scored).map(|(value, _)| *value).collect()
     };
+    let seen = Transients { time_s: rows.time_s, scored, output };
     let floor = noise::floor(&kept(rows.time_s), &kept(output));
+    let open = Late { mean_s: 0.0, error_s: OPEN_S };
+    let late_s = has_speeds(rows.time_s, scored, rows.input)
+        .then(|| late(rows.time_s, scored, &simulated, output, Between::Line));
+    let surer = |one: Late, other: Late| if other.error_s < one.error_s { other } else { one };
     let valve = command.map(|command| {
         let lag_s = file.extensions.valve_lag.map_or(0.0, |lag| lag.time_constant_s);
         let expected = lagged(rows.time_s, command, lag_s);
@@ -84,11 +90,8 @@ pub fn recorded(file: &ModelFile, recording: &Recording<'_>) -> Result<Recorded,
         step_s: noise::steps(rows.time_s).0,
         noise: floor.deviation,
         steeper: steeper((scored, &simulated, output), floor.deviation),
-        late: if has_speeds(rows.time_s, scored, rows.input) {
-            late(rows.time_s, scored, &simulated, output, Between::Line)
-        } else {
-            Late { mean_s: 0.0, error_s: OPEN_S }
-        },
+        late: late_s.into_iter().chain(seen.late(&simulated, floor.deviation)).fold(open, surer),
+        split: viscosity::split(file, &rows, &simulated, &seen)?,
         valve,
     })
 }
@@ -318,6 +321,7 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synthetic::{Noise, times, triangles};
 
     /// Ten times 10 s, at speeds from one to four, as seen `late_s` later, in a loop that is
     /// `wider` and with even noise of 0.03.
@@ -362,6 +366,26 @@ mod tests {
         assert!(!has_speeds(&time_s, &scored, &triangles(1.0)));
         assert!(has_speeds(&time_s, &scored, &triangles(2.2)));
         assert_eq!(seen(0.02, 0.5, false).error_s, OPEN_S);
+    }
+
+    #[test]
+    fn at_one_speed_the_turns_of_a_recording_show_a_delay() {
+        let text = include_str!("../../../examples/paper-tables-1-2.toml");
+        let file = ModelFile::parse(std::path::Path::new("model.toml"), text).expect("valid");
+        let (time_s, mut noise) = (times(6000, 0.01), Noise::new(5));
+        let input = |late_s: f64| -> Vec<f64> {
+            time_s.iter().map(|time_s| triangles((time_s - late_s).max(0.0), 8.0)).collect()
+        };
+        let answer = |input: &[f64]| {
+            let rows = Rows { time_s: &time_s, input, load: None, temperature: None };
+            rows.answer(&file.extended().expect("valid")).expect("finite")
+        };
+        let output: Vec<f64> = answer(&input(0.03)).iter().map(|value| value + noise.white(0.03)).collect();
+        let (input, scored) = (input(0.0), vec![true; time_s.len()]);
+        let rows = Rows { time_s: &time_s, input: &input, load: None, temperature: None };
+        let recording = Recording { rows, scored: &scored, output: &output, command: None };
+        let Late { mean_s, error_s } = recorded(&file, &recording).expect("finite").late;
+        assert!((mean_s - 0.03).abs() < 0.002 && error_s < 0.002, "{mean_s} s, {error_s} s");
     }
 
     #[test]

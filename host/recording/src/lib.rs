@@ -30,9 +30,11 @@ pub mod simulation;
 #[cfg(test)]
 mod synthetic;
 pub mod table;
+mod transients;
 pub mod turning;
 pub mod unit;
 pub mod valve_order;
+mod viscosity;
 pub mod worth;
 
 pub use joined::Rest;

@@ -5,6 +5,7 @@ use recording::model_file::control::{Late, Recorded, SeenValve};
 use recording::valve_order::FLAT;
 
 use crate::response::{Dynamics, Unknown};
+use crate::slopes::DRIVEN;
 
 /// Share by which a valve's lag, a natural frequency or a viscosity may differ from what was found: the bound
 /// that the game of hidden causes holds the diagnosis to (docs/game.md).
@@ -29,6 +30,8 @@ pub struct Knowledge {
     pub lag_s: f64,
     /// Standard deviation of the contraction's noise. Output unit.
     pub noise: f64,
+    /// To what a slope of the model is known. Unit: output unit/input unit.
+    pub slope_error: f64,
     /// What had to be assumed, a sentence each.
     pub assumptions: Vec<String>,
 }
@@ -42,6 +45,15 @@ fn known(late: &Late) -> f64 {
 fn open(late: &Late) -> f64 {
     // Nothing comes earlier than its cause.
     (late.mean_s - known(late)).max(0.0) + ERRORS * late.error_s
+}
+
+/// What the model is off by, over the stretch that its slopes are taken over: where it answers less
+/// than that, as behind a turn in the dead band of a valve that nobody has named, nobody knows how
+/// flat the muscle is. Unit: output unit/input unit; 0 of a model without a recording.
+fn slope_error(file: &ModelFile) -> f64 {
+    let (low, high) = file.parameters.input();
+    let misfit = file.identification.as_ref().map_or(0.0, |identification| identification.training.rmse);
+    misfit / (DRIVEN * (high - low))
 }
 
 impl Knowledge {
@@ -127,17 +139,21 @@ impl Knowledge {
                     .to_owned(),
             );
         }
+        let split = file.recorded.and_then(|recorded| recorded.split);
+        let split = split.map_or((1.0, 0.0), |split| (split.share, split.late_s));
         Self {
             dynamics,
             unknown: Unknown {
                 slope: file.recorded.map_or(1.0, |recorded| recorded.steeper.max(1.0)),
                 late_s,
+                split,
                 orders,
                 lag: SHARE,
                 frequency: SHARE,
                 viscosity: SHARE,
             },
             lag_s,
+            slope_error: slope_error(file),
             noise: file.recorded.map_or(0.0, |recorded| recorded.noise),
             assumptions,
         }
@@ -149,7 +165,8 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::tune;
+    use crate::margins::margins;
+    use crate::{SENSITIVITY, feedback, tune};
 
     const PAPER: &str = include_str!("../../../examples/paper-tables-1-2.toml");
 
@@ -182,6 +199,44 @@ mod tests {
         };
         let dynamics = of(&later((0.0, 0.0), 0.0));
         assert!((dynamics.known_lag_s() - 0.06).abs() < 1e-9 && dynamics.delay_s == 0.0, "{dynamics:?}");
+    }
+
+    #[test]
+    fn a_loop_keeps_its_margins_with_a_viscosity_that_may_be_a_dead_time() {
+        let of = |split: &str| {
+            let text = format!(
+                "{PAPER}\n[extensions.viscous_lag]\nknots_mm = [50.0]\nviscosity_bar_s_per_mm = [0.003]\n[recorded]\n\
+                 step_s = 0.005\nnoise_mm = 0.01\nsteeper = 1.2\nlate_s = 0.0\nlate_error_s = 0.0005\n{split}"
+            );
+            let file = ModelFile::parse(Path::new("model.toml"), &text).expect("valid");
+            tune(&file, 1e-3, Some(0.02), false).expect("safe")
+        };
+        let (viscous, open) = (of(""), of("viscosity_least = 0.5\nviscosity_late_s = 0.04\n"));
+        assert!(open.tuning.maximum_sensitivity <= SENSITIVITY, "{:?}", open.tuning);
+        let told = feedback(&viscous.tuning);
+        let found = margins(&open.view.plants(&told), &told);
+        assert!(found.maximum_sensitivity > SENSITIVITY, "{found:?}");
+        assert!(open.tuning.ki < viscous.tuning.ki, "{:?}, {:?}", open.tuning, viscous.tuning);
+    }
+
+    #[test]
+    fn an_observer_counts_on_no_slope_that_is_flatter_than_the_model_is_off() {
+        let reach = |rmse: f64| {
+            let text = format!(
+                "{PAPER}\n[identification]\nrecording = \"rec.csv\"\nsha256 = \"{}\"\ntool = \"mgpi\"\nscored_rows = 6000\n\
+                 stroke_mm = 120.0\nstarts = 8\ntermination = \"converged\"\n[identification.training]\n\
+                 rmse_mm = {rmse:?}\nmae_mm = {rmse:?}\nmax_error_mm = {rmse:?}\n[identification.standard_errors]\n\
+                 [recorded]\nstep_s = 0.005\nnoise_mm = 0.001\nsteeper = 1.2\nlate_s = 0.0\nlate_error_s = 0.02\n",
+                "0".repeat(64)
+            );
+            let file = ModelFile::parse(Path::new("model.toml"), &text).expect("valid");
+            let observer = tune(&file, 1e-3, Some(0.02), true).expect("safe").tuning.observer;
+            observer.map_or((1.0, 0.0), |observer| (observer.reach, observer.slope))
+        };
+        let ((well, _), (badly, slope)) = (reach(0.01), reach(1.0));
+        // 1 mm over 2 % of 6 bar.
+        assert!(badly > 1.0 && badly <= slope / (1.0 / 0.12), "{badly}, {slope} mm/bar");
+        assert!(well > 2.0 * badly, "{well}, {badly}");
     }
 
     #[test]

@@ -101,6 +101,8 @@ pub struct Corner {
     pub frequency: f64,
     /// Its viscosity over the known one.
     pub viscosity: f64,
+    /// The share of viscosity and mass that is there at all.
+    pub motion: f64,
     /// Its lag at a speed, where its width depends on the rate. Unit: s.
     pub sliding_s: f64,
 }
@@ -182,7 +184,8 @@ impl Dynamics {
         let s = Complex::new(0.0, omega);
         let (viscous, mass) = self.motion(corner.contraction, corner.slope);
         let faster = corner.frequency;
-        let motion = 1.0 + viscous * corner.viscosity / faster * s + mass / (faster * faster) * s * s;
+        let motion = viscous * corner.viscosity / faster * s + mass / (faster * faster) * s * s;
+        let motion = 1.0 + corner.motion * motion;
         // A command is held until the next one.
         let late_s = self.delay_s + corner.late_s + 0.5 * self.period_s;
         let lag = |lag_s: f64| 1.0 + s * lag_s + corner.order * lag_s * lag_s * s * s;
@@ -264,6 +267,9 @@ pub struct Unknown {
     pub slope: f64,
     /// Dead time that may be there. Unit: s.
     pub late_s: f64,
+    /// The least share of viscosity and mass that may be there, and the dead time (s) that then is
+    /// in the place of the rest.
+    pub split: (f64, f64),
     /// The least and the largest share q of a valve of second order.
     pub orders: (f64, f64),
     /// By which share the valve's lag may be longer or shorter.
@@ -276,8 +282,15 @@ pub struct Unknown {
 
 impl Unknown {
     /// All is known.
-    pub const NOTHING: Self =
-        Self { slope: 1.0, late_s: 0.0, orders: (0.0, 0.0), lag: 0.0, frequency: 0.0, viscosity: 0.0 };
+    pub const NOTHING: Self = Self {
+        slope: 1.0,
+        late_s: 0.0,
+        split: (1.0, 0.0),
+        orders: (0.0, 0.0),
+        lag: 0.0,
+        frequency: 0.0,
+        viscosity: 0.0,
+    };
 }
 
 /// All ways in which a plant with these slopes and dynamics may be.
@@ -303,6 +316,12 @@ pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<
     let factor = unknown.slope;
     // Beside a mass the loop swings more with less viscosity; without one it is later with more.
     let viscosity = if has_mass { 1.0 - unknown.viscosity } else { 1.0 + unknown.viscosity };
+    let mut lates: Vec<(f64, f64)> = lates.into_iter().map(|late_s| (late_s, 1.0)).collect();
+    // What is less of the one is more of the other.
+    let (share, split_s) = unknown.split;
+    if share < 1.0 {
+        lates.push((unknown.late_s + split_s, share));
+    }
     let mut all = Vec::new();
     for at in slopes {
         let (driven, turned) = (at.driven, at.turned);
@@ -320,7 +339,7 @@ pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<
             }
         }
         for (slope, ratio, sliding_s) in ways {
-            for &late_s in &lates {
+            for &(late_s, motion) in &lates {
                 for &lag in &lags {
                     for &unseen_lag in &unseen_lags {
                         for &order in &orders {
@@ -335,6 +354,7 @@ pub fn corners(slopes: &[Slope], unknown: &Unknown, dynamics: &Dynamics) -> Vec<
                                     order,
                                     frequency,
                                     viscosity,
+                                    motion,
                                     sliding_s,
                                 });
                             }

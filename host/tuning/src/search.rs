@@ -217,7 +217,9 @@ impl Task<'_> {
         let flattest = self.slopes.iter().map(|slope| slope.turned).fold(f64::INFINITY, f64::min);
         let slope = self.steepest();
         let reaches = (0..REACHES).map(|step| slope / flattest * REACH_STEP.powi(step as i32));
-        let growths = reaches.filter(|reach| *reach > 1.0).map(|reach| Growth { slope, reach });
+        // No slope is counted on that is flatter than slopes are known to.
+        let is_known = |reach: &f64| *reach > 1.0 && reach * self.knowledge.slope_error <= slope;
+        let growths = reaches.filter(is_known).map(|reach| Growth { slope, reach });
         let alone = self.best(None)?;
         let others = growths.filter_map(|growth| self.best(Some(growth)));
         let no_slower = others.filter(|other| LIMITS * other.ki >= alone.ki);
@@ -254,7 +256,10 @@ impl Task<'_> {
         };
         let mut all = vec![
             (Limit::Delay, larger(&|knowledge| knowledge.dynamics.delay_s = 0.0)),
-            (Limit::UnseenDelay, larger(&|knowledge| knowledge.unknown.late_s = 0.0)),
+            (
+                Limit::UnseenDelay,
+                larger(&|knowledge| (knowledge.unknown.late_s, knowledge.unknown.split) = (0.0, (1.0, 0.0))),
+            ),
             (
                 Limit::Valve,
                 larger(&|knowledge| {

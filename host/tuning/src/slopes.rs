@@ -14,7 +14,7 @@ pub(crate) const PLACES: usize = 8;
 /// Speeds at which a driven muscle is looked at.
 pub(crate) const SWEEPS: usize = 3;
 /// What a driven slope is taken over, as a share of the input's range: wider than a knot.
-const DRIVEN: f64 = 0.02;
+pub(crate) const DRIVEN: f64 = 0.02;
 /// What a turned slope is taken over: less than any play is wide.
 const TURNED: f64 = 1e-4;
 

@@ -15,6 +15,7 @@ use crate::valve_order::FLAT;
 
 const RECORDED: &str = "recorded";
 const SECOND: [&str; 2] = ["valve_second_order_least", "valve_second_order_most"];
+const SPLIT: [&str; 2] = ["viscosity_least", "viscosity_late_s"];
 const TUNING: &str = "tuning";
 
 /// How much later than predicted something came, as a mean over its movements.
@@ -37,8 +38,19 @@ pub struct Recorded {
     pub steeper: f64,
     /// The output behind what the model answers.
     pub late: Late,
+    /// How much of the model's viscosity and mass may be a dead time; None where nothing of it may.
+    pub split: Option<Split>,
     /// The valve; None where not both command and pressure were recorded.
     pub valve: Option<SeenValve>,
+}
+
+/// What of a viscosity, and of a mass beside it, a recording does not tell from a dead time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// The least share of the model's viscosity and mass that is not excluded. Unit: 1.
+    pub share: f64,
+    /// The dead time that stands in the place of the rest. Unit: s.
+    pub late_s: f64,
 }
 
 /// What a recording shows of a valve.
@@ -118,6 +130,10 @@ impl Recorded {
                 put(format!("{name}_error_s"), late.error_s);
             }
         }
+        if let Some(Split { share, late_s }) = self.split {
+            put(SPLIT[0].into(), share);
+            put(SPLIT[1].into(), late_s);
+        }
         if let Some(SeenValve { shares: (low, high), .. }) = self.valve {
             put(SECOND[0].into(), low);
             put(SECOND[1].into(), high);
@@ -138,6 +154,12 @@ impl Recorded {
             noise: not_negative(&mut section, &format!("noise_{}", names.output.suffix()))?,
             steeper: positive(&mut section, "steeper")?,
             late: late(&mut section, "late")?,
+            split: if section.has(SPLIT[0]) {
+                let share = not_negative(&mut section, SPLIT[0])?;
+                Some(Split { share, late_s: not_negative(&mut section, SPLIT[1])? })
+            } else {
+                None
+            },
             valve: if section.has("valve_late_s") {
                 let late = late(&mut section, "valve_late")?;
                 // Files of earlier versions do not say it.

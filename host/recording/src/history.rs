@@ -106,8 +106,8 @@ fn known_from(input: &[f64]) -> Option<usize> {
     (at_low.min(at_high) > 0).then(|| at_low.max(at_high))
 }
 
-/// The first sample at which the muscle has come to where the first hold of the input takes it; None
-/// where it begins there.
+/// The first sample at which the muscle has come to where the first hold of the input takes it;
+/// None where it begins there.
 fn settled_from(input: &[f64], output: &[f64]) -> Option<usize> {
     let stays = 2.0 * LARGEST * noise(input);
     let held = input.iter().take_while(|&x| (x - input[0]).abs() <= stays).count();
@@ -167,8 +167,8 @@ mod tests {
         assert_eq!(UnknownPast::take_out(&times(1600, 1.0), &input, &input, &mut [true; 1600]), None);
     }
 
-    /// What is taken out of stairs of 100 samples between 4 and 0, whose output follows the first of
-    /// them from there, with a lag of so many samples.
+    /// What is taken out of stairs of 100 samples between 4 and 0, whose output follows the first
+    /// of them from there, with a lag of so many samples.
     fn stairs(from: f64, lag: f64) -> Option<UnknownPast> {
         let input: Vec<f64> = (0..1000).map(|sample| 4.0 - f64::from(sample / 100 % 5)).collect();
         let on_the_way = |sample: usize| (from - 40.0) * (-(sample as f64) / lag).exp();

@@ -1,15 +1,17 @@
-//! How much of a model's viscosity, and of the mass beside it, may be a dead time in truth.
+//! How much of a model's viscosity may be a dead time in truth.
 //!
 //! A viscous muscle and one behind a line follow a steady move equally late, and differ where they
-//! turn round or begin to move ([`crate::transients`]); with a mass beside the viscosity they
-//! differ even less. A diagnosis that takes one for the other is right in the mean lateness, and a
-//! loop that is tuned for a lag swings with a dead time. So the recording is simulated with shares
-//! of viscosity and mass, each with the lateness that fits it best. What is not excluded is told:
-//! the least share whose squared error is not larger than the least one by more than two standard
-//! errors of the difference, over blocks of time.
+//! turn round or begin to move ([`crate::transients`]). A diagnosis that takes one for the other is
+//! right in the mean lateness, and a loop that is tuned for a lag swings with a dead time. So the
+//! recording is simulated with shares of the viscosity, each with the lateness that fits it best.
+//! What is not excluded is told: the least share whose squared error is not larger than the least
+//! one by more than two standard errors of the difference, over blocks of time.
+//!
+//! # Limits
+//! A viscosity that damps a mass is taken as it is: it is seen by what the mass overshoots, which
+//! no dead time makes.
 
-use model_core::extension::profile::PROFILE_KNOTS;
-use model_core::{List, ParameterError};
+use model_core::ParameterError;
 
 use crate::model::HostExtendedModel;
 use crate::model_file::ModelFile;
@@ -25,7 +27,7 @@ const ERRORS: f64 = 2.0;
 /// parabola to parabola.
 const APART: [f64; 3] = [0.5, 0.2, 0.05];
 
-/// The least share of a model's viscosity and mass that a recording does not exclude, where it is
+/// The least share of a model's viscosity that a recording does not exclude, where it is
 /// less than the whole. `simulated` is what the model answers.
 ///
 /// # Errors
@@ -37,18 +39,14 @@ pub(crate) fn split(
     seen: &Transients<'_>,
 ) -> Result<Option<Split>, ParameterError> {
     let acting = file.acting();
-    if acting.viscous_lag.is_none() {
+    if acting.viscous_lag.is_none() || acting.inertia.is_some() {
         return Ok(None);
     }
     let answer = |share: f64| -> Result<Option<Vec<f64>>, ParameterError> {
         let mut extensions = acting.clone();
-        for effect in [&mut extensions.viscous_lag, &mut extensions.inertia] {
-            let less =
-                |values: &mut List<f64, PROFILE_KNOTS>| values.iter_mut().for_each(|value| *value *= share);
-            match effect {
-                Some(profile) if share > 0.0 => less(&mut profile.values),
-                _ => *effect = None,
-            }
+        match &mut extensions.viscous_lag {
+            Some(viscous) if share > 0.0 => viscous.values.iter_mut().for_each(|value| *value *= share),
+            viscous => *viscous = None,
         }
         Ok(rows.answer(&HostExtendedModel::try_new(&file.parameters, &extensions)?).ok())
     };

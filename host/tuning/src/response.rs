@@ -101,7 +101,7 @@ pub struct Corner {
     pub frequency: f64,
     /// Its viscosity over the known one.
     pub viscosity: f64,
-    /// The share of viscosity and mass that is there at all.
+    /// The share of the viscosity that is there at all.
     pub motion: f64,
     /// Its lag at a speed, where its width depends on the rate. Unit: s.
     pub sliding_s: f64,
@@ -267,7 +267,7 @@ pub struct Unknown {
     pub slope: f64,
     /// Dead time that may be there. Unit: s.
     pub late_s: f64,
-    /// The least share of viscosity and mass that may be there, and the dead time (s) that then is
+    /// The least share of the viscosity that may be there, and the dead time (s) that then is
     /// in the place of the rest.
     pub split: (f64, f64),
     /// The least and the largest share q of a valve of second order.

@@ -38,16 +38,16 @@ pub struct Recorded {
     pub steeper: f64,
     /// The output behind what the model answers.
     pub late: Late,
-    /// How much of the model's viscosity and mass may be a dead time; None where nothing of it may.
+    /// How much of the model's viscosity may be a dead time; None where nothing of it may.
     pub split: Option<Split>,
     /// The valve; None where not both command and pressure were recorded.
     pub valve: Option<SeenValve>,
 }
 
-/// What of a viscosity, and of a mass beside it, a recording does not tell from a dead time.
+/// What of a viscosity a recording does not tell from a dead time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
-    /// The least share of the model's viscosity and mass that is not excluded. Unit: 1.
+    /// The least share of the model's viscosity that is not excluded. Unit: 1.
     pub share: f64,
     /// The dead time that stands in the place of the rest. Unit: s.
     pub late_s: f64,

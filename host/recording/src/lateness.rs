@@ -7,7 +7,7 @@
 //! and with the place: a polynomial of the place for either direction. The standard error is that
 //! of the jackknife over blocks of time, since neighbouring windows are off alike. Under an input
 //! of one speed the direction and a delay look alike in such windows: then, and where they show
-//! less, the lateness of the muscle is what its turns show ([`crate::transients`]).
+//! less, the lateness of the muscle is what its turns show (`transients`).
 
 use crate::model_file::ModelFile;
 use crate::model_file::control::{Late, Recorded, SeenValve};

@@ -5,7 +5,7 @@
 
 use super::basis::{Basis, Seen};
 use super::signals::Signals;
-use recording::numbers::root_mean_square;
+use recording::numbers::{NORMAL_MEDIAN, root_mean_square};
 
 /// Rows that are compared, at most.
 const ROWS: usize = 1500;
@@ -20,8 +20,6 @@ const USUAL: f64 = 0.9;
 const RARE: f64 = 0.98;
 /// What nine of ten differ by counts as at most so many times what half of them do: sound muscles come to 5, without any noise to 14.
 const TIMES: f64 = 8.0;
-/// The median of the size of a normal variable, in standard deviations.
-const NORMAL_MEDIAN: f64 = 0.6745;
 /// Fewest pairs that say something, and their least share of the rows.
 const PAIRS: usize = 60;
 const MATCHED: f64 = 0.1;

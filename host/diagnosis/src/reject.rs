@@ -1,8 +1,8 @@
 //! What is wrong, but none of the causes: then nothing is named, and what is seen is said.
 //!
 //! - A pure error that stays large: visits to the same state still differ by much of the residual, half of them by more than
-//!   states ever do, and naming the causes has removed less than half of that. Beside a warm-up that takes strokes away all of it has to be gone: a muscle that
-//!   loses pressure, say, does so as well, but does not settle.
+//!   states ever do, and naming the causes has removed less than half of that. Beside a warm-up that takes strokes away all of
+//!   it has to be gone: a muscle that loses pressure, say, does so as well, but does not settle.
 //! - Rows far off their neighbours, in several places: one drop-out of a sensor is left out and said, but one that drops
 //!   out again and again is not to be trusted between.
 //! - A reading that hangs while the muscle goes on, or sticks and jumps.
@@ -169,7 +169,7 @@ impl Left {
         let size = (self.pure_error / self.simulated.max(1e-12) - large) / (larger - large);
         let needed = least + (most - least) * size.min(1.0);
         let is_large = size > 0.0 && self.removed.unwrap_or(0.0) < needed;
-        let is_seen = times > SEEN && self.typical > SEEN * self.least();
+        let is_seen = self.pure_error.min(self.typical) > SEEN * self.least();
         is_seen && (self.fades || is_unmistakable || is_large) || self.acts_now_and_then()
     }
 

@@ -17,14 +17,12 @@ use super::descent::{End, Limits, is_clearly_better, search};
 use super::problem::Point;
 use super::starts::Start;
 use crate::progress::Part;
-use recording::numbers::median;
+use recording::numbers::{NORMAL_MEDIAN, median};
 
 /// The limit in robust standard deviations: 95 % as efficient as least squares on normal residuals.
 const LIMIT: f64 = 1.345;
 /// Beyond so many robust standard deviations a row is listed as an outlier.
 const OUTLIER: f64 = 5.0;
-/// Median of the absolute values of a normal variable of standard deviation 1.
-const MEDIAN: f64 = 0.6745;
 /// The most rounds.
 const ROUNDS: usize = 30;
 /// The change of the standard deviation from round to round, as a share of it, at which all has
@@ -87,7 +85,7 @@ fn fit<'a, const K: usize>(data: &Data, start: &Start, part: &Part<'_>) -> Robus
 
 /// Robust standard deviation of residuals.
 pub fn deviation(residuals: &[f64]) -> f64 {
-    median(&mut residuals.iter().map(|residual| residual.abs()).collect::<Vec<f64>>()) / MEDIAN
+    median(&mut residuals.iter().map(|residual| residual.abs()).collect::<Vec<f64>>()) / NORMAL_MEDIAN
 }
 
 /// The places of the residuals that are outliers beside a standard deviation.

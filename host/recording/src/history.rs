@@ -14,17 +14,15 @@
 //! Where that would take more than `MOST` of the scored samples, all stay: a doubtful past is worth
 //! less than many samples.
 
-use crate::numbers::{median, range};
+use crate::numbers::{NORMAL_MEDIAN, median, range};
 
 /// So near an end of the range the input is at it, as a share of the range: what lies beyond wipes
 /// out next to nothing.
 const NEAR: f64 = 0.05;
 /// The largest noise in standard deviations: one of 16,000 normal samples is farther off.
 const LARGEST: f64 = 4.0;
-/// The median of the size of a normal variable, in standard deviations.
-const NORMAL_MEDIAN: f64 = 0.6745;
-/// The muscle is at its place so many times later than it was within [`NEAR`] of it: what a lag of
-/// first order has left over by then is a hundredth of a percent.
+/// A muscle that takes so long to come within [`NEAR`] of its place is taken to be there after this
+/// many times as long: a first-order lag then has a hundredth of a percent of its way to go.
 const SETTLED: usize = 3;
 /// The largest share of the scored samples whose past may be unknown.
 const MOST: f64 = 0.25;

@@ -66,7 +66,7 @@ pub struct Recording<'a> {
 /// What a recording shows beside its model.
 ///
 /// # Errors
-/// The model is none, or the first row that it refuses.
+/// The parameters make no valid model, or the model refuses a row: the first such one.
 pub fn recorded(file: &ModelFile, recording: &Recording<'_>) -> Result<Recorded, NotSimulated> {
     let Recording { rows, scored, output, command } = *recording;
     let simulated = rows.answer(&file.extended()?).map_err(|(row, _)| NotSimulated::Row(row))?;
@@ -120,7 +120,7 @@ fn steeper((scored, expected, measured): (&[bool], &[f64], &[f64]), noise: f64) 
 /// Why nothing is known of a recording's times.
 #[derive(Debug, Error)]
 pub enum NotSimulated {
-    /// The model is none.
+    /// The parameters make no valid model.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// A row, from 0 on, cannot follow the one before it.

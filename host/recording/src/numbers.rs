@@ -1,5 +1,10 @@
 //! Figures of a list of numbers that several modules need.
 
+/// The median of the size of a normal variable, in standard deviations.
+pub const NORMAL_MEDIAN: f64 = 0.6745;
+/// Standard errors that a bound stands above a mean: 95 % of a normal error.
+pub const STANDARD_ERRORS: f64 = 2.0;
+
 /// The lowest and the highest value; of none, the highest and the lowest that there are.
 pub fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
     let widen = |(low, high): (f64, f64), &v: &f64| (low.min(v), high.max(v));
@@ -13,6 +18,14 @@ pub fn median(values: &mut [f64]) -> f64 {
         return 0.0;
     }
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Whether the mean of differences is no more than [`STANDARD_ERRORS`] of its own above nothing.
+pub fn is_within_chance(differences: &[f64]) -> bool {
+    let count = differences.len() as f64;
+    let mean = differences.iter().sum::<f64>() / count;
+    let squares: f64 = differences.iter().map(|one| (one - mean).powi(2)).sum();
+    mean <= STANDARD_ERRORS * (squares / (count * (count - 1.0))).sqrt()
 }
 
 /// A number in words that does not look like a limit that it differs from: with as many decimals as
@@ -85,6 +98,14 @@ mod tests {
         assert_eq!(median(&mut values.to_vec()), 2.0);
         assert_eq!(quantiles(&values, 0.25), (0.0, 3.0));
         assert_eq!(root_mean_square(&values), 6.0_f64.sqrt());
+    }
+
+    #[test]
+    fn differences_are_within_chance_unless_their_mean_is_two_standard_errors_above_nothing() {
+        // A mean of 1 with a standard error of 0.58, and one with 0.29.
+        assert!(is_within_chance(&[0.0, 1.0, 2.0]));
+        assert!(!is_within_chance(&[0.5, 1.0, 1.5]));
+        assert!(is_within_chance(&[-0.5, -1.0, -1.5]));
     }
 
     #[test]

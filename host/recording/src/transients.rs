@@ -9,13 +9,15 @@
 use crate::model_file::control::Late;
 use crate::noise;
 
-/// Blocks of time, over which standard errors are taken.
+/// Blocks of time, over which standard errors are taken. A choice: some turns are in each.
 pub(crate) const BLOCKS: usize = 12;
-/// To either side of a moment the mean is taken over so long: longer than a valve, a line and a
-/// viscosity are late, and short beside the swings of a recording. Unit: s.
+/// To either side of a moment the mean is taken over so long: longer than an ordinary valve
+/// (0.07 s) and a line of 15 m (0.045 s) are late together, and short beside the swings of a
+/// recording, which take seconds. Unit: s.
 const AROUND_S: f64 = 0.2;
-/// The latenesses that are tried first, and how far they are apart: from where a model leads too
-/// much up to three times the dead time of a line of 15 m, 0.045 s. Unit: s.
+/// The latenesses that are tried first, and how far they are apart: up to 0.12 s, a valve and a
+/// line as above together, and half as far the other way, for a model that is itself too late. They
+/// are refined below. Unit: s.
 const SOONEST_S: f64 = -0.06;
 const APART_S: f64 = 0.02;
 const TRIED: usize = 10;
@@ -111,8 +113,8 @@ impl Transients<'_> {
     }
 }
 
-/// The sum of all blocks but one.
-fn total(errors: &Errors, left_out: Option<usize>) -> f64 {
+/// The sum of all blocks, but one if that is left out.
+pub(crate) fn total(errors: &Errors, left_out: Option<usize>) -> f64 {
     errors.iter().enumerate().filter(|(block, _)| Some(*block) != left_out).map(|(_, error)| error).sum()
 }
 
@@ -139,6 +141,7 @@ mod tests {
     use super::*;
     use crate::synthetic::{Noise, times, triangles};
 
+    /// Standard deviation. Output unit.
     const NOISE: f64 = 0.03;
     /// Of all triangles. Unit: s.
     const PERIOD_S: f64 = 8.0;

@@ -15,7 +15,7 @@
 //! error is not larger than the least one by more than two standard errors of the difference, over
 //! the stretches. Noise, rows that are far apart, and a command that never jumps exclude nothing.
 
-use crate::numbers::range;
+use crate::numbers::{is_within_chance, range};
 
 /// The largest share without a resonance: two poles of Butterworth's kind.
 pub const FLAT: f64 = 0.5;
@@ -37,8 +37,6 @@ const FACTOR: f64 = 2.5;
 /// next ones beside that of the one before. Unit: 1, of the logarithm.
 const FIRST: [f64; 5] = [0.5, 0.3, 0.15, 0.05, 0.01];
 const NEXT: [f64; 2] = [0.1, 0.01];
-/// Standard errors of a difference that exclude a share: 95 % of a normal error.
-const ERRORS: f64 = 2.0;
 
 /// A valve that moves towards a command.
 struct Valve {
@@ -162,10 +160,7 @@ impl Rows<'_> {
         let is_open = |place: &usize| {
             let differences: Vec<f64> =
                 fitted[*place].iter().zip(&fitted[best]).map(|(other, best)| other - best).collect();
-            let count = differences.len() as f64;
-            let mean = total(&differences) / count;
-            let square: f64 = differences.iter().map(|one| (one - mean).powi(2)).sum();
-            mean <= ERRORS * (square / (count * (count - 1.0))).sqrt()
+            is_within_chance(&differences)
         };
         let left: Vec<f64> = (0..SHARES.len()).filter(is_open).map(|place| SHARES[place]).collect();
         // A resonance is assumed only where the recording rules out every valve without one.

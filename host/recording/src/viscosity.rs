@@ -16,13 +16,12 @@ use model_core::ParameterError;
 use crate::model::HostExtendedModel;
 use crate::model_file::ModelFile;
 use crate::model_file::control::Split;
+use crate::numbers::is_within_chance;
 use crate::simulation::Rows;
-use crate::transients::{BLOCKS, Errors, Transients};
+use crate::transients::{Errors, Transients, total};
 
 /// The shares that are tried beside the whole, the least first.
 const SHARES: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
-/// Standard errors of a difference that exclude a share: 95 % of a normal error.
-const ERRORS: f64 = 2.0;
 /// How far latenesses that are tried are apart, as a share of that of the whole viscosity, from
 /// parabola to parabola.
 const APART: [f64; 3] = [0.5, 0.2, 0.05];
@@ -31,7 +30,7 @@ const APART: [f64; 3] = [0.5, 0.2, 0.05];
 /// less than the whole. `simulated` is what the model answers.
 ///
 /// # Errors
-/// The model is none.
+/// The parameters make no valid model.
 pub(crate) fn split(
     file: &ModelFile,
     rows: &Rows<'_>,
@@ -62,16 +61,14 @@ pub(crate) fn split(
         fitted.push((Split { share, late_s }, best(seen, &less, late_s, whole_s)));
     }
     fitted.push((Split { share: 1.0, late_s: 0.0 }, best(seen, simulated, 0.0, whole_s)));
-    let total = |errors: &Errors| errors.iter().sum::<f64>();
-    let Some(least) = fitted.iter().map(|(_, errors)| *errors).min_by(|a, b| total(a).total_cmp(&total(b)))
+    let Some(least) =
+        fitted.iter().map(|(_, errors)| *errors).min_by(|a, b| total(a, None).total_cmp(&total(b, None)))
     else {
         return Ok(None);
     };
     let is_open = |errors: &Errors| {
         let differences: Vec<f64> = errors.iter().zip(&least).map(|(other, least)| other - least).collect();
-        let mean = differences.iter().sum::<f64>() / BLOCKS as f64;
-        let square: f64 = differences.iter().map(|one| (one - mean).powi(2)).sum();
-        mean <= ERRORS * (square / (BLOCKS * (BLOCKS - 1)) as f64).sqrt()
+        is_within_chance(&differences)
     };
     let open = fitted.into_iter().find(|(_, errors)| is_open(errors));
     Ok(open.map(|(split, _)| split).filter(|split| split.share < 1.0 && split.late_s > 0.0))
@@ -92,15 +89,15 @@ fn behind_s(seen: &Transients<'_>, ahead: &[f64], behind: &[f64]) -> f64 {
 
 /// The squared errors with the lateness near `late_s` that makes them least.
 fn best(seen: &Transients<'_>, simulated: &[f64], late_s: f64, whole_s: f64) -> Errors {
-    let total = |errors: &Errors| errors.iter().sum::<f64>();
     let (mut at_s, mut there) = (late_s, seen.errors(simulated, late_s));
     for apart_s in APART.map(|apart| apart * whole_s) {
-        let [below, above] = [-apart_s, apart_s].map(|by_s| total(&seen.errors(simulated, at_s + by_s)));
-        let bent = below + above - 2.0 * total(&there);
+        let [below, above] =
+            [-apart_s, apart_s].map(|by_s| total(&seen.errors(simulated, at_s + by_s), None));
+        let bent = below + above - 2.0 * total(&there, None);
         let by = if bent > 0.0 { 0.5 * (below - above) / bent } else { (below - above).signum() };
         let next_s = at_s + by.clamp(-1.0, 1.0) * apart_s;
         let errors = seen.errors(simulated, next_s);
-        if total(&errors) < total(&there) {
+        if total(&errors, None) < total(&there, None) {
             (at_s, there) = (next_s, errors);
         }
     }

@@ -2,6 +2,7 @@
 
 use recording::model_file::ModelFile;
 use recording::model_file::control::{Late, Recorded, SeenValve};
+use recording::numbers::STANDARD_ERRORS;
 use recording::valve_order::FLAT;
 
 use crate::response::{Dynamics, Unknown};
@@ -16,8 +17,6 @@ pub const UNSEEN_VALVE_S: f64 = 0.07;
 /// Dead time of a muscle whose recording is not known, and the most that is allowed for where one
 /// leaves more open. Unit: s; that of a line of 15 m at 340 m/s, the speed of sound.
 pub const UNSEEN_S: f64 = 0.045;
-/// Standard errors that a bound stands above a mean: 95 % of a normal error.
-const ERRORS: f64 = 2.0;
 
 /// What a tuning goes by.
 #[derive(Clone, Debug)]
@@ -38,13 +37,13 @@ pub struct Knowledge {
 
 /// The lateness that is sure to be there. Unit: s.
 fn known(late: &Late) -> f64 {
-    if late.mean_s > ERRORS * late.error_s { late.mean_s } else { 0.0 }
+    if late.mean_s > STANDARD_ERRORS * late.error_s { late.mean_s } else { 0.0 }
 }
 
 /// The most that there may be beside it. Unit: s.
 fn open(late: &Late) -> f64 {
     // Nothing comes earlier than its cause.
-    (late.mean_s - known(late)).max(0.0) + ERRORS * late.error_s
+    (late.mean_s - known(late)).max(0.0) + STANDARD_ERRORS * late.error_s
 }
 
 /// What the model is off by, over the stretch that its slopes are taken over: where it answers less
@@ -72,16 +71,16 @@ impl Knowledge {
         // What the model does not name may be a misfit as well as a dead time: it is allowed for,
         // and the reference is not given ahead by it.
         let seen_s = match &file.recorded {
-            Some(Recorded { late, .. }) if late.mean_s - ERRORS * late.error_s > UNSEEN_S => {
+            Some(Recorded { late, .. }) if late.mean_s - STANDARD_ERRORS * late.error_s > UNSEEN_S => {
                 assumptions.push(format!(
                     "the muscle is {:.3} s later than its model, which does not say why (mgpi diagnose does): allowed for \
                      as a dead time",
                     late.mean_s
                 ));
-                late.mean_s + ERRORS * late.error_s
+                late.mean_s + STANDARD_ERRORS * late.error_s
             }
             Some(Recorded { late, .. }) => {
-                let most_s = late.mean_s.max(0.0) + ERRORS * late.error_s;
+                let most_s = late.mean_s.max(0.0) + STANDARD_ERRORS * late.error_s;
                 if most_s > UNSEEN_S {
                     assumptions.push(format!(
                         "the recording leaves open how late the muscle is, as one at a single speed does: a dead time \

@@ -54,7 +54,7 @@ const LEAST_KNOWN_S: f64 = 1.0;
 /// Why there is no tuning.
 #[derive(Debug, Error)]
 pub enum Refusal {
-    /// The model is none.
+    /// The parameters make no valid model.
     #[error("no loop can be made of the model: {0}")]
     Parameter(#[from] ParameterError),
     /// The model is too far off.
@@ -210,7 +210,7 @@ fn tracking_time_s(feedback: &Feedback, slopes: &[Slope], has_mass: bool) -> f64
 /// How near the edge gains are that a user gives.
 ///
 /// # Errors
-/// The model is none.
+/// The parameters make no valid model.
 pub fn judge(file: &ModelFile, feedback: &Feedback, period_s: f64) -> Result<Margins, ParameterError> {
     Ok(margins::margins(&View::of(file, period_s, None)?.0.plants(feedback), feedback))
 }
@@ -219,7 +219,7 @@ pub fn judge(file: &ModelFile, feedback: &Feedback, period_s: f64) -> Result<Mar
 /// has. Unit: Hz; 0 where nowhere.
 ///
 /// # Errors
-/// The model is none.
+/// The parameters make no valid model.
 pub fn learning_hz(file: &ModelFile, feedback: &Feedback, period_s: f64) -> Result<f64, ParameterError> {
     let (mut view, knowledge) = View::of(file, period_s, None)?;
     if file.tuning.is_none() {
